@@ -1,0 +1,10 @@
+# Warnings of our own targets; errors where STICTION_WARNINGS_AS_ERRORS says so.
+function(stiction_warnings target)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+      -Wnon-virtual-dtor -Wold-style-cast -Wcast-align -Wdouble-promotion -Wformat=2)
+    if(STICTION_WARNINGS_AS_ERRORS)
+      target_compile_options(${target} PRIVATE -Werror)
+    endif()
+  endif()
+endfunction()

@@ -1,0 +1,59 @@
+// Two rough profiles pressed together: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
+//
+// Both profiles share one grid. The approach is the displacement of the upper body towards the lower one, measured from
+// the first touch of grid points. A profile whose heights are all equal is a flat, rigid in shape: a convex body of
+// infinite radius.
+#pragma once
+
+#include "stiction/array.hpp"
+#include "stiction/law.hpp"
+
+#include <vector>
+
+namespace stiction {
+
+/// Which pairs of curvatures may touch: `convex` both bodies convex, `any` also a ball in a wider cup.
+enum class Curvature { convex, any };
+
+struct ContactModel {
+  Law law;
+  Curvature curvature = Curvature::convex;
+  int shear = +1;  ///< the upper body is about to move along +x or -x
+};
+
+/// One contact. Positions are in the frame of the lower profile.
+struct Contact {
+  Index index;      ///< grid point that owns it
+  Vector2 centre;   ///< [µm]
+  Vector2 normal;   ///< unit vector from the lower to the upper body
+  Vector2 tangent;  ///< unit vector of the friction on the upper body
+  double radius;    ///< effective radius [µm]
+  double overlap;   ///< [µm]
+  double force;     ///< normal force [mN]
+  double area;      ///< [µm²]
+  bool opposing;    ///< its normal force opposes the motion
+};
+
+/// Load and area at each approach, split so that F_N and F_T follow for every mu0 and tau0:
+/// F = elastic + mu0 frictional + tau0 adhesive. t is the tangent, σ the shear sign.
+struct LoadSums {
+  std::vector<Index> contact_count;
+  std::vector<double> contact_area;           ///< Σ A               [µm²]
+  std::vector<double> normal_elastic;         ///< Σ F n_z           [mN]
+  std::vector<double> tangential_elastic;     ///< -σ Σ_opp F n_x    [mN]
+  std::vector<double> normal_frictional;      ///< Σ_opp F t_z       [mN] per unit mu0
+  std::vector<double> tangential_frictional;  ///< -σ Σ_opp F t_x    [mN] per unit mu0
+  std::vector<double> normal_adhesive;        ///< Σ_opp A t_z       [mN] per GPa of tau0
+  std::vector<double> tangential_adhesive;    ///< -σ Σ_opp A t_x    [mN] per GPa of tau0
+
+  explicit LoadSums(std::size_t approaches);
+};
+
+/// Every contact at one approach [µm] >= 0, in the order of the grid.
+/// Heights [µm] are finite, at least 4 and equally many; spacing [µm] > 0. Throws std::invalid_argument.
+std::vector<Contact> contacts(Values upper, Values lower, double spacing, double approach, const ContactModel& model);
+
+/// The sums at approaches [µm], which are >= 0 and strictly increasing. Otherwise as `contacts`.
+LoadSums press(Values upper, Values lower, double spacing, Values approaches, const ContactModel& model);
+
+}  // namespace stiction

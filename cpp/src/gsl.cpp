@@ -1,0 +1,35 @@
+#include "gsl.hpp"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace stiction::gsl {
+namespace {
+
+// GSL aborts the process on an error unless told otherwise; once, at load.
+[[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
+
+void check(int status, const char* what) {
+  if (status != GSL_SUCCESS) {
+    throw std::runtime_error(std::string(what) + ": " + gsl_strerror(status));
+  }
+}
+
+}  // namespace
+
+void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution) {
+  const std::size_t size = right_side.size();
+  const std::vector<double> diagonals(size, diagonal);
+  const std::vector<double> off_diagonals(size - 1, off_diagonal);
+  const auto d = gsl_vector_const_view_array(diagonals.data(), size);
+  const auto e = gsl_vector_const_view_array(off_diagonals.data(), size - 1);
+  const auto b = gsl_vector_const_view_array(right_side.data(), size);
+  auto x = gsl_vector_view_array(solution.data(), size);
+  check(gsl_linalg_solve_symm_tridiag(&d.vector, &e.vector, &b.vector, &x.vector), "tridiagonal system");
+}
+
+}  // namespace stiction::gsl

@@ -1,0 +1,24 @@
+#include "stiction/asperity.hpp"
+
+#include "arrays.hpp"
+
+namespace stiction::python {
+
+void bind_asperity(py::module_& module) {
+  module.def(
+      "asperities",
+      [](const Array& heights, double spacing, bool upper) {
+        Asperities all;
+        {
+          const Values values = view(heights);
+          const py::gil_scoped_release release;
+          all = asperities(values, spacing, upper ? Side::upper : Side::lower);
+        }
+        return py::make_tuple(array_from(std::move(all.slope)), array_from(std::move(all.curvature)),
+                              std::move(all.normal), array_from(std::move(all.radius)), std::move(all.centre));
+      },
+      py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("upper"),
+      "Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.");
+}
+
+}  // namespace stiction::python

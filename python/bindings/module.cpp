@@ -1,0 +1,18 @@
+// stiction._core: the C++ library as Python sees it. One function per header; the table of contents.
+#include <pybind11/pybind11.h>
+
+namespace stiction::python {
+void bind_harmonics(pybind11::module_& module);
+void bind_asperity(pybind11::module_& module);
+void bind_law(pybind11::module_& module);
+void bind_contact(pybind11::module_& module);
+}  // namespace stiction::python
+
+PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
+  module.doc() = "The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side.";
+  module.attr("__version__") = STICTION_VERSION;
+  stiction::python::bind_harmonics(module);
+  stiction::python::bind_asperity(module);
+  stiction::python::bind_law(module);
+  stiction::python::bind_contact(module);
+}

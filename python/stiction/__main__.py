@@ -1,0 +1,5 @@
+"""`python -m stiction`."""
+
+from stiction.cli import main
+
+main()

@@ -1,0 +1,70 @@
+"""What every public function asks of its arguments: one place for arrays, one for numbers, one for choices."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any, TypeVar, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+_Array = TypeVar("_Array", bound=NDArray[Any])
+
+
+def float_array(name: str, values: ArrayLike, *, ndim: int) -> Floats:
+    """A float64 C-contiguous array of finite values with `ndim` dimensions."""
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "iuf" and array.size:
+            raise TypeError
+        array = array.astype(np.float64, order="C", copy=False)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
+    if array.ndim != ndim:
+        raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
+    bad = ~np.isfinite(array)
+    if bad.any():
+        first = tuple(int(i) for i in np.argwhere(bad)[0])
+        where = first[0] if ndim == 1 else first
+        raise ValueError(f"{name} must be finite, but {name}[{where}] is {array[first]} ({int(bad.sum())} such values)")
+    return array
+
+
+def read_only(array: _Array) -> _Array:
+    """The array itself, no longer writeable."""
+    array.flags.writeable = False
+    return array
+
+
+def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
+    """A finite float strictly between `above` and `below`."""
+    try:
+        result = float(value) if not isinstance(value, (str, bytes, bool)) else math.nan
+    except (TypeError, ValueError):
+        result = math.nan
+    if not (math.isfinite(result) and above < result < below):
+        bounds = [f"above {above:g}"] * (above > -math.inf) + [f"below {below:g}"] * (below < math.inf)
+        allowed = " ".join(["a finite number", " and ".join(bounds)]).strip()
+        raise ValueError(f"{name} must be {allowed}{f' {unit}' if unit else ''}, got {value!r}")
+    return result
+
+
+def whole_number(name: str, value: Any, *, least: int) -> int:
+    """An integer of at least `least`."""
+    try:
+        result = operator.index(value) if not isinstance(value, bool) else least - 1
+    except TypeError:
+        result = least - 1
+    if result < least:
+        raise ValueError(f"{name} must be a whole number of at least {least}, got {value!r}")
+    return result
+
+
+def choice(name: str, value: Any, literal: Any) -> None:
+    """One of the strings of a `Literal`."""
+    allowed = get_args(literal)
+    if value not in allowed:
+        names = ", ".join(repr(item) for item in allowed)
+        raise ValueError(f"{name} must be one of {names}, got {value!r}")

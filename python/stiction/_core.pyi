@@ -1,0 +1,88 @@
+"""
+The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side.
+"""
+
+from __future__ import annotations
+import numpy
+import numpy.typing
+import typing
+
+__all__: list[str] = ["HertzSphere", "asperities", "contacts", "frequency_weights", "harmonic_profiles", "press"]
+
+class HertzSphere:
+    """
+    Elastic spheres: Hertz 1882.
+    """
+    def __init__(self, *, effective_modulus: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def effective_modulus(self) -> float:
+        """
+        E* [GPa]
+        """
+
+def asperities(
+    heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, upper: bool
+) -> tuple[
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+    numpy.typing.NDArray[numpy.float64],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+]:
+    """
+    Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.
+    """
+
+def contacts(
+    upper: numpy.typing.NDArray[numpy.float64],
+    lower: numpy.typing.NDArray[numpy.float64],
+    *,
+    spacing: typing.SupportsFloat | typing.SupportsIndex,
+    approach: typing.SupportsFloat | typing.SupportsIndex,
+    law: HertzSphere,
+    convex_only: bool,
+    shear: typing.SupportsInt | typing.SupportsIndex,
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    Every contact at one approach [µm]: a dict of columns.
+    """
+
+def frequency_weights(
+    hurst_exponent: typing.SupportsFloat | typing.SupportsIndex,
+    frequencies: typing.SupportsInt | typing.SupportsIndex,
+    gamma: typing.SupportsFloat | typing.SupportsIndex,
+    length_scale: typing.SupportsFloat | typing.SupportsIndex,
+) -> list[float]:
+    """
+    Amplitudes of the frequencies of Eq. 1 [µm].
+    """
+
+def harmonic_profiles(
+    phases: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    weights: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    *,
+    spacing: typing.SupportsFloat | typing.SupportsIndex,
+    points: typing.SupportsInt | typing.SupportsIndex,
+    length_scale: typing.SupportsFloat | typing.SupportsIndex,
+    gamma: typing.SupportsFloat | typing.SupportsIndex,
+    band_limited: bool,
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    """
+    Eq. 1 for every row of weights: (rows, points) heights [µm].
+    """
+
+def press(
+    upper: numpy.typing.NDArray[numpy.float64],
+    lower: numpy.typing.NDArray[numpy.float64],
+    approaches: numpy.typing.NDArray[numpy.float64],
+    *,
+    spacing: typing.SupportsFloat | typing.SupportsIndex,
+    law: HertzSphere,
+    convex_only: bool,
+    shear: typing.SupportsInt | typing.SupportsIndex,
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    Sums over the contacts at each approach [µm]: a dict of columns.
+    """
+
+__version__: str = "0.1.0"

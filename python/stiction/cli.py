@@ -1,0 +1,145 @@
+"""The `stiction` command: parsing and printing only."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tomllib
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from stiction import __version__
+from stiction.studies.runner import available_cores, run
+from stiction.studies.study import Study, StudyError, study_names
+
+app = typer.Typer(
+    name="stiction",
+    help="The coefficient of static friction of rough surfaces, from their shape.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+RESULT = "result.zarr"
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stiction {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command("run")
+def run_command(
+    study: Annotated[str, typer.Argument(metavar="NAME_OR_FILE", help="A built-in study, or a study file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.", show_default="./NAME")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as in ensemble.repetitions=10. Repeatable."),
+    ] = None,
+) -> None:
+    """Compute a study, and draw it."""
+    from stiction.studies import store
+
+    what = _study(study).with_changes(_changes(changes or []))
+    directory = output if output is not None else Path(Path(study).stem)
+    path = directory / RESULT
+    if path.exists() and store.holds(path, what):
+        typer.echo(f"{path} holds this study already; drawing it again")
+        dataset = store.read(path)
+    else:
+        with ThreadPoolExecutor(max_workers=workers or available_cores()) as pool:
+            dataset = run(what, executor=pool, store=path, progress=sys.stderr.isatty() or "CI" not in os.environ)
+        typer.echo(f"wrote {path}")
+    _draw(dataset, directory)
+
+
+@app.command()
+def plot(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
+    """Draw the results of a study again."""
+    from stiction.studies import store
+
+    _draw(store.read(directory / RESULT), directory)
+
+
+@app.command()
+def studies(
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="The study to print.", show_default=False)] = None,
+) -> None:
+    """List the built-in studies, or print one as a study file."""
+    if name is not None:
+        typer.echo(Study.named(name).to_toml(), nl=False)
+        return
+    for each in study_names():
+        typer.echo(each)
+
+
+def _draw(dataset: Any, directory: Path) -> None:
+    from stiction.views.figures import save_figures
+
+    for path in save_figures(dataset, directory):
+        typer.echo(f"wrote {path}")
+
+
+def _study(name_or_file: str) -> Study:
+    if name_or_file in study_names():
+        return Study.named(name_or_file)
+    path = Path(name_or_file)
+    if path.suffix or path.exists() or len(path.parts) > 1:
+        return Study.from_toml(path)
+    return Study.named(name_or_file)  # and its list of names
+
+
+def _changes(assignments: list[str]) -> dict[str, Any]:
+    changes = {}
+    for assignment in assignments:
+        key, equals, value = assignment.partition("=")
+        if not equals or not key.strip():
+            raise StudyError(f"--set needs KEY=VALUE, as in ensemble.repetitions=10, got {assignment!r}")
+        changes[key.strip()] = _value(value.strip())
+    return changes
+
+
+def _value(text: str) -> Any:
+    """A TOML value; what is none is a string, so that quantities need no quotes of their own."""
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return parsed["value"] if len(parsed) == 1 else text
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    print(f"stiction: warning: {message}", file=sys.stderr)
+
+
+def main() -> None:
+    """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
+    warnings.showwarning = _show_warning
+    try:
+        app()
+    except (ValueError, OSError, MemoryError) as error:
+        text = str(error) or type(error).__name__
+        print("\n".join(f"stiction: {line}" for line in text.splitlines()), file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("stiction: interrupted", file=sys.stderr)
+        sys.exit(130)

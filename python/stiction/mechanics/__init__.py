@@ -1,0 +1,1 @@
+"""Two profiles pressed together: asperities, contacts, friction."""

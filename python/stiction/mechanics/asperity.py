@@ -1,0 +1,59 @@
+"""Every point of a profile as an asperity: Hanaor, Gan & Einav (2016), Eqs. 2 and 3."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stiction import _core
+from stiction._checks import Floats, choice, read_only
+from stiction.surfaces.fractal import Side
+from stiction.surfaces.profile import Profile
+
+
+@dataclass(frozen=True, eq=False)
+class Asperities:
+    """Osculating spheres of a profile, one per point; all arrays are read-only.
+
+    Attributes
+    ----------
+    slope : (n,) ndarray
+        f' of the natural cubic spline, dimensionless.
+    curvature : (n,) ndarray, 1/µm
+        f'' of the spline; zero at both ends.
+    normal : (n, 2) ndarray
+        Unit vector out of the solid.
+    radius : (n,) ndarray, µm
+        Positive where the solid is convex, infinite where the curvature is zero.
+    centre : (n, 2) ndarray, µm
+        Sphere centre; not finite where the radius is not.
+    """
+
+    slope: Floats
+    curvature: Floats
+    normal: Floats
+    radius: Floats
+    centre: Floats
+
+
+def asperities(profile: Profile, side: Side) -> Asperities:
+    """Sphere at every point of a profile.
+
+    Parameters
+    ----------
+    profile : Profile
+    side : {"lower", "upper"}
+        Whether the solid lies below the profile (the lower body) or above it.
+
+    Raises
+    ------
+    ValueError
+        If the side is unknown.
+
+    Notes
+    -----
+    With q = sqrt(1 + f'²), the lower body has n = (-f', 1)/q and R = -q³/f'', the upper one both negated, and the
+    centre is x - R n. The end condition f'' = 0 makes radii within about ten points of an end unreliable.
+    """
+    choice("side", side, Side)
+    arrays = _core.asperities(profile.heights, spacing=profile.spacing, upper=side == "upper")
+    return Asperities(*(read_only(array) for array in arrays))

@@ -1,0 +1,248 @@
+"""Two profiles pressed together: Hanaor, Gan & Einav (2016), Eqs. 4 to 7."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction import _core
+from stiction._checks import Floats, choice, float_array, number, read_only
+from stiction.mechanics import friction
+from stiction.mechanics.law import LawName, law_of
+from stiction.surfaces.profile import Profile
+
+Detection = Literal["cell"]
+Curvature = Literal["convex", "signed"]
+Shear = Literal["+x", "-x"]
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Every contact of a pair at one approach, one row each, in the order of the grid; all arrays are read-only.
+
+    Positions are in the frame of the lower profile.
+
+    Attributes
+    ----------
+    index : (c,) ndarray of int
+        Grid point that owns the contact.
+    centre : (c, 2) ndarray, µm
+    normal : (c, 2) ndarray
+        Unit vector from the lower to the upper body.
+    tangent : (c, 2) ndarray
+        Unit vector of the friction on the upper body, were the contact to oppose the motion.
+    radius : (c,) ndarray, µm
+        Effective radius, 1/R = 1/R_u + 1/R_l.
+    overlap : (c,) ndarray, µm
+    force : (c,) ndarray, mN
+        Normal force of the contact law.
+    area : (c,) ndarray, µm²
+    opposing : (c,) ndarray of bool
+        Whether the normal force on the upper body points against the motion: only these carry friction.
+    """
+
+    index: NDArray[np.int64]
+    centre: Floats
+    normal: Floats
+    tangent: Floats
+    radius: Floats
+    overlap: Floats
+    force: Floats
+    area: Floats
+    opposing: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        """Return the number of contacts."""
+        return self.index.size
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCurve:
+    """Load and area of a pair against approach, for every mu0 and tau0 at once; all arrays are read-only.
+
+    Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
+    tau0, so six sums over the contacts hold them all. n is the contact normal, t the tangent, σ the shear direction;
+    "opposing" contacts are those whose normal force opposes the motion.
+
+    Attributes
+    ----------
+    approach : (k,) ndarray, µm
+        Displacement of the upper body since first touch.
+    contact_count : (k,) ndarray of int
+    contact_area : (k,) ndarray, µm²
+    normal_elastic, tangential_elastic : (k,) ndarray, mN
+        Σ F n_z over all, -σ Σ F n_x over opposing contacts.
+    normal_frictional, tangential_frictional : (k,) ndarray, mN per unit mu0
+        Σ F t_z, -σ Σ F t_x over opposing contacts.
+    normal_adhesive, tangential_adhesive : (k,) ndarray, mN per GPa of tau0
+        Σ A t_z, -σ Σ A t_x over opposing contacts.
+    effective_modulus : float, GPa
+    """
+
+    approach: Floats
+    contact_count: NDArray[np.int64]
+    contact_area: Floats
+    normal_elastic: Floats
+    tangential_elastic: Floats
+    normal_frictional: Floats
+    tangential_frictional: Floats
+    normal_adhesive: Floats
+    tangential_adhesive: Floats
+    effective_modulus: float
+
+    def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_N in mN, shape of (mu0, tau0) + (k,); mu0 dimensionless, tau0 in GPa, broadcast against each other."""
+        return np.asarray(friction.normal_load(self, *self._parameters(mu0, tau0)))
+
+    def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_T in mN that starts the sliding; shape and arguments as for `normal_load`."""
+        return np.asarray(friction.tangential_load(self, *self._parameters(mu0, tau0)))
+
+    def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_T / F_N, NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
+        parameters = self._parameters(mu0, tau0)
+        normal = np.asarray(friction.normal_load(self, *parameters))
+        tangential = np.asarray(friction.tangential_load(self, *parameters))
+        ok = friction.status_of(self.contact_count, normal) == friction.STATUS_OK
+        coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=ok)
+        return coefficient
+
+    def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
+        """Either "ok", "self-locked" (F_N <= 0) or "no-contact"; shape and arguments as for `normal_load`."""
+        normal = np.asarray(friction.normal_load(self, *self._parameters(mu0, tau0)))
+        return friction.status_of(self.contact_count, normal)
+
+    def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
+        strengths = friction.friction_parameter("tau0", tau0)
+        friction.check_shear_strength(strengths, self.effective_modulus)
+        both = np.broadcast_arrays(friction.friction_parameter("mu0", mu0), strengths)
+        return both[0][..., np.newaxis], both[1][..., np.newaxis]
+
+
+def _model(
+    upper: Profile,
+    lower: Profile,
+    effective_modulus: float,
+    law: LawName,
+    detection: Detection,
+    curvature: Curvature,
+    shear: Shear,
+) -> dict[str, Any]:
+    if upper.spacing != lower.spacing:
+        raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
+    choice("detection", detection, Detection)
+    choice("curvature", curvature, Curvature)
+    choice("shear", shear, Shear)
+    return {
+        "spacing": upper.spacing,
+        "law": law_of(law, effective_modulus=effective_modulus),
+        "convex_only": curvature == "convex",
+        "shear": 1 if shear == "+x" else -1,
+    }
+
+
+def contacts(
+    upper: Profile,
+    lower: Profile,
+    approach: float,
+    *,
+    effective_modulus: float = 10.0,
+    law: LawName = "hertz-sphere",
+    detection: Detection = "cell",
+    curvature: Curvature = "convex",
+    shear: Shear = "+x",
+) -> Contacts:
+    """Every contact of two profiles at one approach.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        On the same grid. A profile whose heights are all equal is a flat body.
+    approach : float, µm
+        Displacement of the upper body since first touch of the grid points, at least 0.
+    effective_modulus : float, GPa
+        E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
+    law : {"hertz-sphere"}
+        What one contact carries.
+    detection : {"cell"}
+        "cell" (Eq. 5): a grid point owns a contact whose centre lies in its own cell.
+    curvature : {"convex", "signed"}
+        Whether both bodies must be convex at a contact, or one may be a wider cup.
+    shear : {"+x", "-x"}
+        Where the upper body is about to move.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+
+    Notes
+    -----
+    With X = O_u - O_l between the sphere centres, the normal is ±X/|X|, the overlap R_u + R_l - |X|, or
+    |X| - |R_u + R_l| for a ball in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2 (Eq. 4). Refused are centres
+    that have crossed, n_z <= 0.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, contacts
+    >>> x = np.arange(201) * 0.01 - 1.003
+    >>> ball = Profile(-(x**2) / 2, spacing=0.01)
+    >>> flat = Profile(np.zeros(201), spacing=0.01)
+    >>> one = contacts(flat, ball, 0.01)
+    >>> len(one), one.force.round(4)  # Hertz: 4/3 E* R^(1/2) overlap^(3/2)
+    (1, array([0.0133]))
+    """
+    model = _model(upper, lower, effective_modulus, law, detection, curvature, shear)
+    approach = number("approach", approach, unit="µm")
+    columns = _core.contacts(upper.heights, lower.heights, approach=approach, **model)
+    columns["opposing"] = columns["opposing"].astype(np.bool_)
+    return Contacts(**{name: read_only(column) for name, column in columns.items()})
+
+
+def press(
+    upper: Profile,
+    lower: Profile,
+    approaches: ArrayLike,
+    *,
+    effective_modulus: float = 10.0,
+    law: LawName = "hertz-sphere",
+    detection: Detection = "cell",
+    curvature: Curvature = "convex",
+    shear: Shear = "+x",
+) -> LoadCurve:
+    """Load and true contact area of two profiles against approach.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        On the same grid. A profile whose heights are all equal is a flat body.
+    approaches : (k,) array_like of float, µm
+        At least 0 and strictly increasing.
+    effective_modulus, law, detection, curvature, shear
+        As for `contacts`.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+
+    Examples
+    --------
+    >>> from stiction import press, random_phases, weierstrass_mandelbrot
+    >>> lower, upper = (
+    ...     weierstrass_mandelbrot(random_phases(3, side=side), 1.2, points=20_000).with_amplitude(0.1)
+    ...     for side in ("lower", "upper")
+    ... )
+    >>> curve = press(upper, lower, [0.005, 0.01, 0.02])
+    >>> curve.friction_coefficient(mu0=[0.1, 0.4]).shape
+    (2, 3)
+    """
+    model = _model(upper, lower, effective_modulus, law, detection, curvature, shear)
+    steps = float_array("approaches", approaches, ndim=1)
+    columns = _core.press(upper.heights, lower.heights, steps, **model)
+    arrays = {name: read_only(column) for name, column in columns.items()}
+    return LoadCurve(read_only(steps.copy()), **arrays, effective_modulus=float(effective_modulus))

@@ -1,0 +1,1 @@
+"""Ensembles of pairs over planes of parameters."""

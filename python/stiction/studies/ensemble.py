@@ -1,0 +1,252 @@
+"""Ensemble means at a load: read off along the approach, with an interval from the repetitions.
+
+An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios; repetitions without contact
+count as zeros. The load is reached where mean(F_N), linear between approaches, first crosses it upwards; nothing is
+extrapolated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics import friction
+
+if TYPE_CHECKING:
+    import xarray
+
+STATUS_NOT_REACHED = "not-reached"
+STATUS_BELOW_RANGE = "below-range"
+
+CONFIDENCE = 0.95
+
+_DIMS = ("fractal_dimension", "amplitude", "repetition", "approach")
+
+
+@dataclass(frozen=True)
+class _Crossing:
+    """Where curves (c, k) first reach loads (l,): between approaches index - 1 and index, at a fraction of the step."""
+
+    index: NDArray[np.intp]  # (c, l)
+    fraction: Floats  # (c, l)
+    reached: NDArray[np.bool_]  # (c, l)
+    below: NDArray[np.bool_]  # (c, l): the load is less than that of the first approach
+
+    @classmethod
+    def of(cls, normal: Floats, loads: Floats) -> _Crossing:
+        highest_so_far = np.maximum.accumulate(normal, axis=1)
+        index = np.stack([np.searchsorted(curve, loads, side="left") for curve in highest_so_far])
+        exact_start = normal[:, :1] == loads
+        below = (index == 0) & ~exact_start
+        reached = (index < normal.shape[1]) & ~below
+        index = np.clip(index, 1, normal.shape[1] - 1) if normal.shape[1] > 1 else np.zeros_like(index)
+        before = np.take_along_axis(normal, np.maximum(index - 1, 0), axis=1)
+        step = np.take_along_axis(normal, index, axis=1) - before
+        fraction = np.divide(loads - before, step, out=np.ones_like(before), where=step > 0)
+        return cls(index, fraction, reached, below)
+
+    def at(self, values: Floats) -> Floats:
+        """(c, l): values (c, k) where the loads are reached."""
+        after = np.take_along_axis(values, self.index, axis=1)
+        before = np.take_along_axis(values, np.maximum(self.index - 1, 0), axis=1)
+        return before + self.fraction * (after - before)
+
+    def slope(self, values: Floats, normal: Floats) -> Floats:
+        """(c, l): change of values per change of normal load over the step in which a load is reached."""
+        previous = np.maximum(self.index - 1, 0)
+        rise = np.take_along_axis(values, self.index, axis=1) - np.take_along_axis(values, previous, axis=1)
+        run = np.take_along_axis(normal, self.index, axis=1) - np.take_along_axis(normal, previous, axis=1)
+        return np.divide(rise, run, out=np.zeros_like(rise), where=run > 0)
+
+
+def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, _Crossing]:
+    """Mean of values (r, k) at loads (l,), read off along mean normal loads (r, k), and its interval.
+
+    The interval is a jackknife over the repetitions of the logarithm, which is the natural scale of a ratio of positive
+    means, with Student's t at the degrees of freedom that the kurtosis of the jackknife values leaves (Satterthwaite).
+    """
+    repetitions = normal.shape[0]
+    mean_normal = normal.mean(axis=0, keepdims=True)
+    mean_values = values.mean(axis=0, keepdims=True)
+    crossing = _Crossing.of(mean_normal, loads)
+    mean = np.where(crossing.reached, crossing.at(mean_values), np.nan)[0]
+    if repetitions < 2:
+        return mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan), crossing
+
+    others_normal = (normal.sum(axis=0) - normal) / (repetitions - 1)
+    others_values = (values.sum(axis=0) - values) / (repetitions - 1)
+    others = _Crossing.of(others_normal, loads)
+    left_out = others.at(others_values)
+    if not (others.reached | ~crossing.reached).all():
+        # Where the mean of the others does not reach the load, its value to first order in what was left out.
+        each = _Crossing(*(np.repeat(part, repetitions, axis=0) for part in vars(crossing).values()))
+        influence = each.at(values) - mean - crossing.slope(mean_values, mean_normal) * (each.at(normal) - loads)
+        left_out = np.where(others.reached, left_out, mean - influence / (repetitions - 1))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithms = np.log(left_out)
+        half_width = _half_width(logarithms)
+        lower, upper = mean * np.exp(-half_width), mean * np.exp(half_width)
+    plain = crossing.reached[0] & ~np.isfinite(logarithms).all(axis=0)
+    if plain.any():
+        # Zero or negative values have no logarithm; the interval is then symmetric.
+        half_width = _half_width(left_out)
+        lower, upper = np.where(plain, mean - half_width, lower), np.where(plain, mean + half_width, upper)
+    return mean, lower, upper, crossing
+
+
+def _half_width(left_out: Floats) -> Floats:
+    """Half the interval of a mean from its leave-one-out values (r, l)."""
+    from scipy.special import stdtrit
+
+    repetitions = left_out.shape[0]
+    deviations = left_out - left_out.mean(axis=0)
+    powers = np.square(deviations)
+    squares = powers.sum(axis=0)
+    kurtosis = repetitions * np.divide(
+        np.square(powers).sum(axis=0), squares**2, out=np.full_like(squares, 3.0 / repetitions), where=squares > 0
+    )
+    freedom = np.clip(2 * repetitions / np.maximum(kurtosis - 1, 1e-9), 1, repetitions - 1)
+    error = np.sqrt((repetitions - 1) / repetitions * squares)
+    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2) * error)
+
+
+def friction_map(
+    dataset: xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+) -> xarray.Dataset:
+    """Friction coefficient of the ensemble, mean(F_T) / mean(F_N), at given normal loads.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What `run` returns.
+    loads : (l,) array_like of float, mN
+        Above 0.
+    mu0 : (m,) array_like of float, optional
+        Molecular friction coefficients; those of the study by default.
+    tau0 : (t,) array_like of float, GPa, optional
+        Adhesive shear strengths; those of the study by default.
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition) and
+        status, over fractal_dimension, amplitude, load (mN), mu0 and tau0 (GPa). The status is "ok", "no-contact",
+        "self-locked" (mean(F_N) falls to zero or below before the load is reached), "not-reached" (the largest approach
+        carries less) or "below-range" (the smallest approach carries more); the coefficient is NaN unless it is "ok".
+
+    Raises
+    ------
+    ValueError
+        If loads, mu0 or tau0 are not positive (zero is allowed for mu0 and tau0).
+    """
+    return _map(dataset, loads, mu0, tau0, "friction_coefficient")
+
+
+def area_map(
+    dataset: xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+) -> xarray.Dataset:
+    """Mean true contact area of the ensemble (µm²) at given normal loads; otherwise as `friction_map`."""
+    return _map(dataset, loads, mu0, tau0, "contact_area")
+
+
+def _map(
+    dataset: xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str
+) -> xarray.Dataset:
+    import xarray
+
+    load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
+    if load_values.ndim != 1 or not load_values.size or not (load_values > 0).all():
+        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
+    mu0_values, tau0_values = _parameters(dataset, mu0, tau0)
+    data = dataset.transpose(*_DIMS)
+    shape = (
+        data.sizes["fractal_dimension"], data.sizes["amplitude"], load_values.size, mu0_values.size, tau0_values.size,
+    )  # fmt: skip
+    mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
+    status = np.full(shape, friction.STATUS_OK, dtype="<U11")
+    sums = _Sums({str(name): variable.values for name, variable in data.data_vars.items()})
+    for d, a in np.ndindex(shape[:2]):
+        pair = sums.at(d, a)
+        touched = bool(pair.contact_count.any())
+        for m, t in np.ndindex(shape[3:]):
+            normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
+            if what == "contact_area":
+                values = pair.contact_area
+            else:
+                values = friction.tangential_load(pair, mu0_values[m], tau0_values[t])
+            here = (d, a, slice(None), m, t)
+            mean[here], lower[here], upper[here], crossing = _read_off(normal, values, load_values)
+            status[here] = _status(touched, normal.mean(axis=0), crossing)
+    if what == "friction_coefficient":
+        for array in (mean, lower, upper):
+            array /= load_values[:, np.newaxis, np.newaxis]
+    coordinates: dict[str, Any] = {
+        "fractal_dimension": data["fractal_dimension"].variable,
+        "amplitude": data["amplitude"].variable,
+        "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
+        "mu0": ("mu0", mu0_values, {"units": "1", "long_name": "molecular friction coefficient"}),
+        "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
+    }
+    dims = tuple(coordinates)
+    units, long_name = {
+        "friction_coefficient": ("1", "coefficient of static friction"),
+        "contact_area": ("um^2", "true contact area"),
+    }[what]
+    return xarray.Dataset(
+        {
+            what: (dims, mean, {"units": units, "long_name": long_name}),
+            "lower": (dims, lower, {"units": units, "long_name": f"lower end of the 95 % interval of the {long_name}"}),
+            "upper": (dims, upper, {"units": units, "long_name": f"upper end of the 95 % interval of the {long_name}"}),
+            "status": (dims, status, {"long_name": "whether the value exists, or why not"}),
+        },
+        coordinates,
+        dict(dataset.attrs),
+    )
+
+
+class _Sums:
+    """The sums of a dataset as plain arrays, for one dimension and amplitude at a time."""
+
+    def __init__(self, arrays: dict[str, Any]) -> None:
+        self.__dict__.update(arrays)
+
+    def __getattr__(self, name: str) -> Any:
+        raise ValueError(f"the dataset has no variable {name!r}")
+
+    def at(self, dimension: int, amplitude: int) -> _Sums:
+        return _Sums({name: array[dimension, amplitude] for name, array in self.__dict__.items()})
+
+
+def _parameters(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+    if mu0 is None or tau0 is None or "study" in dataset.attrs:
+        from stiction.studies.study import study_of
+
+        study = study_of(dataset)
+        mu0 = study.friction.mu0 if mu0 is None else mu0
+        tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
+        friction.check_shear_strength(friction.friction_parameter("tau0", tau0), float(study.contact.effective_modulus))
+    return tuple(
+        np.atleast_1d(friction.friction_parameter(name, values)).ravel()
+        for name, values in (("mu0", mu0), ("tau0", tau0))
+    )  # type: ignore[return-value]
+
+
+def _status(touched: bool, mean_normal: Floats, crossing: _Crossing) -> NDArray[np.str_]:
+    if not touched:
+        return np.full(crossing.reached.shape[1], friction.STATUS_NO_CONTACT)
+    missed = friction.STATUS_SELF_LOCKED if mean_normal[-1] <= 0 else STATUS_NOT_REACHED
+    unreached = np.where(crossing.below[0], STATUS_BELOW_RANGE, missed)
+    return np.where(crossing.reached[0], friction.STATUS_OK, unreached)

@@ -1,0 +1,181 @@
+"""Running a study: one task per repetition, on any executor."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats, read_only
+from stiction.mechanics.contact import press
+from stiction.studies.study import Study
+from stiction.surfaces.fractal import Side, random_phases, weierstrass_mandelbrot_family
+from stiction.surfaces.profile import Profile
+
+if TYPE_CHECKING:
+    import xarray
+
+Sums = dict[str, NDArray[Any]]
+
+SUMS = (
+    "contact_count",
+    "contact_area",
+    "normal_elastic",
+    "tangential_elastic",
+    "normal_frictional",
+    "tangential_frictional",
+    "normal_adhesive",
+    "tangential_adhesive",
+)
+"""Variables of a LoadCurve that a result holds."""
+
+FAMILY = 25
+"""Fractal dimensions whose profiles are held at a time: the memory of a task does not grow with the study."""
+
+
+def repetition_sums(study: Study, repetition: int) -> Sums:
+    """The sums of one repetition: each variable of `SUMS` as an array (fractal dimension, amplitude, approach)."""
+    dimensions = study.surfaces.fractal_dimensions()
+    amplitudes = study.surfaces.amplitudes()
+    approaches = study.contact.approaches()
+    shape = (dimensions.size, amplitudes.size, approaches.size)
+    sums: Sums = {name: np.empty(shape, np.int64 if name == "contact_count" else np.float64) for name in SUMS}
+    for first in range(0, dimensions.size, FAMILY):
+        family = dimensions[first : first + FAMILY]
+        uppers = _profiles(study, repetition, "upper", family)
+        lowers = _profiles(study, repetition, "lower", family)
+        for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
+            for a, amplitude in enumerate(amplitudes):
+                curve = press(
+                    upper.with_amplitude(amplitude, study.surfaces.amplitude_measure),
+                    lower.with_amplitude(amplitude, study.surfaces.amplitude_measure),
+                    approaches,
+                    effective_modulus=float(study.contact.effective_modulus),
+                    law=study.contact.law,
+                    detection=study.contact.detection,
+                    curvature=study.contact.curvature,
+                    shear=study.contact.shear,
+                )
+                for name in SUMS:
+                    sums[name][d, a] = getattr(curve, name)
+    return sums
+
+
+def _profiles(study: Study, repetition: int, side: Side, dimensions: Floats) -> list[Profile]:
+    surfaces = study.surfaces
+    phases = random_phases(
+        study.ensemble.seed,
+        repetition=repetition,
+        side=side,
+        directions=surfaces.directions,
+        frequencies=surfaces.frequencies,
+    )
+    heights = weierstrass_mandelbrot_family(
+        phases,
+        dimensions,
+        length_scale=float(surfaces.length_scale),
+        gamma=surfaces.gamma,
+        extent=float(surfaces.extent),
+        points=surfaces.points,
+        convention=surfaces.convention,
+        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
+    )
+    spacing = float(surfaces.extent) / surfaces.points
+    return [Profile(read_only(row), spacing=spacing) for row in heights]
+
+
+def run(
+    study: Study,
+    *,
+    executor: Executor | None = None,
+    store: str | Path | None = None,
+    progress: bool = False,
+) -> xarray.Dataset:
+    """Run a study.
+
+    Parameters
+    ----------
+    study : Study
+    executor : concurrent.futures.Executor, optional
+        Where repetitions are computed; a thread for each core by default. Any executor gives the same bits.
+    store : path, optional
+        Zarr store that the result is written to as well; it must not exist yet.
+    progress : bool
+        Whether to draw a progress bar on the terminal.
+
+    Returns
+    -------
+    xarray.Dataset
+        The variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach (µm), with their
+        units, the study's text and the version of stiction as attributes.
+
+    Raises
+    ------
+    ValueError
+        If the study cannot be computed, or the store exists already.
+    """
+    from stiction.studies import store as stores
+
+    if store is not None:
+        stores.reserve(store)
+    repetitions = study.ensemble.repetitions
+    result = stores.empty_dataset(study)
+    with _executor(executor) as pool:
+        futures = {pool.submit(repetition_sums, study, r): r for r in range(repetitions)}
+        try:
+            for future in _tracked(futures, progress):
+                for name, values in future.result().items():
+                    result[name].values[:, :, futures[future], :] = values
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            raise
+    if store is not None:
+        stores.write(result, store)
+    return result
+
+
+@contextmanager
+def _executor(given: Executor | None) -> Iterator[Executor]:
+    if given is not None:
+        yield given  # its owner shuts it down
+    else:
+        with ThreadPoolExecutor(max_workers=available_cores()) as own:
+            yield own
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _tracked(futures: dict[Future[Sums], int], progress: bool) -> Iterator[Future[Sums]]:
+    if not progress:
+        yield from as_completed(futures)
+        return
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("repetitions"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("elapsed"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns) as bar:
+        yield from bar.track(as_completed(futures), total=len(futures))

@@ -1,0 +1,66 @@
+"""Quantities at the edges: "number unit" in study files and on the command line, plain numbers in core units inside."""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal
+
+_UNITS = {
+    "length": {"m": "1e6", "mm": "1e3", "um": "1", "µm": "1", "μm": "1", "nm": "1e-3", "pm": "1e-6"},
+    "pressure": {"TPa": "1e3", "GPa": "1", "MPa": "1e-3", "kPa": "1e-6", "Pa": "1e-9"},
+    "force": {"N": "1e3", "mN": "1", "uN": "1e-3", "µN": "1e-3", "μN": "1e-3", "nN": "1e-6"},
+}
+"""Factors to µm, GPa and mN; both Unicode spellings of micro."""
+
+_QUANTITY = re.compile(
+    r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+)\s*"
+)
+
+
+class Quantity(float):
+    """A number in core units (µm, GPa, mN) that remembers how it was written. Equal if the numbers are."""
+
+    text: str
+
+    def __new__(cls, value: float, text: str) -> Quantity:
+        """Value in core units, and the text it stands for."""
+        quantity = super().__new__(cls, value)
+        quantity.text = text
+        return quantity
+
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
+        return float(self), self.text
+
+
+def quantity(text: object, kind: str) -> Quantity:
+    """Read "number unit".
+
+    Parameters
+    ----------
+    text : str
+        Such as "200 MPa".
+    kind : {"length", "pressure", "force"}
+
+    Raises
+    ------
+    ValueError
+        If the text is not a number with a unit of that kind.
+    """
+    if isinstance(text, Quantity):
+        return text
+    units = _UNITS[kind]
+    allowed = ", ".join(unit for unit in units if unit.isascii())
+    if not isinstance(text, str):
+        raise ValueError(f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {text!r}')
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {_shortened(text)}')
+    digits, unit = match.groups()
+    if unit not in units:
+        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {_shortened(text)}")
+    # In decimal, so that "100 nm" and "0.1 um" are the same number.
+    return Quantity(float(Decimal(digits.replace("_", "")) * Decimal(units[unit])), f"{digits} {unit}")
+
+
+def _shortened(text: str) -> str:
+    return repr(text if len(text) <= 40 else text[:37] + "...")

@@ -1,0 +1,1 @@
+"""Profiles: measured or generated heights on a uniform grid."""

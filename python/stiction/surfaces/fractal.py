@@ -1,0 +1,188 @@
+"""Fractal profiles: the Weierstrass-Mandelbrot function of Hanaor, Gan & Einav (2016), Eq. 1."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stiction import _core
+from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
+from stiction.surfaces.profile import FEWEST_POINTS, Profile
+
+Side = Literal["lower", "upper"]
+Convention = Literal["paper", "classical"]
+BandLimit = Literal["nyquist"]
+
+_SIDE_KEY = {"lower": 0, "upper": 1}
+
+
+def random_phases(
+    seed: int,
+    *,
+    repetition: int = 0,
+    side: Side = "lower",
+    directions: int = 40,
+    frequencies: int = 40,
+) -> Floats:
+    """Independent phases, uniform on [0, 2π), of one surface.
+
+    They depend on (seed, repetition, side) alone: the 64-bit words of ``PCG64(SeedSequence([seed, repetition, side]))``
+    with side 0 for the lower and 1 for the upper body, their top 53 bits times 2π/2^53, in row-major order. NumPy keeps
+    these words from version to version, unlike the streams of its ``Generator``.
+
+    Parameters
+    ----------
+    seed, repetition : int
+        At least 0.
+    side : {"lower", "upper"}
+    directions, frequencies : int
+        M and n_max of Eq. 1, at least 1.
+
+    Returns
+    -------
+    (directions, frequencies) ndarray of float, rad
+
+    Raises
+    ------
+    ValueError
+        If a number is negative or the side is unknown.
+
+    Examples
+    --------
+    >>> from stiction import random_phases
+    >>> random_phases(2016, directions=1, frequencies=2)
+    array([[6.07702677, 2.1342465 ]])
+    """
+    choice("side", side, Side)
+    seed = whole_number("seed", seed, least=0)
+    repetition = whole_number("repetition", repetition, least=0)
+    directions = whole_number("directions", directions, least=1)
+    frequencies = whole_number("frequencies", frequencies, least=1)
+    words = np.random.PCG64(np.random.SeedSequence([seed, repetition, _SIDE_KEY[side]]))
+    bits = words.random_raw(directions * frequencies) >> np.uint64(11)
+    phases = bits.astype(np.float64) * (2 * math.pi / 2**53)
+    return phases.reshape(directions, frequencies)
+
+
+def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
+    """Hurst exponent H of Eq. 1 at a fractal dimension: 4 - 2D in the paper's measure of D, 2 - D in the textbooks'.
+
+    Raises
+    ------
+    ValueError
+        If D is outside [1, 2) or the convention is unknown.
+    """
+    choice("convention", convention, Convention)
+    dimension = number("fractal_dimension", fractal_dimension)
+    if not 1 <= dimension < 2:
+        raise ValueError(f"fractal_dimension must be at least 1 and below 2, got {fractal_dimension!r}")
+    return 4 - 2 * dimension if convention == "paper" else 2 - dimension
+
+
+def weierstrass_mandelbrot_family(
+    phases: ArrayLike,
+    fractal_dimensions: ArrayLike,
+    *,
+    length_scale: float = 1.0,
+    gamma: float = 1.5,
+    extent: float = 40.0,
+    points: int = 150_000,
+    convention: Convention = "paper",
+    band_limit: BandLimit | None = None,
+) -> Floats:
+    r"""Heights of Eq. 1 for one set of phases and many fractal dimensions, unscaled, y(0) = 0.
+
+    Parameters
+    ----------
+    phases : (directions, frequencies) array_like of float, rad
+    fractal_dimensions : (k,) array_like of float
+        Each at least 1 and below 2.
+    length_scale : float, µm
+        L, the longest wavelength.
+    gamma : float
+        Ratio of successive frequencies, above 1.
+    extent : float, µm
+        Length of the profile; point j lies at j extent / points.
+    points : int
+        At least 4.
+    convention : {"paper", "classical"}
+        Whose fractal dimension it is: a Hurst exponent of 4 - 2D or of 2 - D.
+    band_limit : {None, "nyquist"}
+        None keeps the harmonics above the grid's Nyquist frequency, as the paper does; they fold back.
+        "nyquist" drops them.
+
+    Returns
+    -------
+    (k, points) ndarray of float, µm
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the phases of the highest frequencies cannot be resolved.
+
+    Notes
+    -----
+    .. math:: y(x) = L^H \ln γ \sum_{m,n} γ^{-(n-1)H}
+              \left\{\cos φ_{mn} - \cos\left[\frac{2πγ^{n-1}x}{L} \cos\frac{πm}{M} + φ_{mn}\right]\right\}
+
+    Hanaor, Gan & Einav, Tribology International 93 (2016) 229, Eq. 1.
+    """
+    phase_array = float_array("phases", phases, ndim=2)
+    dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
+    length_scale = number("length_scale", length_scale, unit="µm", above=0)
+    gamma = number("gamma", gamma, above=1)
+    extent = number("extent", extent, unit="µm", above=0)
+    points = whole_number("points", points, least=FEWEST_POINTS)
+    if band_limit is not None:
+        choice("band_limit", band_limit, BandLimit)
+    weights = [
+        _core.frequency_weights(
+            hurst_exponent(dimension, convention=convention), phase_array.shape[1], gamma, length_scale
+        )
+        for dimension in dimensions
+    ]
+    return _core.harmonic_profiles(
+        phase_array,
+        np.array(weights).reshape(len(weights), phase_array.shape[1]),
+        spacing=extent / points,
+        points=points,
+        length_scale=length_scale,
+        gamma=gamma,
+        band_limited=band_limit == "nyquist",
+    )
+
+
+def weierstrass_mandelbrot(
+    phases: ArrayLike,
+    fractal_dimension: float,
+    *,
+    length_scale: float = 1.0,
+    gamma: float = 1.5,
+    extent: float = 40.0,
+    points: int = 150_000,
+    convention: Convention = "paper",
+    band_limit: BandLimit | None = None,
+) -> Profile:
+    """Profile of Eq. 1, unscaled; the arguments are those of `weierstrass_mandelbrot_family`.
+
+    Examples
+    --------
+    >>> from stiction import random_phases, weierstrass_mandelbrot
+    >>> profile = weierstrass_mandelbrot(random_phases(1), 1.3, points=1000)
+    >>> len(profile), profile.extent
+    (1000, 40.0)
+    """
+    family = weierstrass_mandelbrot_family(
+        phases,
+        [number("fractal_dimension", fractal_dimension)],
+        length_scale=length_scale,
+        gamma=gamma,
+        extent=extent,
+        points=points,
+        convention=convention,
+        band_limit=band_limit,
+    )
+    return Profile(read_only(family[0]), spacing=extent / points)

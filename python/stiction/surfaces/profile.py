@@ -1,0 +1,103 @@
+"""A rough profile: heights on a uniform grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from stiction._checks import Floats, choice, float_array, number, read_only
+
+AmplitudeMeasure = Literal["height", "Ra", "Rq"]
+
+FEWEST_POINTS = 4
+"""A natural cubic spline with a curvature of its own needs two interior points."""
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Heights of a surface along a line, on a uniform grid that starts at x = 0.
+
+    Parameters
+    ----------
+    heights : (n,) array_like of float, µm
+        At least 4 finite heights; copied, and read-only afterwards.
+    spacing : float, µm
+        Distance between neighbouring points, above 0.
+
+    Raises
+    ------
+    ValueError
+        If heights are not a one-dimensional array of at least 4 finite numbers, or the spacing is not above 0.
+
+    Examples
+    --------
+    >>> from stiction import Profile
+    >>> profile = Profile([0.0, 0.1, 0.0, -0.1, 0.0], spacing=0.5)
+    >>> profile.extent
+    2.5
+    >>> profile.with_amplitude(1.0).heights
+    array([ 0. ,  0.5,  0. , -0.5,  0. ])
+    """
+
+    heights: Floats
+    spacing: float = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        heights = float_array("heights", self.heights, ndim=1)
+        if heights.size < FEWEST_POINTS:
+            raise ValueError(f"heights must have at least {FEWEST_POINTS} points, got {heights.size}")
+        if heights.flags.writeable:  # somebody may still hold it
+            heights = read_only(heights.copy())
+        object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "spacing", number("spacing", self.spacing, unit="µm", above=0))
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return self.heights.size
+
+    @property
+    def x(self) -> Floats:
+        """(n,) positions j Δx of the points, µm."""
+        return np.arange(self.heights.size, dtype=np.float64) * self.spacing
+
+    @property
+    def extent(self) -> float:
+        """Points times spacing, µm."""
+        return self.heights.size * self.spacing
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether all heights are equal: a flat body, which has no amplitude."""
+        return bool((self.heights == self.heights[0]).all())
+
+    def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
+        """The same shape about a mean of zero, scaled to an amplitude.
+
+        Parameters
+        ----------
+        amplitude : float, µm
+            The value that the measure shall have, above 0.
+        measure : {"height", "Ra", "Rq"}
+            Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
+
+        Raises
+        ------
+        ValueError
+            If the amplitude is not above 0, the measure is unknown, or the profile is flat.
+        """
+        amplitude = number("amplitude", amplitude, unit="µm", above=0)
+        choice("measure", measure, AmplitudeMeasure)
+        if self.is_flat:
+            raise ValueError("a flat profile has no amplitude to scale")
+        heights = self.heights - self.heights.mean()
+        match measure:
+            case "height":
+                size = np.ptp(heights)
+            case "Ra":
+                size = np.abs(heights).mean()
+            case "Rq":
+                size = np.sqrt(np.square(heights).mean())
+        heights *= amplitude / size
+        return Profile(read_only(heights), spacing=self.spacing)

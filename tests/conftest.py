@@ -1,0 +1,34 @@
+import numpy as np
+import pytest
+from stiction import Profile, random_phases, weierstrass_mandelbrot
+
+
+@pytest.fixture(scope="session")
+def rough_pair():
+    """rough_pair(D): an upper and a lower profile with a slope spectrum up to the grid."""
+
+    def pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
+        return tuple(
+            weierstrass_mandelbrot(
+                random_phases(11, repetition=repetition, side=side),
+                dimension,
+                points=points,
+                extent=points * 40 / 150_000,
+                band_limit=band_limit,
+            ).with_amplitude(amplitude)
+            for side in ("upper", "lower")
+        )
+
+    return pair
+
+
+@pytest.fixture(scope="session")
+def circular_arc():
+    """circular_arc(apex, radius, spacing, points, side): a cylinder or sphere of exact curvature."""
+
+    def arc(apex, radius, spacing, points, side):
+        x = np.arange(points) * spacing - apex
+        sagitta = np.square(x) / (radius + np.sqrt(radius**2 - np.square(x)))
+        return Profile(sagitta if side == "upper" else -sagitta, spacing=spacing)
+
+    return arc

@@ -1,0 +1,27 @@
+"""Eq. 1 as it stands: the double sum over directions and frequencies, in extended precision."""
+
+import numpy as np
+
+EXTENDED = np.longdouble
+PI = EXTENDED("3.14159265358979323846264338327950288")
+
+
+def weierstrass_mandelbrot(phases, hurst_exponent, *, length_scale, gamma, extent, points, at=None, nyquist=False):
+    """Heights at the grid points `at` (all by default), long double."""
+    directions, frequencies = phases.shape
+    index = np.arange(points) if at is None else np.asarray(at)
+    spacing = EXTENDED(extent / points)
+    x = index.astype(EXTENDED) * spacing
+    gamma, length_scale, hurst = EXTENDED(gamma), EXTENDED(length_scale), EXTENDED(hurst_exponent)
+    heights = np.zeros(x.shape, EXTENDED)
+    for n in range(1, frequencies + 1):
+        weight = length_scale**hurst * np.log(gamma) * gamma ** (-(n - 1) * hurst)
+        for m in range(1, directions + 1):
+            wave_number = 2 * PI * gamma ** (n - 1) / length_scale * np.cos(PI * m / directions)
+            if nyquist and abs(wave_number) > PI / spacing:
+                continue
+            phase = EXTENDED(phases[m - 1, n - 1])
+            # Turns are wrapped before the cosine: x87's own argument reduction is good to 66 bits of pi only.
+            turns = wave_number * x / (2 * PI)
+            heights += weight * (np.cos(phase) - np.cos(2 * PI * (turns - np.rint(turns)) + phase))
+    return heights

@@ -1,0 +1,98 @@
+"""Contact and friction of two profiles, one grid point after the other in plain NumPy on scipy's natural spline."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+
+def spheres(heights, spacing, *, upper):
+    """Normal (n, 2), radius (n,), centre relative to the profile's own point (n, 2)."""
+    spline = CubicSpline(np.arange(heights.size), heights, bc_type="natural")
+    knots = np.arange(heights.size)
+    slope = spline(knots, 1) / spacing
+    curvature = spline(knots, 2) / spacing**2
+    curvature[[0, -1]] = 0
+    q = np.sqrt(1 + slope**2)
+    normal = np.column_stack([-slope, np.ones_like(slope)]) / q[:, None]
+    with np.errstate(divide="ignore"):
+        radius = -(q**3) / curvature
+    if upper:
+        normal, radius = -normal, -radius
+    radius[[0, -1]] = np.inf
+    return slope, curvature, normal, radius
+
+
+def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
+    """Rows of (index, n_x, n_z, overlap, effective radius, force, area) at one approach."""
+    gap = upper - lower
+    gap = gap - gap.min()
+    flat_upper, flat_lower = np.ptp(upper) == 0, np.ptp(lower) == 0
+    _, _, n_u, r_u = spheres(upper, spacing, upper=True)
+    _, _, n_l, r_l = spheres(lower, spacing, upper=False)
+    rows = []
+    for i in np.flatnonzero(gap <= approach):
+        above = gap[i] - approach  # the upper surface point over the lower one
+        if flat_upper or flat_lower:
+            if flat_upper:
+                sphere_radius, centre = r_l[i], -r_l[i] * n_l[i]
+                if not np.isfinite(sphere_radius) or sphere_radius <= 0:
+                    continue
+                overlap = sphere_radius - (above - centre[1])
+                contact = centre + np.array([0, sphere_radius - overlap / 2])
+            else:
+                sphere_radius, centre = r_u[i], np.array([0, above]) - r_u[i] * n_u[i]
+                if not np.isfinite(sphere_radius) or sphere_radius <= 0:
+                    continue
+                overlap = sphere_radius - centre[1]
+                contact = centre - np.array([0, sphere_radius - overlap / 2])
+            n, radius = np.array([0.0, 1.0]), sphere_radius
+        else:
+            R_u, R_l = r_u[i], r_l[i]
+            if not (np.isfinite(R_u) and np.isfinite(R_l)):
+                continue
+            inverse = 1 / R_u + 1 / R_l
+            if inverse <= 0 or (not signed and (R_u <= 0 or R_l <= 0)):
+                continue
+            radius = 1 / inverse
+            o_l = -R_l * n_l[i]
+            o_u = np.array([0, above]) - R_u * n_u[i]
+            X = o_u - o_l
+            distance = np.hypot(*X)
+            n = np.sign(R_u * R_l) * X / distance
+            overlap = R_u + R_l - distance if R_u > 0 and R_l > 0 else distance - abs(R_u + R_l)
+            contact = o_l + X / 2 - (R_u - R_l) / 2 * n
+        if not -spacing / 2 <= contact[0] < spacing / 2:
+            continue
+        if overlap <= 0 or n[1] <= 0:
+            continue
+        force = 4 / 3 * effective_modulus * np.sqrt(radius) * overlap**1.5
+        rows.append((i, n[0], n[1], overlap, radius, force, np.pi * radius * overlap))
+    return np.array(rows).reshape(-1, 7)
+
+
+def sums(rows, sigma):
+    """The sums of a LoadCurve at one approach."""
+    _, n_x, n_z, _, _, force, area = rows.T
+    opposing = sigma * n_x < 0
+    t_x, t_z = sigma * -n_z, sigma * n_x
+    return {
+        "contact_count": len(rows),
+        "contact_area": area.sum(),
+        "normal_elastic": (force * n_z).sum(),
+        "tangential_elastic": -sigma * (force * n_x)[opposing].sum(),
+        "normal_frictional": (force * t_z)[opposing].sum(),
+        "tangential_frictional": -sigma * (force * t_x)[opposing].sum(),
+        "normal_adhesive": (area * t_z)[opposing].sum(),
+        "tangential_adhesive": -sigma * (area * t_x)[opposing].sum(),
+    }
+
+
+def loads(rows, sigma, mu0, tau0):
+    """F_N and F_T with mu0 and tau0 inside the loop (Eqs. 6, 7 and section 2.5)."""
+    normal = tangential = 0.0
+    for _, n_x, n_z, _, _, force, area in rows:
+        normal += force * n_z
+        if sigma * n_x < 0:
+            friction = mu0 * force + tau0 * area
+            normal += friction * sigma * n_x
+            tangential += -sigma * (force * n_x + friction * sigma * -n_z)
+    return normal, tangential

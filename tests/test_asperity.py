@@ -1,0 +1,48 @@
+import numpy as np
+import pytest
+from reference import pressing
+from stiction import Profile, asperities
+
+# The same spline by two solvers: round-off of second differences, relative to their rms.
+SAME_SPLINE = 1e-12
+
+
+@pytest.mark.parametrize("side", ["lower", "upper"])
+@pytest.mark.parametrize("dimension", [1.0, 1.7])
+def test_slope_and_curvature_are_scipys_natural_spline(rough_pair, dimension, side):
+    profile = rough_pair(dimension)[0]
+    slope, curvature, normal, radius = pressing.spheres(profile.heights, profile.spacing, upper=side == "upper")
+    ours = asperities(profile, side)
+    assert np.abs(ours.slope - slope).max() < SAME_SPLINE * slope.std()
+    assert np.abs(ours.curvature - curvature).max() < SAME_SPLINE * curvature.std()
+    assert np.abs(ours.normal - normal).max() < SAME_SPLINE
+    assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SAME_SPLINE * curvature.std())
+
+
+def test_a_circle_has_its_radius_and_centre(circular_arc):
+    # The spline's curvature error is of second order in spacing / radius ; the ends are ten points away.
+    apex, radius = 0.5, 2.0
+    for side, height in (("lower", -radius), ("upper", radius)):
+        arc = asperities(circular_arc(apex, radius, 0.002, 500, side), side)
+        inner = slice(20, -20)
+        assert np.allclose(arc.radius[inner], radius, rtol=2e-6)
+        assert np.allclose(arc.centre[inner], [apex, height], atol=4e-6)
+
+
+def test_the_same_bump_is_convex_below_and_concave_above():
+    bump = Profile(np.cos(np.linspace(-1, 1, 101)), spacing=0.02)
+    assert (asperities(bump, "lower").radius[20:-20] > 0).all()
+    assert (asperities(bump, "upper").radius[20:-20] < 0).all()
+
+
+def test_ends_are_without_curvature_and_arrays_read_only():
+    profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
+    lower = asperities(profile, "lower")
+    assert lower.curvature[[0, -1]].tolist() == [0, 0]
+    assert np.isinf(lower.radius[[0, -1]]).all()
+    assert not any(array.flags.writeable for array in vars(lower).values())
+
+
+def test_an_unknown_side_is_named():
+    with pytest.raises(ValueError, match="side must be one of 'lower', 'upper', got 'left'"):
+        asperities(Profile(np.arange(9.0), spacing=1), "left")

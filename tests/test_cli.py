@@ -1,0 +1,131 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import stiction
+from stiction import Study
+from stiction.studies import store
+
+TINY = [
+    "--set", "surfaces.fractal_dimension=[1.1, 1.4]", "--set", "surfaces.points=4000", "--set", "surfaces.extent=2 um",
+    "--set", "ensemble.repetitions=3", "--set", "contact.approach.count=5",
+]  # fmt: skip
+
+
+def stiction_command(*arguments, cwd):
+    return subprocess.run(
+        [sys.executable, "-m", "stiction", *map(str, arguments)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | {"COLUMNS": "200", "CI": "1"},
+    )
+
+
+def assert_refused(done, *words):
+    """One message of a few lines on standard error, exit status 2, no traceback."""
+    assert done.returncode == 2, done
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) <= 8, done.stderr
+    for word in words:
+        assert word in done.stderr, done.stderr
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    where = tmp_path_factory.mktemp("ran")
+    done = stiction_command("run", "quick", *TINY, "--workers", 2, cwd=where)
+    assert done.returncode == 0, done.stderr
+    return where, done
+
+
+def test_run_writes_the_result_and_its_figures_where_it_says(ran):
+    where, done = ran
+    assert sorted(p.name for p in (where / "quick").iterdir()) == ["area.png", "friction.png", "result.zarr"]
+    assert done.stdout.splitlines() == [
+        f"wrote {Path('quick') / n}" for n in ("result.zarr", "friction.png", "area.png")
+    ]
+    dataset = store.read(where / "quick" / "result.zarr")
+    assert dataset.sizes == {"fractal_dimension": 2, "amplitude": 1, "repetition": 3, "approach": 5}
+    assert float(dataset["contact_count"].sum()) > 0
+
+
+def test_run_again_does_not_compute_again(ran):
+    where, _ = ran
+    done = stiction_command("run", "quick", *TINY, cwd=where)
+    assert done.returncode == 0
+    assert "holds this study already" in done.stdout
+
+
+def test_run_does_not_overwrite_another_study(ran):
+    where, _ = ran
+    assert_refused(stiction_command("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=where), "exists already")
+
+
+def test_plot_draws_again(ran):
+    where, _ = ran
+    (where / "quick" / "area.png").unlink()
+    done = stiction_command("plot", "quick", cwd=where)
+    assert done.returncode == 0
+    assert (where / "quick" / "area.png").exists()
+
+
+def test_a_study_file_runs_as_the_study_it_is(tmp_path):
+    study = Study().with_changes(
+        {
+            "surfaces.fractal_dimension": [1.2],
+            "surfaces.points": 4000,
+            "surfaces.extent": "2 um",
+            "contact.approach": ["5 nm", "10 nm"],
+            "ensemble.repetitions": 1,
+        }
+    )
+    (tmp_path / "mine.toml").write_text(study.to_toml(), encoding="utf-8")
+    done = stiction_command("run", "mine.toml", "--output", "there", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert store.holds(tmp_path / "there" / "result.zarr", study)
+
+
+def test_studies_lists_and_prints(tmp_path):
+    assert stiction_command("studies", cwd=tmp_path).stdout.split() == ["figure5", "figure6", "quick"]
+    printed = stiction_command("studies", "figure5", cwd=tmp_path).stdout
+    (tmp_path / "figure5.toml").write_text(printed, encoding="utf-8")
+    assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")
+
+
+def test_version_and_help(tmp_path):
+    assert stiction_command("--version", cwd=tmp_path).stdout.strip() == f"stiction {stiction.__version__}"
+    for command in ([], ["run"], ["plot"], ["studies"]):
+        done = stiction_command(*command, "--help", cwd=tmp_path)
+        assert done.returncode == 0
+        assert "Usage" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "figure7b"], ["no built-in study", "figure6"]),
+        (["run", "none.toml"], ["none.toml", "cannot be read"]),
+        (["run", "binary.toml"], ["binary.toml", "not a text file"]),
+        (["run", "quick", "--set", "ensemble.repetitons=3"], ["ensemble.repetitons", "unknown key", "'repetitions'"]),
+        (["run", "quick", "--set", "surfaces.extent=200 parrots"], ["surfaces.extent", "parrots"]),
+        (["run", "quick", "--set", "surfaces.extent=200"], ["surfaces.extent", "200"]),
+        (["run", "quick", "--set", "surfaces.extent=10**10**10 nm"], ["surfaces.extent"]),
+        (["run", "quick", "--set", "surfaces.fractal_dimension=[2.0]"], ["surfaces.fractal_dimension[0]"]),
+        (["run", "quick", "--set", "ensemble.seed"], ["KEY=VALUE"]),
+        (["run", "quick", "--workers", "0"], ["--workers"]),
+        (["run", "quick", "--output", "file"], ["file", "cannot be written"]),
+        (["run", "quick", "--output", "/proc/stiction"], ["cannot be written"]),
+        (["plot", "nowhere"], ["is not a result"]),
+        (["studies", "figure7b"], ["no built-in study"]),
+        (["juggle"], ["juggle"]),
+    ],
+)
+def test_bad_input_is_one_message_and_status_2(tmp_path, arguments, words):
+    (tmp_path / "binary.toml").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe\x00")
+    (tmp_path / "file").write_text("")
+    assert_refused(stiction_command(*arguments, cwd=tmp_path), *words)

@@ -1,0 +1,328 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from reference import pressing
+from stiction import Profile, contacts, press
+
+SUMS = (
+    "contact_count", "contact_area", "normal_elastic", "tangential_elastic",
+    "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
+)  # fmt: skip
+
+# Independent evaluations of the same heights: another spline solver and another order of operations.
+INDEPENDENT = 1e-9
+# The spline's curvature error on a circle is of second order in spacing / radius (1e-3 here).
+CIRCLE = 1e-6
+# Identities that change no operation but their order.
+MIRROR = 1e-9
+EXCHANGE = 1e-8
+SCALING = 1e-8
+EXACT = 1e-12
+
+
+def all_sums(curve):
+    return np.array([getattr(curve, name) for name in SUMS], dtype=float)
+
+
+def assert_close(actual, expected, tolerance):
+    """Each within a tolerance relative to itself."""
+    assert np.all(np.abs(actual - expected) <= tolerance * np.abs(expected)), (actual, expected)
+
+
+class TestAgainstReference:
+    @pytest.mark.parametrize("shear", ["+x", "-x"])
+    @pytest.mark.parametrize("curvature", ["convex", "signed"])
+    @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
+    @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
+    def test_sums_are_those_of_the_plain_evaluation(self, rough_pair, dimension, bodies, curvature, shear):
+        upper, lower = rough_pair(dimension, points=150_000)
+        flat = Profile(np.full(len(upper), 0.37), spacing=upper.spacing)
+        upper = flat if bodies.startswith("flat") else upper
+        lower = flat if bodies.endswith("flat") else lower
+        approaches = [0.001, 0.004, 0.02]
+        curve = press(upper, lower, approaches, curvature=curvature, shear=shear)
+        total = 0
+        for k, approach in enumerate(approaches):
+            rows = pressing.contacts(
+                upper.heights, lower.heights, upper.spacing, approach, signed=curvature == "signed"
+            )
+            expected = pressing.sums(rows, 1 if shear == "+x" else -1)
+            assert_close(all_sums(curve)[:, k], np.array(list(expected.values())), INDEPENDENT)
+            total += len(rows)
+        assert total >= 5
+
+    def test_table_is_that_of_the_plain_evaluation(self, rough_pair):
+        upper, lower = rough_pair(1.4)
+        table = contacts(upper, lower, 0.01, effective_modulus=3.0)
+        rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
+        assert len(table) == len(rows) > 10
+        assert np.array_equal(table.index, rows[:, 0])
+        ours = np.column_stack([table.normal, table.overlap, table.radius, table.force, table.area])
+        assert np.allclose(ours, rows[:, 1:], rtol=INDEPENDENT, atol=0)
+
+    def test_height_offsets_and_their_size_do_not_matter(self, rough_pair):
+        upper, lower = rough_pair(1.2)
+        raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
+        # Adding 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude, which curvatures feel most.
+        assert_close(all_sums(press(raised, lower, [0.01])), all_sums(press(upper, lower, [0.01])), 1e-5)
+
+
+class TestExact:
+    def test_two_circles_carry_what_hertz_says(self, circular_arc):
+        spacing, points, modulus = 0.002, 1000, 7.0
+        for apexes, radii in (
+            ((1.0005, 1.0005), (2.0, 3.0)),
+            ((1.0307, 0.9411), (2.0, 3.0)),
+            ((0.95, 1.0), (5.0, 2.5)),
+        ):
+            upper = circular_arc(apexes[0], radii[0], spacing, points, "upper")
+            lower = circular_arc(apexes[1], radii[1], spacing, points, "lower")
+            touch = (upper.heights - lower.heights).min()
+            for approach in (1e-4, 1e-3, 1e-2):
+                # Centres, with the lower apex at height 0 and the upper one lowered past first touch.
+                apart = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - touch - approach])
+                overlap = sum(radii) - np.hypot(*apart)
+                radius = radii[0] * radii[1] / sum(radii)
+                table = contacts(upper, lower, approach, effective_modulus=modulus)
+                assert len(table) == 1
+                assert_close(table.force, 4 / 3 * modulus * math.sqrt(radius) * overlap**1.5, CIRCLE)
+                assert_close(table.area, math.pi * radius * overlap, CIRCLE)
+                assert np.allclose(table.normal[0], apart / np.hypot(*apart), atol=CIRCLE)
+
+    def test_a_ball_in_a_wider_cup_carries_what_hertz_says(self, circular_arc):
+        spacing, points = 0.002, 1000
+        ball = circular_arc(1.0307, 2.0, spacing, points, "upper")
+        cup = Profile(-circular_arc(0.9811, 5.0, spacing, points, "lower").heights, spacing=spacing)
+        touch = (ball.heights - cup.heights).min()
+        apart = np.array([1.0307 - 0.9811, 2.0 - 5.0 - touch - 1e-3])
+        overlap = np.hypot(*apart) - 3.0
+        radius = 1 / (1 / 2.0 - 1 / 5.0)
+        table = contacts(ball, cup, 1e-3, curvature="signed")
+        assert len(table) == 1
+        assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE)
+        assert np.allclose(table.normal[0], -apart / np.hypot(*apart), atol=CIRCLE)
+        assert len(contacts(ball, cup, 1e-3, curvature="convex")) == 0
+
+    def test_no_contact_at_first_touch(self, circular_arc):
+        upper = circular_arc(1.0307, 2.0, 0.002, 1000, "upper")
+        lower = circular_arc(0.9411, 3.0, 0.002, 1000, "lower")
+        curve = press(upper, lower, [0.0, 1e-3])
+        # The arcs' own first touch lies between grid points, so points that touch may overlap by less than a cell does.
+        assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
+        parallel = Profile(lower.heights + 0.5, spacing=0.002)
+        assert press(parallel, lower, [0.0]).contact_count[0] == 0
+
+    def test_one_opposing_contact_is_a_wedge_with_friction(self, circular_arc):
+        upper = circular_arc(0.9411, 2.0, 0.002, 1000, "upper")
+        lower = circular_arc(1.0307, 3.0, 0.002, 1000, "lower")
+        mu0 = np.array([0.0, 0.1, 0.4, 1.0])
+        table, curve = contacts(upper, lower, 1e-3), press(upper, lower, [1e-3])
+        assert table.opposing.tolist() == [True]
+        theta = math.atan2(-table.normal[0, 0], table.normal[0, 1])
+        assert theta > 0.01
+        coefficient = curve.friction_coefficient(mu0=mu0)[:, 0]
+        assert_close(coefficient, np.tan(theta + np.arctan(mu0)), EXACT)
+        # Adhesion adds tau0 A to mu0 F: the same triangle at a steeper friction angle.
+        tau0 = 0.2
+        raised = mu0 + tau0 * table.area[0] / table.force[0]
+        coefficient = curve.friction_coefficient(mu0=mu0, tau0=tau0)[:, 0]
+        assert_close(coefficient, np.tan(theta + np.arctan(raised)), EXACT)
+        # Sheared the other way nothing opposes.
+        assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
+
+    def test_two_flats_have_no_asperities(self):
+        flat = Profile(np.zeros(20), spacing=0.1)
+        curve = press(flat, flat, [0.0, 0.1])
+        assert curve.contact_count.tolist() == [0, 0]
+        assert curve.status(mu0=0.4).tolist() == ["no-contact", "no-contact"]
+        assert np.isnan(curve.friction_coefficient(mu0=0.4)).all()
+
+    def test_superposition_is_friction_inside_the_loop(self, rough_pair):
+        upper, lower = rough_pair(1.45)
+        rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01)
+        for shear, sigma in (("+x", 1), ("-x", -1)):
+            curve = press(upper, lower, [0.01], shear=shear)
+            for mu0, tau0 in ((0.0, 0.0), (0.4, 0.0), (0.3, 0.2), (1.0, 0.01)):
+                normal, tangential = pressing.loads(rows, sigma, mu0, tau0)
+                assert_close(curve.normal_load(mu0=mu0, tau0=tau0), normal, INDEPENDENT)
+                assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT)
+
+    def test_steep_flanks_lock(self):
+        # Two triangular teeth rounded by the spline, flanks of 60 degrees: mu0 tan θ > 1 at mu0 = 1.
+        x = np.arange(400) * 0.01
+        lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
+        upper = Profile(np.sqrt(3) * np.sqrt((x - 1.6) ** 2 + 0.01), spacing=0.01)
+        curve = press(upper, lower, [0.01])
+        assert curve.contact_count[0] == 1
+        assert curve.status(mu0=[0.1, 1.0])[:, 0].tolist() == ["ok", "self-locked"]
+        assert np.isnan(curve.friction_coefficient(mu0=1.0)[0])
+
+
+@st.composite
+def pairs(draw):
+    """Rough pairs of a few hundred points: a sum of harmonics with random amplitudes and phases."""
+    points = draw(st.integers(60, 300))
+    spacing = draw(st.floats(0.01, 0.1))
+    x = np.arange(points) * spacing
+    profiles = []
+    for _ in range(2):
+        heights = np.zeros(points)
+        for n in range(1, 6):
+            amplitude = draw(st.floats(0.001, 0.03)) / n
+            phase = draw(st.floats(0, 6.28))
+            heights += amplitude * np.sin(2 * np.pi * n * x / (13.1 * spacing) + phase)
+        profiles.append(Profile(heights, spacing=spacing))
+    return profiles
+
+
+def robust(upper, lower, approach, shear, curvature):
+    """Whether no contact is so near an edge of a rule that round-off may change the count or the opposing set."""
+    table = contacts(upper, lower, approach, shear=shear, curvature=curvature)
+    offset = table.centre[:, 0] - table.index * upper.spacing
+    near_edge = np.abs(np.abs(offset) - upper.spacing / 2) < 1e-7 * upper.spacing
+    return len(table) > 0 and not (near_edge | (np.abs(table.normal[:, 0]) < 1e-7)).any()
+
+
+CASES = given(
+    pair=pairs(),
+    approach=st.floats(1e-3, 0.05),
+    shear=st.sampled_from(["+x", "-x"]),
+    curvature=st.sampled_from(["convex", "signed"]),
+)
+IDENTITIES = settings(max_examples=60, deadline=None, derandomize=True)
+OTHER = {"+x": "-x", "-x": "+x"}
+
+
+class TestIdentities:
+    @CASES
+    @IDENTITIES
+    def test_mirror(self, pair, approach, shear, curvature):
+        upper, lower = pair
+        assume(robust(upper, lower, approach, shear, curvature))
+        mirrored = [Profile(p.heights[::-1], spacing=p.spacing) for p in pair]
+        assert_close(
+            all_sums(press(*mirrored, [approach], shear=OTHER[shear], curvature=curvature)),
+            all_sums(press(upper, lower, [approach], shear=shear, curvature=curvature)),
+            MIRROR,
+        )
+
+    @CASES
+    @IDENTITIES
+    def test_exchange(self, pair, approach, shear, curvature):
+        upper, lower = pair
+        assume(robust(upper, lower, approach, shear, curvature))
+        turned = [Profile(-p.heights, spacing=p.spacing) for p in (lower, upper)]
+        assert_close(
+            all_sums(press(*turned, [approach], shear=OTHER[shear], curvature=curvature)),
+            all_sums(press(upper, lower, [approach], shear=shear, curvature=curvature)),
+            EXCHANGE,
+        )
+
+    @CASES
+    @IDENTITIES
+    def test_scaling(self, pair, approach, shear, curvature):
+        upper, lower = pair
+        assume(robust(upper, lower, approach, shear, curvature))
+        s = 3.7
+        scaled = [Profile(s * p.heights, spacing=s * p.spacing) for p in pair]
+        factors = np.array([1, *[s**2] * 7])[:, None]  # spheres: forces and areas as s²
+        assert_close(
+            all_sums(press(*scaled, [s * approach], shear=shear, curvature=curvature)),
+            factors * all_sums(press(upper, lower, [approach], shear=shear, curvature=curvature)),
+            SCALING,
+        )
+
+    @CASES
+    @IDENTITIES
+    def test_modulus(self, pair, approach, shear, curvature):
+        upper, lower = pair
+        soft = press(upper, lower, [approach], shear=shear, curvature=curvature, effective_modulus=2.0)
+        hard = press(upper, lower, [approach], shear=shear, curvature=curvature, effective_modulus=6.0)
+        assert_close(hard.normal_elastic, 3 * soft.normal_elastic, EXACT)
+        assert_close(hard.tangential_frictional, 3 * soft.tangential_frictional, EXACT)
+        assert_close(hard.contact_area, soft.contact_area, 0)
+        ratio = [c.friction_coefficient(mu0=0.3, tau0=0.01 * c.effective_modulus) for c in (hard, soft)]
+        assert np.allclose(*ratio, rtol=EXACT, atol=0, equal_nan=True)
+
+    @CASES
+    @IDENTITIES
+    def test_table_and_sums_are_one_evaluation(self, pair, approach, shear, curvature):
+        upper, lower = pair
+        table = contacts(upper, lower, approach, shear=shear, curvature=curvature)
+        curve = press(upper, lower, [approach / 2, approach], shear=shear, curvature=curvature)
+        assert curve.contact_count[1] == len(table)
+        assert curve.contact_area[1] == pytest.approx(table.area.sum(), rel=EXACT)
+        opposing = table.force[table.opposing] @ table.tangent[table.opposing, 1]
+        assert curve.normal_frictional[1] == pytest.approx(opposing, rel=EXACT)
+
+
+class TestInterface:
+    def test_friction_parameters_broadcast_before_the_approaches(self, rough_pair):
+        curve = press(*rough_pair(1.2), [0.005, 0.01, 0.02])
+        assert curve.normal_load(mu0=0.1).shape == (3,)
+        assert curve.normal_load(mu0=[0.1, 0.2], tau0=0.1).shape == (2, 3)
+        assert curve.friction_coefficient(mu0=np.ones((2, 1)) * 0.1, tau0=[0, 0.1, 0.2, 0.3]).shape == (2, 4, 3)
+        assert curve.status(mu0=[0.1, 0.2]).shape == (2, 3)
+
+    def test_shear_strength_in_the_wrong_unit_is_warned_about(self, rough_pair):
+        curve = press(*rough_pair(1.2), [0.01])
+        with pytest.warns(UserWarning, match="is it in MPa"):
+            curve.normal_load(mu0=0.4, tau0=200)
+
+    @pytest.mark.parametrize("bad", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}])
+    def test_bad_friction_parameters_are_named(self, rough_pair, bad):
+        curve = press(*rough_pair(1.2), [0.01])
+        with pytest.raises(ValueError, match=list(bad)[-1]):
+            curve.friction_coefficient(**bad)
+
+    @pytest.mark.parametrize("call", [contacts, lambda upper, lower, at, **k: press(upper, lower, [at], **k)])
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"approach": -0.001}, r"approach is -0.001"),
+            ({"approach": math.nan}, "approach"),
+            ({"effective_modulus": 0}, "effective_modulus"),
+            ({"effective_modulus": math.inf}, "effective_modulus"),
+            ({"law": "jkr"}, "law must be one of"),
+            ({"detection": "best"}, "detection must be one of"),
+            ({"curvature": "any"}, "curvature must be one of 'convex', 'signed', got 'any'"),
+            ({"shear": "+y"}, "shear must be one of"),
+        ],
+    )
+    def test_bad_arguments_are_named(self, rough_pair, call, change, message):
+        upper, lower = rough_pair(1.2)
+        arguments = {"approach": 0.01} | change
+        with pytest.raises(ValueError, match=message):
+            call(upper, lower, arguments.pop("approach"), **arguments)
+
+    def test_mismatched_grids_are_refused(self, rough_pair):
+        upper, lower = rough_pair(1.2)
+        with pytest.raises(ValueError, match="equally many points"):
+            press(Profile(upper.heights[:-1], spacing=upper.spacing), lower, [0.01])
+        with pytest.raises(ValueError, match="equal spacings"):
+            press(Profile(upper.heights, spacing=1.01 * upper.spacing), lower, [0.01])
+
+    @pytest.mark.parametrize(
+        ("approaches", "message"),
+        [
+            ([0.2, 0.1], "increase"),
+            ([0.1, 0.1], "increase"),
+            ([], "empty"),
+            (0.1, "1 dimension"),
+            ([0.1, np.nan], "finite"),
+        ],
+    )
+    def test_bad_approaches_are_named(self, rough_pair, approaches, message):
+        with pytest.raises(ValueError, match=message):
+            press(*rough_pair(1.2), approaches)
+
+    def test_results_are_read_only(self, rough_pair):
+        curve = press(*rough_pair(1.2), [0.01])
+        table = contacts(*rough_pair(1.2), 0.01)
+        arrays = [
+            value for result in (curve, table) for value in vars(result).values() if isinstance(value, np.ndarray)
+        ]
+        assert not any(array.flags.writeable for array in arrays)

@@ -1,0 +1,55 @@
+"""What the documents and docstrings show runs as it stands."""
+
+import doctest
+import importlib
+import pkgutil
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import stiction
+
+ROOT = Path(__file__).parents[1]
+MODULES = [
+    module.name for module in pkgutil.walk_packages(stiction.__path__, "stiction.") if "__main__" not in module.name
+]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstring_examples(name):
+    assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
+def test_example_scripts(path, tmp_path):
+    done = subprocess.run(
+        [sys.executable, path], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def blocks(document, language):
+    return re.findall(rf"```{language}\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("code", blocks("README.md", "python"))
+def test_python_of_the_readme(code, capsys):
+    exec(compile(code, "README.md", "exec"), {})
+    assert capsys.readouterr().out
+
+
+def test_commands_of_the_readme(tmp_path):
+    """Every stiction command, made small."""
+    small = "--set surfaces.points=4000 --set 'surfaces.extent=2 um' --set 'surfaces.fractal_dimension=[1.1, 1.4]'"
+    lines = [line.split(" #")[0].strip() for block in blocks("README.md", "sh") for line in block.splitlines()]
+    commands = [line for line in lines if line.startswith("stiction ")]
+    assert len(commands) >= 5
+    for command in commands:
+        shell = command.replace("stiction ", f"{sys.executable} -m stiction ", 1)
+        if " run " in shell:
+            shell = shell.replace(" --set ensemble.repetitions=10", "") + f" {small} --set ensemble.repetitions=2"
+        done = subprocess.run(shell, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+        assert done.returncode == 0, (command, done.stderr)

@@ -1,0 +1,144 @@
+import math
+
+import numpy as np
+import pytest
+from reference import direct_sum
+from stiction import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_family
+
+# Of the profile's total height. Phases are held to 64 bits, so what is left is the round-off of 1600 cosines and of a
+# recurrence of 64 steps; the reference's own long double phases are good to about 1e-10 rad at the highest frequency.
+AGREES_WITH_DIRECT_SUM = 1e-12
+
+SMALL = {"points": 3000, "extent": 2.0}
+
+
+def hurst(dimension, convention):
+    return 4 - 2 * dimension if convention == "paper" else 2 - dimension
+
+
+class TestPhases:
+    def test_vector_is_pinned(self):
+        # Raw PCG64 words are kept by NumPy from version to version; these were written down once.
+        phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
+        assert phases.tolist() == PINNED
+
+    def test_depend_on_seed_repetition_and_side_only(self):
+        one = random_phases(1, repetition=2, side="upper")
+        assert one.shape == (40, 40)
+        assert np.array_equal(one, random_phases(1, repetition=2, side="upper"))
+        for other in (
+            random_phases(2, repetition=2, side="upper"),
+            random_phases(1, repetition=3, side="upper"),
+            random_phases(1, repetition=2, side="lower"),
+        ):
+            assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.1
+
+    def test_are_uniform_on_a_turn(self):
+        phases = random_phases(3, directions=500, frequencies=400)
+        assert phases.min() >= 0
+        assert phases.max() < 2 * math.pi
+        counts, _ = np.histogram(phases, bins=50, range=(0, 2 * math.pi))
+        expected = phases.size / 50
+        chi_squared = ((counts - expected) ** 2 / expected).sum()
+        assert 25 < chi_squared < 80  # 49 degrees of freedom: 0.2 % and 99.7 %
+
+    @pytest.mark.parametrize(
+        "bad",
+        [{"seed": -1}, {"seed": 1.5}, {"repetition": -1}, {"side": "top"}, {"directions": 0}, {"frequencies": True}],
+    )
+    def test_bad_arguments_are_named(self, bad):
+        name = next(iter(bad))
+        with pytest.raises(ValueError, match=name):
+            random_phases(**({"seed": 1} | bad))
+
+
+PINNED = [[5.314689153886981, 0.4447781159997328], [3.286748312852867, 5.168936610054548]]
+
+
+class TestProfile:
+    @pytest.mark.parametrize("band_limit", [None, "nyquist"])
+    @pytest.mark.parametrize("convention", ["paper", "classical"])
+    @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
+    def test_is_the_direct_sum_at_full_size(self, dimension, convention, band_limit):
+        phases = random_phases(5, side="upper")
+        profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
+        at = np.unique(np.concatenate([np.arange(5), np.arange(2040, 2056), np.arange(7, 150_000, 3001), [149_999]]))
+        expected = direct_sum.weierstrass_mandelbrot(
+            phases,
+            hurst(dimension, convention),
+            length_scale=1.0,
+            gamma=1.5,
+            extent=40.0,
+            points=150_000,
+            at=at,
+            nyquist=band_limit == "nyquist",
+        )
+        error = np.abs(profile.heights[at] - expected).max() / np.ptp(profile.heights)
+        assert error < AGREES_WITH_DIRECT_SUM
+
+    def test_takes_any_length_scale_gamma_and_number_of_directions(self):
+        for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
+            phases = random_phases(9, directions=directions, frequencies=12)
+            settings = {"length_scale": length_scale, "gamma": gamma, **SMALL}
+            profile = weierstrass_mandelbrot(phases, 1.4, **settings)
+            expected = direct_sum.weierstrass_mandelbrot(phases, 1.2, **settings)
+            assert np.abs(profile.heights - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
+
+    def test_starts_at_zero(self):
+        assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL).heights[0] == pytest.approx(0, abs=1e-13)
+
+    def test_classical_dimension_is_the_papers_shape_at_one_plus_half(self):
+        phases = random_phases(4)
+        for dimension in (1.0, 1.3, 1.9):
+            classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL)
+            paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL)
+            assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
+
+    def test_a_family_is_its_members_bit_for_bit(self):
+        phases = random_phases(6)
+        dimensions = [1.0, 1.2, 1.65]
+        family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL)
+        assert family.shape == (3, 3000)
+        for row, dimension in zip(family, dimensions, strict=True):
+            assert np.array_equal(row, weierstrass_mandelbrot(phases, dimension, **SMALL).heights)
+        assert weierstrass_mandelbrot_family(phases, [], **SMALL).shape == (0, 3000)
+
+    def test_variance_of_height_is_that_of_its_harmonics(self):
+        # Half the sum of squared amplitudes, m and M - m having independent phases; m = M/2 has no wave.
+        dimension, gamma = 1.2, 1.5
+        weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst(dimension, "paper"))
+        expected = 0.5 * 39 * np.square(weights).sum()
+        measured = [
+            np.var(weierstrass_mandelbrot(random_phases(8, repetition=r), dimension, points=20_000).heights)
+            for r in range(60)
+        ]
+        # The lowest frequencies of 40 directions dominate: about 10 % scatter each, 1.3 % of the mean of 60.
+        assert np.mean(measured) == pytest.approx(expected, rel=0.05)
+
+    @pytest.mark.parametrize(
+        "bad",
+        [
+            {"fractal_dimension": 0.99},
+            {"fractal_dimension": 2.0},
+            {"fractal_dimension": math.nan},
+            {"fractal_dimension": "1.5"},
+            {"phases": np.zeros(3)},
+            {"phases": np.full((2, 2), np.inf)},
+            {"length_scale": 0},
+            {"gamma": 1.0},
+            {"extent": -1.0},
+            {"points": 3},
+            {"points": 1e4},
+            {"convention": "textbook"},
+            {"band_limit": "none"},
+            {"gamma": 1e6},
+        ],
+    )
+    def test_bad_arguments_are_named(self, bad):
+        arguments = {"phases": random_phases(1), "fractal_dimension": 1.5, "points": 100} | bad
+        with pytest.raises(ValueError, match=next(iter(bad))):
+            weierstrass_mandelbrot(arguments.pop("phases"), arguments.pop("fractal_dimension"), **arguments)
+
+    def test_no_directions_is_named(self):
+        with pytest.raises(ValueError, match="at least one direction"):
+            weierstrass_mandelbrot(np.zeros((0, 5)), 1.5, points=100)

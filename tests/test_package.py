@@ -1,0 +1,64 @@
+import subprocess
+import sys
+import threading
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import stiction
+from stiction import _core
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_the_version_stands_once():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert stiction.__version__ == _core.__version__ == project["version"]
+    assert f"## {project['version']}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"version: {project['version']}" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_public_names_are_sorted_and_there():
+    assert stiction.__all__ == sorted(stiction.__all__)
+    assert all(hasattr(stiction, name) for name in stiction.__all__)
+
+
+def test_import_is_light():
+    heavy = "{'matplotlib', 'xarray', 'zarr', 'pandas', 'scipy', 'rich'}"
+    code = f"import sys, stiction; print(sorted({heavy} & set(sys.modules)))"
+    assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
+
+
+def test_the_core_converts_nothing_silently():
+    heights = np.zeros(8)
+    law = _core.HertzSphere(effective_modulus=1.0)
+    options = {"spacing": 1.0, "law": law, "convex_only": True, "shear": 1}
+    approaches = np.array([0.1])
+    _core.press(heights, heights, approaches, **options)
+    for bad in (heights.tolist(), heights.astype(np.float32), np.zeros(16)[::2]):
+        with pytest.raises(TypeError, match="incompatible function arguments"):
+            _core.press(bad, heights, approaches, **options)
+
+
+def test_another_thread_makes_progress_during_a_long_call():
+    phases = stiction.random_phases(1)
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.wait(0.001):
+            ticks.append(None)
+
+    thread = threading.Thread(target=tick)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(60)  # the interpreter takes nothing away: only a lock that is released lets the other tick
+    try:
+        thread.start()
+        before = len(ticks)
+        stiction.weierstrass_mandelbrot(phases, 1.5, points=1_000_000)
+        during = len(ticks) - before
+    finally:
+        done.set()
+        sys.setswitchinterval(interval)
+        thread.join()
+    assert during > 0

@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+from stiction import Profile
+
+HEIGHTS = np.array([0.0, 2.0, 1.0, -3.0, 0.5])
+ROUND_OFF = 1e-14  # a few roundings of numbers of order one
+
+
+def test_grid_starts_at_zero_and_extends_over_all_points():
+    profile = Profile(HEIGHTS, spacing=0.25)
+    assert profile.x.tolist() == [0, 0.25, 0.5, 0.75, 1.0]
+    assert profile.extent == 1.25
+    assert len(profile) == 5
+
+
+def test_heights_are_a_copy_that_nobody_can_change():
+    mine = HEIGHTS.copy()
+    profile = Profile(mine, spacing=1.0)
+    mine[0] = 99
+    assert profile.heights[0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        profile.heights[0] = 1
+
+
+@pytest.mark.parametrize(
+    ("measure", "size"),
+    [
+        ("height", np.ptp),
+        ("Ra", lambda y: np.abs(y - y.mean()).mean()),
+        ("Rq", np.std),
+    ],
+)
+def test_amplitude_is_what_the_measure_says(measure, size):
+    scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
+    assert size(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
+    assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)
+    assert np.corrcoef(scaled.heights, HEIGHTS)[0, 1] == pytest.approx(1, abs=ROUND_OFF)
+    assert scaled.spacing == 1.0
+
+
+@pytest.mark.parametrize(
+    ("heights", "message"),
+    [
+        ([0, 1, np.nan, 2], r"heights\[2\] is nan"),
+        ([0, 1, 2, -np.inf], r"heights\[3\] is -inf"),
+        ([0, 1, 2], "at least 4 points, got 3"),
+        ([], "at least 4 points, got 0"),
+        ([[0, 1], [2, 3]], "1 dimension"),
+        (1.0, "1 dimension"),
+        (["a", "b", "c", "d"], "real numbers"),
+        ([1j, 2j, 3j, 4j], "real numbers"),
+        (None, "real numbers"),
+        ([[1, 2], [3]], "real numbers"),
+    ],
+)
+def test_bad_heights_are_named(heights, message):
+    with pytest.raises(ValueError, match=message):
+        Profile(heights, spacing=1.0)
+
+
+@pytest.mark.parametrize("spacing", [0, -1.0, np.nan, np.inf, "1 um", None, True])
+def test_bad_spacings_are_named(spacing):
+    with pytest.raises(ValueError, match="spacing must be a finite number above 0 µm, got"):
+        Profile(HEIGHTS, spacing=spacing)
+
+
+def test_bad_amplitudes_are_named():
+    profile = Profile(HEIGHTS, spacing=1.0)
+    with pytest.raises(ValueError, match="amplitude must be a finite number above 0"):
+        profile.with_amplitude(0)
+    with pytest.raises(ValueError, match=r"measure must be one of 'height', 'Ra', 'Rq', got 'rms'"):
+        profile.with_amplitude(1, "rms")
+    with pytest.raises(ValueError, match="flat"):
+        Profile(np.ones(9), spacing=1.0).with_amplitude(1)

@@ -1,0 +1,148 @@
+import multiprocessing
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import stiction
+import xarray
+from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
+from stiction.studies import store
+from stiction.studies.runner import FAMILY, SUMS
+from stiction.studies.store import StoreError
+from stiction.studies.study import study_of
+
+SMALL = Study().with_changes(
+    {
+        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 4},
+        "surfaces.amplitude": ["50 nm", "100 nm"],
+        "surfaces.points": 5000,
+        "surfaces.extent": "2 um",
+        "contact.approach.count": 6,
+        "ensemble.repetitions": 5,
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run(SMALL)
+
+
+def assert_same_bits(one, other):
+    for name in SUMS:
+        assert one[name].values.tobytes() == other[name].values.tobytes(), name
+
+
+def test_every_sum_is_that_of_its_pair(result):
+    assert result["normal_elastic"].shape == (4, 2, 5, 6)
+    assert result["contact_count"].values.sum() > 1000
+    for d, a, r in ((0, 0, 0), (2, 1, 3), (3, 0, 4)):
+        upper, lower = (
+            weierstrass_mandelbrot(
+                random_phases(2016, repetition=r, side=side),
+                result["fractal_dimension"].values[d],
+                points=5000,
+                extent=2.0,
+            ).with_amplitude((0.05, 0.1)[a])
+            for side in ("upper", "lower")
+        )
+        curve = press(upper, lower, result["approach"].values)
+        for name in SUMS:
+            assert np.array_equal(result[name].values[d, a, r], getattr(curve, name)), name
+
+
+def test_the_choices_of_a_study_arrive(result):
+    """Each changed value changes the result, so none is dropped on the way."""
+    changes = {
+        "surfaces.amplitude_measure": "Rq",
+        "surfaces.length_scale": "0.9 um",
+        "surfaces.extent": "2.1 um",
+        "surfaces.points": 5001,
+        "surfaces.gamma": 1.6,
+        "surfaces.directions": 39,
+        "surfaces.frequencies": 39,
+        "surfaces.convention": "classical",
+        "surfaces.band_limit": "nyquist",
+        "contact.effective_modulus": "11 GPa",
+        "contact.curvature": "signed",
+        "contact.shear": "-x",
+        "ensemble.seed": 2017,
+    }
+    for key, value in changes.items():
+        other = run(SMALL.with_changes({key: value, "ensemble.repetitions": 1}))
+        differs = [name for name in SUMS if not np.array_equal(other[name].values, result[name].values[:, :, :1])]
+        assert differs, key
+
+
+def test_any_executor_gives_the_same_bits(result):
+    class Inline(ThreadPoolExecutor):
+        def submit(self, function, /, *args, **kwargs):
+            future = Future()
+            future.set_result(function(*args, **kwargs))
+            return future
+
+    for workers in (1, 2):
+        with ThreadPoolExecutor(workers) as pool:
+            assert_same_bits(run(SMALL, executor=pool), result)
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        assert_same_bits(run(SMALL, executor=pool), result)
+    assert_same_bits(run(SMALL, executor=Inline()), result)
+
+
+def test_families_repetitions_and_neighbours_do_not_matter(result):
+    many = SMALL.with_changes({"surfaces.fractal_dimension.count": 3 * (FAMILY + 1) + 1, "ensemble.repetitions": 1})
+    assert many.surfaces.fractal_dimensions()[:: FAMILY + 1] == pytest.approx(SMALL.surfaces.fractal_dimensions())
+    same = SMALL.with_changes(
+        {
+            "surfaces.fractal_dimension": many.surfaces.fractal_dimensions()[:: FAMILY + 1].tolist(),
+            "ensemble.repetitions": 1,
+        }
+    )
+    assert_same_bits(run(many).isel(fractal_dimension=slice(None, None, FAMILY + 1)), run(same))
+
+
+def test_the_result_says_what_it_is(result):
+    assert result.attrs["stiction_version"] == stiction.__version__
+    assert study_of(result) == SMALL
+    assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
+    assert result["approach"].attrs["units"] == "um"
+
+
+class TestStore:
+    def test_gives_back_what_was_written(self, tmp_path):
+        written = run(SMALL, store=tmp_path / "deep" / "result.zarr")
+        read = store.read(tmp_path / "deep" / "result.zarr")
+        xarray.testing.assert_identical(read, written)
+        assert store.holds(tmp_path / "deep" / "result.zarr", SMALL)
+        assert not store.holds(tmp_path / "deep" / "result.zarr", Study())
+        assert [p.name for p in (tmp_path / "deep").iterdir()] == ["result.zarr"]
+
+    def test_is_never_overwritten(self, tmp_path):
+        (tmp_path / "mine").mkdir()
+        with pytest.raises(StoreError, match="exists already"):
+            run(SMALL, store=tmp_path / "mine")
+        assert list((tmp_path / "mine").iterdir()) == []
+
+    def test_that_cannot_be_is_refused_before_anything_is_computed(self, tmp_path, monkeypatch):
+        monkeypatch.setattr("stiction.studies.runner.repetition_sums", lambda *_: pytest.fail("computed"))
+        (tmp_path / "file").write_text("")
+        with pytest.raises(StoreError, match="cannot be written"):
+            run(SMALL, store=tmp_path / "file" / "result.zarr")
+
+    def test_foreign_things_are_no_results(self, tmp_path):
+        (tmp_path / "empty").mkdir()
+        xarray.Dataset({"a": ("x", [1.0])}).to_zarr(tmp_path / "other", zarr_format=3, consolidated=False)
+        for path in (tmp_path / "none", tmp_path / "empty", tmp_path / "other"):
+            with pytest.raises(StoreError, match="is not a result of stiction"):
+                store.read(path)
+
+
+def test_a_study_that_cannot_be_computed_is_a_value_error():
+    with pytest.raises(ValueError, match="gamma"):
+        run(SMALL.with_changes({"surfaces.gamma": 100.0}))
+
+
+def test_progress_is_drawn_on_request(capfd):
+    run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
+    out, err = capfd.readouterr()
+    assert "2/2" in out + err
