@@ -51,9 +51,10 @@ def test_it_is_a_ratio_of_means_in_which_no_contact_counts_as_zero():
 def test_the_first_upward_crossing_counts():
     result = dataset([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(at(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=EXACT)
-    # Through a dip below zero as well.
+    # Through a dip below zero as well, also of a load that the first approach exceeds.
     result = dataset([1.0, -3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(at(result, [2.0])["friction_coefficient"], [0.4], rtol=EXACT)
+    assert np.allclose(at(result, [0.75])["friction_coefficient"], [(0.3 + 0.75 * 0.5) / 0.75], rtol=EXACT)
 
 
 def test_nothing_is_extrapolated_and_every_point_says_why_not():
@@ -66,6 +67,9 @@ def test_nothing_is_extrapolated_and_every_point_says_why_not():
     out = at(locked, [0.9, 1.2, 2.0], mu0=1.0)
     assert out["status"].values.tolist() == ["below-range", "self-locked", "self-locked"]
     assert at(locked, [1.2], mu0=0.1)["status"].values.tolist() == ["ok"]
+
+    lifted = dataset([[1.0, 2.0, 0.0]], [[0.5, 1.0, 0.0]], count=[[1, 1, 0]])
+    assert at(lifted, [3.0])["status"].values.tolist() == ["not-reached"]
 
     nothing = dataset([0.0, 0.0], [0.0, 0.0], count=0)
     out = at(nothing, [1.0])
@@ -96,6 +100,33 @@ def test_loads_that_not_every_part_of_the_ensemble_reaches_have_an_interval():
     out = at(dataset(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert out["status"].values.tolist() == ["ok"]
     assert out["lower"].values[0] < out["friction_coefficient"].values[0] < out["upper"].values[0]
+
+
+def test_one_repetition_that_carries_load_is_no_ensemble():
+    out = at(dataset([[0.0, 0.0]] * 4 + [[1.0, 2.0]], [[0.0, 0.0]] * 4 + [[0.5, 1.0]]), [0.3])
+    assert out["friction_coefficient"].values[0] == pytest.approx(0.5)
+    assert np.isnan(out["lower"].values).all()
+
+
+def test_intervals_of_what_is_never_negative_are_not_either():
+    random = np.random.default_rng(4)
+    for _ in range(50):
+        normal = np.exp(2 * random.standard_normal((3, 1))) * [[1.0, 2.0, 3.0]]
+        out = at(
+            dataset(normal, normal * np.exp(2 * random.standard_normal((3, 1)))), [float(2.99 * normal[:, 0].mean())]
+        )
+        assert 0 <= out["lower"].values[0] <= out["friction_coefficient"].values[0] <= out["upper"].values[0]
+
+
+def test_validity_is_read_off_at_the_load():
+    result = dataset([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
+    result["load_below_grid"].values[0, 0] = [0.5, 0.5, 3.5]
+    result["overlap_load"].values[0, 0] = [0.1, 0.4, 0.8]
+    result["crossed_count"].values[0, 0] = [0, 1, 3]
+    out = at(result, [2.0, 3.0, 5.0])
+    assert out["share_below_grid"].values == pytest.approx([0.25, 2 / 3, np.nan], nan_ok=True)
+    assert out["relative_overlap"].values == pytest.approx([0.2, 0.2, np.nan], nan_ok=True)
+    assert out["share_crossed"].values == pytest.approx([0.5, 2 / 3, np.nan], nan_ok=True)
 
 
 def test_the_studys_own_parameters_are_the_default():
@@ -140,7 +171,7 @@ LEAST_COVERAGE = {
 MOST_COVERAGE = 0.975
 
 
-def synthetic(repetitions, ensembles, *, spread, scatter, seed):
+def synthetic(repetitions, ensembles, *, spread, scatter, seed, touching=1.0):
     """Ensembles along the fractal dimension: loads of power laws with lognormal factors, correlated in F_N and F_T.
 
     mu_s falls with the load as F_N^-0.1, so that an error of the crossing is an error of the friction.
@@ -149,6 +180,7 @@ def synthetic(repetitions, ensembles, *, spread, scatter, seed):
     shape = (ensembles, 1, repetitions, 1)
     factor = np.exp(spread * random.standard_normal(shape) - spread**2 / 2)
     own = np.exp(scatter * random.standard_normal(shape) - scatter**2 / 2)
+    factor = factor * (random.random(shape) < touching) / touching
     normal = factor * APPROACH**1.5
     tangential = factor * own * 0.3 * APPROACH**1.35
     zeros = np.zeros_like(normal)
@@ -172,3 +204,13 @@ def test_intervals_cover_the_truth_as_often_as_they_say(repetitions, spread, sca
     assert ok.mean() > 0.9
     covered = ((out["lower"] <= truth) & (truth <= out["upper"])).values.ravel()[ok].mean()
     assert LEAST_COVERAGE[spread, scatter][repetitions] <= covered <= MOST_COVERAGE, covered
+
+
+def test_intervals_hold_when_half_of_the_repetitions_do_not_touch():
+    load = APPROACH[5] ** 1.5
+    truth = 0.3 * APPROACH[5] ** 1.35 / load
+    result = synthetic(24, ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)
+    out = friction_map(result, [load], mu0=0.0, tau0=0.0)
+    ok = out["status"].values.ravel() == "ok"
+    covered = ((out["lower"] <= truth) & (truth <= out["upper"])).values.ravel()[ok].mean()
+    assert 0.9 <= covered <= MOST_COVERAGE

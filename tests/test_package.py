@@ -33,7 +33,7 @@ def test_import_is_light():
 def test_the_core_converts_nothing_silently():
     heights = np.zeros(8)
     law = _core.HertzSphere(effective_modulus=1.0)
-    options = {"spacing": 1.0, "law": law, "convex_only": True, "shear": 1}
+    options = {"spacing": 1.0, "law": law, "by_cell": True, "convex_only": True, "shear": 1}
     approaches = np.array([0.1])
     _core.press(heights, heights, approaches, **options)
     for bad in (heights.tolist(), heights.astype(np.float32), np.zeros(16)[::2]):

@@ -1,3 +1,5 @@
+import pickle
+
 import numpy as np
 import pytest
 from stiction import Profile
@@ -11,6 +13,19 @@ def test_grid_starts_at_zero_and_extends_over_all_points():
     assert profile.x.tolist() == [0, 0.25, 0.5, 0.75, 1.0]
     assert profile.extent == 1.25
     assert len(profile) == 5
+
+
+def test_views_and_pickles_are_safe_too():
+    base = HEIGHTS.copy()
+    view = base.view()
+    view.flags.writeable = False
+    profile = Profile(view, spacing=1.0)
+    base[0] = 99
+    assert profile.heights[0] == 0
+    again = pickle.loads(pickle.dumps(profile))
+    assert np.array_equal(again.heights, profile.heights)
+    assert again.spacing == profile.spacing
+    assert not again.heights.flags.writeable
 
 
 def test_heights_are_a_copy_that_nobody_can_change():
@@ -51,6 +66,8 @@ def test_amplitude_is_what_the_measure_says(measure, size):
         ([1j, 2j, 3j, 4j], "real numbers"),
         (None, "real numbers"),
         ([[1, 2], [3]], "real numbers"),
+        (np.ma.array([0.0, 1, 99, 1], mask=[0, 0, 1, 0]), "masked"),
+        (np.array(["2020-01-01"] * 4, "M8[D]"), "real numbers"),
     ],
 )
 def test_bad_heights_are_named(heights, message):
@@ -58,7 +75,7 @@ def test_bad_heights_are_named(heights, message):
         Profile(heights, spacing=1.0)
 
 
-@pytest.mark.parametrize("spacing", [0, -1.0, np.nan, np.inf, "1 um", None, True])
+@pytest.mark.parametrize("spacing", [0, -1.0, np.nan, np.inf, "1 um", None, True, 10**400, 2 + 1j])
 def test_bad_spacings_are_named(spacing):
     with pytest.raises(ValueError, match="spacing must be a finite number above 0 µm, got"):
         Profile(HEIGHTS, spacing=spacing)

@@ -1,4 +1,5 @@
 import multiprocessing
+import shutil
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -6,8 +7,8 @@ import pytest
 import stiction
 import xarray
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
-from stiction.studies import store
-from stiction.studies.runner import FAMILY, SUMS
+from stiction.mechanics.contact import SUMS
+from stiction.studies import runner, store
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 
@@ -65,6 +66,8 @@ def test_the_choices_of_a_study_arrive(result):
         "surfaces.band_limit": "nyquist",
         "contact.effective_modulus": "11 GPa",
         "contact.curvature": "signed",
+        "contact.detection": "gap-minimum",
+        "contact.law": "hertz-cylinder",
         "contact.shear": "-x",
         "ensemble.seed": 2017,
     }
@@ -89,16 +92,15 @@ def test_any_executor_gives_the_same_bits(result):
     assert_same_bits(run(SMALL, executor=Inline()), result)
 
 
-def test_families_repetitions_and_neighbours_do_not_matter(result):
-    many = SMALL.with_changes({"surfaces.fractal_dimension.count": 3 * (FAMILY + 1) + 1, "ensemble.repetitions": 1})
-    assert many.surfaces.fractal_dimensions()[:: FAMILY + 1] == pytest.approx(SMALL.surfaces.fractal_dimensions())
-    same = SMALL.with_changes(
-        {
-            "surfaces.fractal_dimension": many.surfaces.fractal_dimensions()[:: FAMILY + 1].tolist(),
-            "ensemble.repetitions": 1,
-        }
-    )
-    assert_same_bits(run(many).isel(fractal_dimension=slice(None, None, FAMILY + 1)), run(same))
+def test_families_and_their_size_do_not_matter(result, monkeypatch):
+    for rows in (1, 3):
+        monkeypatch.setattr(runner, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
+        assert_same_bits(run(SMALL), result)
+
+
+def test_more_repetitions_than_are_submitted_at_a_time_are_all_there(result, monkeypatch):
+    monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
+    assert_same_bits(run(SMALL), result)
 
 
 def test_the_result_says_what_it_is(result):
@@ -128,6 +130,21 @@ class TestStore:
         (tmp_path / "file").write_text("")
         with pytest.raises(StoreError, match="cannot be written"):
             run(SMALL, store=tmp_path / "file" / "result.zarr")
+
+    def test_damage_is_said_so(self, tmp_path):
+        whole = tmp_path / "whole"
+        run(SMALL.with_changes({"ensemble.repetitions": 1}), store=whole)
+        for number, (file, content) in enumerate(
+            {"zarr.json": b"[]", "normal_elastic/c/0/0/0/0": b"junk", "contact_area/zarr.json": b""}.items()
+        ):
+            damaged = tmp_path / f"damaged{number}"
+            shutil.copytree(whole, damaged)
+            (damaged / file).write_bytes(content)
+            with pytest.raises(StoreError, match="damaged"):
+                store.read(damaged)
+        shutil.rmtree(whole / "crossed_count")
+        with pytest.raises(StoreError, match="crossed_count"):
+            store.read(whole)
 
     def test_foreign_things_are_no_results(self, tmp_path):
         (tmp_path / "empty").mkdir()

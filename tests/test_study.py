@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stiction import Study, study_names
+from stiction import HertzCylinder, JacksonGreen, Study, study_names
 from stiction.studies.study import StudyError
 from stiction.studies.units import quantity
 
@@ -107,6 +107,16 @@ class TestChanges:
         assert study.contact.effective_modulus == 70
         assert Study().ensemble.repetitions == 100
 
+    def test_laws_with_parameters_are_tables(self):
+        study = Study().with_changes(
+            {"contact.law": {"name": "jackson-green", "yield_strength": "200 MPa", "poisson_ratio": 0.3}}
+        )
+        assert study.contact.contact_law() == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
+        assert study.with_changes({}).to_toml() == study.to_toml()
+        cylinder = Study().with_changes({"contact.law": {"name": "hertz-cylinder", "width": "2 um"}})
+        assert cylinder.contact.contact_law() == HertzCylinder(width=2.0)
+        assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.contact_law() == "hertz-cylinder"
+
     def test_equal_quantities_are_equal_studies(self):
         changed = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
         assert changed == Study()
@@ -133,7 +143,7 @@ class TestChanges:
             ("surfaces.fractal_dimension.count", 1, r"surfaces\.fractal_dimension: a range of count 1"),
             ("surfaces.amplitude", ["200 parrots"], r"surfaces\.amplitude\[0\]: has the unit 'parrots'"),
             ("surfaces.amplitude", ["0 nm"], r"surfaces\.amplitude\[0\]: must be above 0"),
-            ("surfaces.amplitude", "0.1 um", r"surfaces\.amplitude: .*tuple"),
+            ("surfaces.amplitude", "0.1 um", r"surfaces\.amplitude: must be a list"),
             ("surfaces.length_scale", "1", r"surfaces\.length_scale: .*unit of length"),
             ("surfaces.length_scale", 1.0, r"surfaces\.length_scale: needs a length with its unit"),
             ("surfaces.extent", "10**10**10 nm", r"surfaces\.extent: "),
@@ -144,6 +154,11 @@ class TestChanges:
             ("contact.approach", ["2 nm", "1 nm"], r"contact\.approach: must increase, but 2 nm is followed by 1 nm"),
             ("contact.law", "jkr", r"contact\.law"),
             ("contact.effective_modulus", "-10 GPa", r"contact\.effective_modulus: must be above 0"),
+            ("surfaces.length_scale", "1e9 m", r"surfaces\.length_scale: must be from 1e-06 to 1e\+06 um"),
+            ("contact.law", {"name": "jackson-green"}, r"contact\.law\.yield_strength: .*required"),
+            ("contact.law", {"name": "jkr"}, r"contact\.law: must be"),
+            ("contact.law.width", "1 um", r"contact\.law\.width: unknown key"),
+            ("ensemble.repetitions", 10_000_000, r"the result would take \d+ GiB"),
             ("friction.mu0", [-0.1], r"friction\.mu0\[0\]"),
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],

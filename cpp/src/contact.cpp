@@ -3,10 +3,10 @@
 #include "multiversion.hpp"
 #include "stiction/asperity.hpp"
 #include "stiction/spline.hpp"
+#include "text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -87,9 +87,13 @@ std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side side_of_
 }
 
 // Rules 1, 2 and 4: the contact lies in its own cell, the bodies overlap, their centres have not crossed.
-bool is_contact(const Touch& touch, double half_cell) {
-  return touch.centre.x() >= -half_cell && touch.centre.x() < half_cell && touch.overlap > 0.0 &&
-         touch.normal.y() > 0.0;
+enum class Verdict { no_contact, crossed, contact };
+
+Verdict judge(const Touch& touch, double half_cell) {
+  if (!(touch.overlap > 0.0 && touch.centre.x() >= -half_cell && touch.centre.x() < half_cell)) {
+    return Verdict::no_contact;
+  }
+  return touch.normal.y() > 0.0 ? Verdict::contact : Verdict::crossed;
 }
 
 // ---- Passes over the profiles -------------------------------------------------------------------------------------
@@ -128,37 +132,71 @@ bool all_finite(const double* values, std::size_t size) {
   return std::all_of(zero, zero + lanes, [](double lane) { return lane == 0.0; });
 }
 
-bool is_flat(Values heights) {
-  return std::all_of(heights.begin(), heights.end(), [&](double height) { return height == heights.front(); });
+// The largest second difference of the gap: what its spline can dip below the grid's own values is 3/8 of it, because
+// |f''| of a natural spline is at most 3 of them per Δx², and a cubic dips below its ends by at most |f''| Δx² / 8.
+STICTION_MULTIVERSION
+double largest_second_difference(const double* upper, const double* lower, std::size_t size) {
+  constexpr std::size_t lanes = 16;
+  double largest[lanes] = {};
+  const auto at = [&](std::size_t i) {
+    return std::abs((upper[i - 1] - lower[i - 1]) - 2.0 * (upper[i] - lower[i]) + (upper[i + 1] - lower[i + 1]));
+  };
+  std::size_t i = 1;
+  for (; i + lanes < size; i += lanes) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      largest[lane] = std::max(largest[lane], at(i + lane));
+    }
+  }
+  for (; i + 1 < size; ++i) {
+    largest[0] = std::max(largest[0], at(i));
+  }
+  return *std::max_element(largest, largest + lanes);
 }
 
-// Slopes and curvatures of a stretch of a profile, as the spline through the whole profile has them.
-class SplineWindow {
+// A profile and, of a stretch of it, the slopes and curvatures that the spline through the whole has.
+class Body {
  public:
-  explicit SplineWindow(Values heights, double spacing)
-      : heights_(heights), spacing_(spacing), flat_(is_flat(heights)) {}
+  Body(Values heights, double spacing, Side side)
+      : heights_(heights),
+        spacing_(spacing),
+        side_(side),
+        flat_(std::all_of(heights.begin(), heights.end(), [&](double height) { return height == heights.front(); })) {}
 
   bool flat() const { return flat_; }
 
-  void move(std::size_t first, std::size_t last) {
-    if (flat_) {
-      return;
-    }
+  void spline(std::size_t first, std::size_t last) {
     constexpr auto reach = static_cast<std::size_t>(spline_reach);
     begin_ = first > reach ? first - reach : 0;
-    const std::size_t end = std::min(last + 1 + reach, heights_.size());
-    slope_.resize(end - begin_);
-    curvature_.resize(end - begin_);
-    natural_spline(heights_.subspan(begin_, end - begin_), spacing_, slope_, curvature_);
+    const std::size_t size = std::min(last + 1 + reach, heights_.size()) - begin_;
+    slope_.resize(size);
+    curvature_.resize(size);
+    if (!flat_) {
+      natural_spline(heights_.subspan(begin_, size), spacing_, slope_, curvature_);
+    }
   }
 
-  Asperity asperity_at(std::size_t i, Side side) const {
-    return asperity(slope_[i - begin_], curvature_[i - begin_], side);
+  double height(std::size_t i) const { return heights_[i]; }
+  double slope(std::size_t i) const { return slope_[i - begin_]; }
+  double curvature(std::size_t i) const { return curvature_[i - begin_]; }
+
+  // Between grid points i and i + 1, t [µm] from the first.
+  double height(std::size_t i, double t) const {
+    return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * bend(i)));
+  }
+  double slope(std::size_t i, double t) const { return slope(i) + t * (curvature(i) + 0.5 * t / spacing_ * bend(i)); }
+  double curvature(std::size_t i, double t) const { return curvature(i) + t / spacing_ * bend(i); }
+
+  Asperity asperity(std::size_t i, double t) const {
+    return t == 0.0 ? stiction::asperity(slope(i), curvature(i), side_)
+                    : stiction::asperity(slope(i, t), curvature(i, t), side_);
   }
 
  private:
+  double bend(std::size_t i) const { return curvature(i + 1) - curvature(i); }
+
   Values heights_;
   double spacing_;
+  Side side_;
   bool flat_;
   std::size_t begin_ = 0;
   std::vector<double> slope_;
@@ -171,32 +209,93 @@ struct Pair {
   double spacing;
 };
 
-// Calls visit(grid point, index of the approach, touch, effective radius) for every contact, grid point by grid point.
-template <class Visit>
-void visit_contacts(const Pair& pair, Values approaches, Curvature curvature, const Visit& visit) {
-  const double touch_gap = lowest_gap(pair.upper.data(), pair.lower.data(), pair.upper.size());
-  const auto gap_at = [&](std::size_t i) { return (pair.upper[i] - pair.lower[i]) - touch_gap; };
-  const double half_cell = 0.5 * pair.spacing;
+// A place where two asperities face each other.
+struct Site {
+  std::size_t index;    // grid point
+  double offset;        // from it [µm]
+  double lower_height;  // [µm]
+  double gap;           // above first touch [µm]
+};
 
-  std::vector<std::size_t> candidates;
-  for (std::size_t i = 0; i < pair.upper.size(); ++i) {
-    if (gap_at(i) <= approaches.back()) {
-      candidates.push_back(i);
-    }
+// The local minimum of the splined gap in [x_i, x_(i+1)), if there is one: the root of the gap's slope, a quadratic
+// there, at which the gap is convex.
+std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::size_t i, double spacing) {
+  const double slope = upper.slope(i) - lower.slope(i);
+  const double next_slope = upper.slope(i + 1) - lower.slope(i + 1);
+  const double curvature = upper.curvature(i) - lower.curvature(i);
+  if (slope == 0.0 && curvature > 0.0 && i > 0) {
+    return 0.0;
   }
+  // slope + curvature t + half_rate t²
+  const double half_rate = (upper.curvature(i + 1) - lower.curvature(i + 1) - curvature) / (2.0 * spacing);
+  const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
+  if (!(discriminant > 0.0)) {
+    return std::nullopt;
+  }
+  const double root = std::sqrt(discriminant);
+  // The root at which the quadratic rises, in the form that does not cancel.
+  const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
+  if (slope < 0.0 && next_slope > 0.0) {
+    return std::clamp(t, 0.0, spacing);  // it is there, whatever round-off says
+  }
+  const bool inside = t > 0.0 && t < spacing;
+  return inside && next_slope != 0.0 ? std::optional(t) : std::nullopt;
+}
 
-  SplineWindow upper(pair.upper, pair.spacing);
-  SplineWindow lower(pair.lower, pair.spacing);
+// Calls visit(site, index of the approach, touch, effective radius, verdict) for every contact, and every would-be
+// contact whose centres have crossed, from left to right.
+template <class Visit>
+void visit_contacts(const Pair& pair, Values approaches, const ContactModel& model, const Visit& visit) {
+  const std::size_t size = pair.upper.size();
+  Body upper(pair.upper, pair.spacing, Side::upper);
+  Body lower(pair.lower, pair.spacing, Side::lower);
   if (upper.flat() && lower.flat()) {
     return;  // no asperities: 1/R = 0 everywhere
   }
+  const bool by_cell = model.detection == Detection::cell;
+  const double half_cell = by_cell ? 0.5 * pair.spacing : std::numeric_limits<double>::infinity();
+  const double first_touch = lowest_gap(pair.upper.data(), pair.lower.data(), size);
+  const auto grid_gap = [&](std::size_t i) { return (pair.upper[i] - pair.lower[i]) - first_touch; };
 
-  const auto visit_approaches = [&](std::size_t i, double gap, const auto& encounter) {
-    const auto first = std::lower_bound(approaches.begin(), approaches.end(), gap);
+  // Grid points, or the intervals on their right, that may hold a contact at the largest approach.
+  std::vector<std::size_t> candidates;
+  if (by_cell) {
+    for (std::size_t i = 0; i < size; ++i) {
+      if (grid_gap(i) <= approaches.back()) {
+        candidates.push_back(i);
+      }
+    }
+  } else {
+    const double deepest =
+        approaches.back() + 0.375 * largest_second_difference(pair.upper.data(), pair.lower.data(), size);
+    for (std::size_t i = 0; i + 1 < size; ++i) {
+      if (std::min(grid_gap(i), grid_gap(i + 1)) <= deepest) {
+        candidates.push_back(i);
+      }
+    }
+  }
+
+  const auto site_at = [&](std::size_t i) -> std::optional<Site> {
+    if (by_cell) {
+      return Site{i, 0.0, pair.lower[i], grid_gap(i)};
+    }
+    const auto t = gap_minimum(upper, lower, i, pair.spacing);
+    if (!t) {
+      return std::nullopt;
+    }
+    const double lower_height = lower.height(i, *t);
+    return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - first_touch};
+  };
+  const auto visit_site = [&](const Site& site, const auto& encounter) {
+    if (!encounter) {
+      return;
+    }
+    const auto first = std::lower_bound(approaches.begin(), approaches.end(), site.gap);
     for (auto k = static_cast<std::size_t>(first - approaches.begin()); k < approaches.size(); ++k) {
       const Touch touch = encounter->at(approaches[k]);
-      if (is_contact(touch, half_cell)) {
-        visit(i, k, touch, encounter->radius);
+      const Verdict verdict = judge(touch, half_cell);
+      if (verdict != Verdict::no_contact) {
+        visit(site, k, touch, encounter->radius, verdict);
       }
     }
   };
@@ -210,22 +309,21 @@ void visit_contacts(const Pair& pair, Values approaches, Curvature curvature, co
            candidates[end] - candidates[begin] < longest) {
       ++end;
     }
-    upper.move(candidates[begin], candidates[end - 1]);
-    lower.move(candidates[begin], candidates[end - 1]);
+    const std::size_t last = std::min(candidates[end - 1] + 1, size - 1);
+    upper.spline(candidates[begin], last);
+    lower.spline(candidates[begin], last);
     for (; begin < end; ++begin) {
-      const std::size_t i = candidates[begin];
-      const double gap = gap_at(i);
+      const std::optional<Site> site = site_at(candidates[begin]);
+      if (!site || site->gap > approaches.back()) {
+        continue;
+      }
       if (upper.flat()) {
-        if (const auto encounter = sphere_on_flat(lower.asperity_at(i, Side::lower), Side::lower, gap)) {
-          visit_approaches(i, gap, encounter);
-        }
+        visit_site(*site, sphere_on_flat(lower.asperity(site->index, site->offset), Side::lower, site->gap));
       } else if (lower.flat()) {
-        if (const auto encounter = sphere_on_flat(upper.asperity_at(i, Side::upper), Side::upper, gap)) {
-          visit_approaches(i, gap, encounter);
-        }
-      } else if (const auto encounter = sphere_pair(upper.asperity_at(i, Side::upper),
-                                                    lower.asperity_at(i, Side::lower), gap, curvature)) {
-        visit_approaches(i, gap, encounter);
+        visit_site(*site, sphere_on_flat(upper.asperity(site->index, site->offset), Side::upper, site->gap));
+      } else {
+        visit_site(*site, sphere_pair(upper.asperity(site->index, site->offset),
+                                      lower.asperity(site->index, site->offset), site->gap, model.curvature));
       }
     }
   }
@@ -240,12 +338,6 @@ bool opposes(const Vector2& normal, int shear) { return shear * normal.x() < 0.0
 Vector2 tangent_of(const Vector2& normal, int shear) { return shear * Vector2(-normal.y(), normal.x()); }
 
 // ---- Checks -------------------------------------------------------------------------------------------------------
-
-std::string text(double value) {
-  std::string digits(32, '\0');
-  digits.resize(static_cast<std::size_t>(std::snprintf(digits.data(), digits.size(), "%g", value)));
-  return digits;
-}
 
 void check(const Pair& pair, Values approaches, const ContactModel& model) {
   const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
@@ -277,10 +369,7 @@ void check(const Pair& pair, Values approaches, const ContactModel& model) {
            " µm");
     }
   }
-  const double modulus = std::visit([](const auto& law) { return law.effective_modulus; }, model.law);
-  if (!(modulus > 0.0) || !std::isfinite(modulus)) {
-    fail("effective_modulus is " + text(modulus) + " GPa, must be above 0 and finite");
-  }
+  check(model.law);
   if (model.shear != 1 && model.shear != -1) {
     fail("shear is " + std::to_string(model.shear) + ", must be +1 or -1");
   }
@@ -296,52 +385,67 @@ LoadSums::LoadSums(std::size_t approaches)
       normal_frictional(approaches),
       tangential_frictional(approaches),
       normal_adhesive(approaches),
-      tangential_adhesive(approaches) {}
+      tangential_adhesive(approaches),
+      overlap_load(approaches),
+      load_beyond_hertz(approaches),
+      load_below_grid(approaches),
+      crossed_count(approaches) {}
 
 std::vector<Contact> contacts(Values upper, Values lower, double spacing, double approach, const ContactModel& model) {
   const Pair pair{upper, lower, spacing};
   const Values approaches(&approach, 1);
   check(pair, approaches, model);
   std::vector<Contact> result;
-  std::visit(
-      [&](const auto& law) {
-        visit_contacts(pair, approaches, model.curvature,
-                       [&](std::size_t i, std::size_t, const Touch& touch, double radius) {
-                         const ForceArea carried = law(touch.overlap, radius);
-                         const Vector2 point(static_cast<double>(i) * spacing, lower[i]);
-                         result.push_back({static_cast<Index>(i), point + touch.centre, touch.normal,
-                                           tangent_of(touch.normal, model.shear), radius, touch.overlap, carried.force,
-                                           carried.area, opposes(touch.normal, model.shear)});
-                       });
-      },
-      model.law);
+  const auto visit_with = [&](const auto& law) {
+    visit_contacts(pair, approaches, model,
+                   [&](const Site& site, std::size_t, const Touch& touch, double radius, Verdict verdict) {
+                     if (verdict == Verdict::crossed) {
+                       return;
+                     }
+                     const auto [force, area] = law(touch.overlap, radius);
+                     const Vector2 point(static_cast<double>(site.index) * spacing + site.offset, site.lower_height);
+                     result.push_back({static_cast<Index>(site.index), point + touch.centre, touch.normal,
+                                       tangent_of(touch.normal, model.shear), radius, touch.overlap, force, area,
+                                       opposes(touch.normal, model.shear)});
+                   });
+  };
+  std::visit(visit_with, model.law);
   return result;
 }
 
 LoadSums press(Values upper, Values lower, double spacing, Values approaches, const ContactModel& model) {
+  constexpr double hertz_limit = 0.1;  // overlap / R
   const Pair pair{upper, lower, spacing};
   check(pair, approaches, model);
   LoadSums sums(approaches.size());
   const double shear = model.shear;
-  std::visit(
-      [&](const auto& law) {
-        visit_contacts(pair, approaches, model.curvature,
-                       [&](std::size_t, std::size_t k, const Touch& touch, double radius) {
-                         const auto [force, area] = law(touch.overlap, radius);
-                         sums.contact_count[k] += 1;
-                         sums.contact_area[k] += area;
-                         sums.normal_elastic[k] += force * touch.normal.y();
-                         if (opposes(touch.normal, model.shear)) {
-                           const Vector2 tangent = tangent_of(touch.normal, model.shear);
-                           sums.tangential_elastic[k] -= shear * force * touch.normal.x();
-                           sums.normal_frictional[k] += force * tangent.y();
-                           sums.tangential_frictional[k] -= shear * force * tangent.x();
-                           sums.normal_adhesive[k] += area * tangent.y();
-                           sums.tangential_adhesive[k] -= shear * area * tangent.x();
-                         }
-                       });
-      },
-      model.law);
+  const auto visit_with = [&](const auto& law) {
+    visit_contacts(pair, approaches, model,
+                   [&](const Site&, std::size_t k, const Touch& touch, double radius, Verdict verdict) {
+                     if (verdict == Verdict::crossed) {
+                       sums.crossed_count[k] += 1;
+                       return;
+                     }
+                     const auto [force, area] = law(touch.overlap, radius);
+                     const double load = force * touch.normal.y();
+                     const double relative_overlap = touch.overlap / radius;
+                     sums.contact_count[k] += 1;
+                     sums.contact_area[k] += area;
+                     sums.normal_elastic[k] += load;
+                     sums.overlap_load[k] += load * relative_overlap;
+                     sums.load_beyond_hertz[k] += relative_overlap > hertz_limit ? load : 0.0;
+                     sums.load_below_grid[k] += radius < spacing ? load : 0.0;
+                     if (opposes(touch.normal, model.shear)) {
+                       const Vector2 tangent = tangent_of(touch.normal, model.shear);
+                       sums.tangential_elastic[k] -= shear * force * touch.normal.x();
+                       sums.normal_frictional[k] += force * tangent.y();
+                       sums.tangential_frictional[k] -= shear * force * tangent.x();
+                       sums.normal_adhesive[k] += area * tangent.y();
+                       sums.tangential_adhesive[k] -= shear * area * tangent.x();
+                     }
+                   });
+  };
+  std::visit(visit_with, model.law);
   return sums;
 }
 

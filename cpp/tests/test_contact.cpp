@@ -90,5 +90,7 @@ TEST_CASE("contact refuses bad arrays, approaches and models, naming what is wro
   CHECK(mentions(message(heights, heights, 1.0, {0.2, 0.2}, hertz), "increase"));
   CHECK(mentions(message(heights, heights, 1.0, good, {HertzSphere{0.0}}), "effective_modulus"));
   CHECK(mentions(message(heights, heights, 1.0, good, {HertzSphere{nan}}), "effective_modulus"));
-  CHECK(mentions(message(heights, heights, 1.0, good, {HertzSphere{1.0}, stiction::Curvature::convex, 0}), "shear"));
+  CHECK(mentions(message(heights, heights, 1.0, good,
+                         {HertzSphere{1.0}, stiction::Detection::cell, stiction::Curvature::convex, 0}),
+                 "shear"));
 }

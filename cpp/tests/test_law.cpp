@@ -2,10 +2,74 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+using stiction::ForceArea;
+using stiction::HertzCylinder;
+using stiction::HertzSphere;
+using stiction::JacksonGreen;
+
+namespace {
+constexpr double round_off = 1e-14;
+}
+
 TEST_CASE("Hertz spheres carry what the contact radius says") {
-  // With a = sqrt(R overlap): F = 4 E* a³ / (3 R) and A = π a². Numbers chosen to be exact: a = 2.
-  const stiction::HertzSphere law{3.0};
-  const auto [force, area] = law(0.5, 8.0);
-  CHECK(force == doctest::Approx(4.0).epsilon(1e-15));
-  CHECK(area == doctest::Approx(4.0 * std::numbers::pi).epsilon(1e-15));
+  // With a = sqrt(R overlap): F = 4 E* a³ / (3 R) and A = π a². Here a = 2.
+  const auto [force, area] = HertzSphere{3.0}(0.5, 8.0);
+  CHECK(force == doctest::Approx(4.0).epsilon(round_off));
+  CHECK(area == doctest::Approx(4.0 * std::numbers::pi).epsilon(round_off));
+}
+
+TEST_CASE("Hertz cylinders carry what the half-width says") {
+  // Johnson 4.45: a² = 4 F R / (π E* w); A = 2 a w. Here a = 2.
+  const auto [force, area] = HertzCylinder{3.0, 5.0}(0.5, 8.0);
+  CHECK(4.0 * force * 8.0 / (std::numbers::pi * 3.0 * 5.0) == doctest::Approx(4.0).epsilon(round_off));
+  CHECK(area == doctest::Approx(20.0).epsilon(round_off));
+}
+
+TEST_CASE("Jackson-Green spheres are Hertz's below yield, and their hardness far above it") {
+  const JacksonGreen law{100.0, 0.2, 0.3};
+  const double constraint = 1.295 * std::exp(0.736 * 0.3);
+  const double critical = std::pow(0.5 * std::numbers::pi * constraint * 0.002, 2);  // of a sphere of radius 1
+  const HertzSphere hertz{100.0};
+  for (const double ratio : {0.01, 1.0, 1.89}) {
+    CHECK(law(ratio * critical, 1.0).force == hertz(ratio * critical, 1.0).force);
+    CHECK(law(ratio * critical, 1.0).area == hertz(ratio * critical, 1.0).area);
+  }
+  // At the transition the fit's load is within 1 % of Hertz's, and its area is continuous.
+  const ForceArea below = law(1.9 * critical * (1.0 - 1e-12), 1.0);
+  const ForceArea above = law(1.9 * critical * (1.0 + 1e-12), 1.0);
+  CHECK(std::abs(above.force / below.force - 1.0) < 0.01);
+  CHECK(above.area == doctest::Approx(below.area).epsilon(1e-11));
+  // The mean pressure tends to the hardness, 2.84 S_y for small contacts; the fit keeps to it within 5 %.
+  const ForceArea plastic = law(1000.0 * critical, 1.0);
+  const double contact_radius = std::sqrt(plastic.area / std::numbers::pi);
+  const double hardness = 2.84 * 0.2 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));
+  CHECK(plastic.force / plastic.area == doctest::Approx(hardness).epsilon(0.05));
+  // Load and area grow with the overlap, the load by less than Hertz's.
+  double force = 0.0;
+  double area = 0.0;
+  for (double ratio = 0.5; ratio < 2000.0; ratio *= 1.5) {
+    const ForceArea carried = law(ratio * critical, 1.0);
+    CHECK(carried.force > force);
+    CHECK(carried.area > area);
+    CHECK(carried.force < 1.01 * hertz(ratio * critical, 1.0).force);
+    force = carried.force;
+    area = carried.area;
+  }
+}
+
+TEST_CASE("laws refuse parameters that no material has") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_NOTHROW(stiction::check(JacksonGreen{10.0, 0.9, 0.0}));
+  CHECK_THROWS_AS(stiction::check(HertzSphere{0.0}), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::check(HertzSphere{nan}), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::check(HertzCylinder{10.0, 0.0}), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::check(HertzCylinder{-1.0, 1.0}), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::check(JacksonGreen{10.0, 1.0, 0.3}), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::check(JacksonGreen{10.0, nan, 0.3}), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::check(JacksonGreen{10.0, 0.1, 0.51}), std::invalid_argument);
 }

@@ -5,8 +5,9 @@
 namespace stiction::python {
 namespace {
 
-ContactModel model_of(const Law& law, bool convex_only, int shear) {
-  return {law, convex_only ? Curvature::convex : Curvature::any, shear};
+ContactModel model_of(const Law& law, bool by_cell, bool convex_only, int shear) {
+  return {law, by_cell ? Detection::cell : Detection::gap_minimum, convex_only ? Curvature::convex : Curvature::any,
+          shear};
 }
 
 // One array per column of a list of contacts.
@@ -18,6 +19,10 @@ auto column(const std::vector<Contact>& rows, Field field) {
     values.push_back(field(row));
   }
   return array_from(std::move(values));
+}
+
+auto counts(const std::vector<Index>& values) {
+  return array_from(std::vector<std::int64_t>(values.begin(), values.end()));
 }
 
 template <class Field>
@@ -34,14 +39,14 @@ Matrix vectors(const std::vector<Contact>& rows, Field field) {
 void bind_contact(py::module_& module) {
   module.def(
       "contacts",
-      [](const Array& upper, const Array& lower, double spacing, double approach, const Law& law, bool convex_only,
-         int shear) {
+      [](const Array& upper, const Array& lower, double spacing, double approach, const Law& law, bool by_cell,
+         bool convex_only, int shear) {
         std::vector<Contact> rows;
         {
           const Values u = view(upper);
           const Values l = view(lower);
           const py::gil_scoped_release release;
-          rows = contacts(u, l, spacing, approach, model_of(law, convex_only, shear));
+          rows = contacts(u, l, spacing, approach, model_of(law, by_cell, convex_only, shear));
         }
         Table table;
         table["index"] = column(rows, [](const Contact& c) { return static_cast<std::int64_t>(c.index); });
@@ -56,12 +61,12 @@ void bind_contact(py::module_& module) {
         return table;
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"),
-      py::arg("approach"), py::arg("law"), py::arg("convex_only"), py::arg("shear"),
+      py::arg("approach"), py::arg("law"), py::arg("by_cell"), py::arg("convex_only"), py::arg("shear"),
       "Every contact at one approach [µm]: a dict of columns.");
 
   module.def(
       "press",
-      [](const Array& upper, const Array& lower, const Array& approaches, double spacing, const Law& law,
+      [](const Array& upper, const Array& lower, const Array& approaches, double spacing, const Law& law, bool by_cell,
          bool convex_only, int shear) {
         LoadSums sums(0);
         {
@@ -69,11 +74,10 @@ void bind_contact(py::module_& module) {
           const Values l = view(lower);
           const Values a = view(approaches);
           const py::gil_scoped_release release;
-          sums = press(u, l, spacing, a, model_of(law, convex_only, shear));
+          sums = press(u, l, spacing, a, model_of(law, by_cell, convex_only, shear));
         }
         Table table;
-        table["contact_count"] =
-            array_from(std::vector<std::int64_t>(sums.contact_count.begin(), sums.contact_count.end()));
+        table["contact_count"] = counts(sums.contact_count);
         table["contact_area"] = array_from(std::move(sums.contact_area));
         table["normal_elastic"] = array_from(std::move(sums.normal_elastic));
         table["tangential_elastic"] = array_from(std::move(sums.tangential_elastic));
@@ -81,10 +85,14 @@ void bind_contact(py::module_& module) {
         table["tangential_frictional"] = array_from(std::move(sums.tangential_frictional));
         table["normal_adhesive"] = array_from(std::move(sums.normal_adhesive));
         table["tangential_adhesive"] = array_from(std::move(sums.tangential_adhesive));
+        table["overlap_load"] = array_from(std::move(sums.overlap_load));
+        table["load_beyond_hertz"] = array_from(std::move(sums.load_beyond_hertz));
+        table["load_below_grid"] = array_from(std::move(sums.load_below_grid));
+        table["crossed_count"] = counts(sums.crossed_count);
         return table;
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::arg("approaches").noconvert(), py::kw_only(),
-      py::arg("spacing"), py::arg("law"), py::arg("convex_only"), py::arg("shear"),
+      py::arg("spacing"), py::arg("law"), py::arg("by_cell"), py::arg("convex_only"), py::arg("shear"),
       "Sums over the contacts at each approach [µm]: a dict of columns.");
 }
 

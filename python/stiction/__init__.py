@@ -5,27 +5,54 @@ Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles 
 
 from stiction._core import __version__
 from stiction.mechanics.asperity import Asperities, asperities
-from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
-from stiction.studies.ensemble import friction_map
+from stiction.mechanics.closed_forms import (
+    effective_modulus,
+    hertz_cylinder,
+    hertz_sphere,
+    slope_friction,
+    westergaard_contact_fraction,
+)
+from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
+from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
+from stiction.studies.ensemble import area_map, friction_map
 from stiction.studies.runner import run
 from stiction.studies.study import Study, study_names
-from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_family
+from stiction.surfaces.fractal import (
+    ProfileMoments,
+    random_phases,
+    weierstrass_mandelbrot,
+    weierstrass_mandelbrot_family,
+    weierstrass_mandelbrot_moments,
+)
 from stiction.surfaces.profile import Profile
 
 __all__ = [
     "Asperities",
     "Contacts",
+    "HertzCylinder",
+    "HertzSphere",
+    "JacksonGreen",
     "LoadCurve",
     "Profile",
+    "ProfileMoments",
     "Study",
+    "Validity",
     "__version__",
+    "area_map",
     "asperities",
     "contacts",
+    "effective_modulus",
+    "force_and_area",
     "friction_map",
+    "hertz_cylinder",
+    "hertz_sphere",
     "press",
     "random_phases",
     "run",
+    "slope_friction",
     "study_names",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",
+    "weierstrass_mandelbrot_moments",
+    "westergaard_contact_fraction",
 ]

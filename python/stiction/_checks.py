@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from numbers import Real
 from typing import Any, TypeVar, get_args
 
 import numpy as np
@@ -13,22 +14,24 @@ Floats = NDArray[np.float64]
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
-def float_array(name: str, values: ArrayLike, *, ndim: int) -> Floats:
-    """A float64 C-contiguous array of finite values with `ndim` dimensions."""
+def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
+    """A float64 C-contiguous array of finite real values, with `ndim` dimensions or any."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values; fill or remove them first")
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
         array = array.astype(np.float64, order="C", copy=False)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
-    if array.ndim != ndim:
+    if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
     bad = ~np.isfinite(array)
     if bad.any():
         first = tuple(int(i) for i in np.argwhere(bad)[0])
-        where = first[0] if ndim == 1 else first
-        raise ValueError(f"{name} must be finite, but {name}[{where}] is {array[first]} ({int(bad.sum())} such values)")
+        where = f"{name}{list(first)}" if first else name
+        raise ValueError(f"{name} must be finite, but {where} is {array[first]} ({int(bad.sum())} such values)")
     return array
 
 
@@ -41,9 +44,9 @@ def read_only(array: _Array) -> _Array:
 def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
     """A finite float strictly between `above` and `below`."""
     try:
-        result = float(value) if not isinstance(value, (str, bytes, bool)) else math.nan
-    except (TypeError, ValueError):
-        result = math.nan
+        result = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+    except OverflowError:
+        result = math.inf
     if not (math.isfinite(result) and above < result < below):
         bounds = [f"above {above:g}"] * (above > -math.inf) + [f"below {below:g}"] * (below < math.inf)
         allowed = " ".join(["a finite number", " and ".join(bounds)]).strip()
@@ -51,14 +54,15 @@ def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, b
     return result
 
 
-def whole_number(name: str, value: Any, *, least: int) -> int:
-    """An integer of at least `least`."""
+def whole_number(name: str, value: Any, *, least: int, most: int = 2**63 - 1) -> int:
+    """An integer from `least` to `most`."""
     try:
         result = operator.index(value) if not isinstance(value, bool) else least - 1
     except TypeError:
         result = least - 1
-    if result < least:
-        raise ValueError(f"{name} must be a whole number of at least {least}, got {value!r}")
+    if not least <= result <= most:
+        limit = f" and at most {most}" if result > most else ""
+        raise ValueError(f"{name} must be a whole number of at least {least}{limit}, got {value!r}")
     return result
 
 

@@ -7,18 +7,38 @@ import numpy
 import numpy.typing
 import typing
 
-__all__: list[str] = ["HertzSphere", "asperities", "contacts", "frequency_weights", "harmonic_profiles", "press"]
+__all__: list[str] = [
+    "HertzCylinder",
+    "HertzSphere",
+    "JacksonGreen",
+    "asperities",
+    "check",
+    "contacts",
+    "force_and_area",
+    "frequency_weights",
+    "harmonic_profiles",
+    "press",
+]
 
 class HertzSphere:
-    """
-    Elastic spheres: Hertz 1882.
-    """
     def __init__(self, *, effective_modulus: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def effective_modulus(self) -> float:
-        """
-        E* [GPa]
-        """
+
+class HertzCylinder:
+    def __init__(
+        self,
+        *,
+        effective_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        width: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class JacksonGreen:
+    def __init__(
+        self,
+        *,
+        effective_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        yield_strength: typing.SupportsFloat | typing.SupportsIndex,
+        poisson_ratio: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
 
 def asperities(
     heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, upper: bool
@@ -33,18 +53,33 @@ def asperities(
     Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.
     """
 
+def check(law: HertzSphere | HertzCylinder | JacksonGreen) -> None:
+    """
+    Raise a ValueError for a bad parameter.
+    """
+
 def contacts(
     upper: numpy.typing.NDArray[numpy.float64],
     lower: numpy.typing.NDArray[numpy.float64],
     *,
     spacing: typing.SupportsFloat | typing.SupportsIndex,
     approach: typing.SupportsFloat | typing.SupportsIndex,
-    law: HertzSphere,
+    law: HertzSphere | HertzCylinder | JacksonGreen,
+    by_cell: bool,
     convex_only: bool,
     shear: typing.SupportsInt | typing.SupportsIndex,
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     Every contact at one approach [µm]: a dict of columns.
+    """
+
+def force_and_area(
+    law: HertzSphere | HertzCylinder | JacksonGreen,
+    overlap: typing.SupportsFloat | typing.SupportsIndex,
+    radius: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple[float, float]:
+    """
+    Force [mN] and area [µm²] of one contact.
     """
 
 def frequency_weights(
@@ -77,7 +112,8 @@ def press(
     approaches: numpy.typing.NDArray[numpy.float64],
     *,
     spacing: typing.SupportsFloat | typing.SupportsIndex,
-    law: HertzSphere,
+    law: HertzSphere | HertzCylinder | JacksonGreen,
+    by_cell: bool,
     convex_only: bool,
     shear: typing.SupportsInt | typing.SupportsIndex,
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import tomllib
 import warnings
@@ -61,13 +60,15 @@ def run_command(
 
     what = _study(study).with_changes(_changes(changes or []))
     directory = output if output is not None else Path(Path(study).stem)
+    if directory.is_file():
+        raise StudyError(f"{directory} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
     if path.exists() and store.holds(path, what):
         typer.echo(f"{path} holds this study already; drawing it again")
         dataset = store.read(path)
     else:
         with ThreadPoolExecutor(max_workers=workers or available_cores()) as pool:
-            dataset = run(what, executor=pool, store=path, progress=sys.stderr.isatty() or "CI" not in os.environ)
+            dataset = run(what, executor=pool, store=path, progress=sys.stderr.isatty())
         typer.echo(f"wrote {path}")
     _draw(dataset, directory)
 
@@ -122,7 +123,7 @@ def _value(text: str) -> Any:
     """A TOML value; what is none is a string, so that quantities need no quotes of their own."""
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return parsed["value"] if len(parsed) == 1 else text
 

@@ -96,3 +96,45 @@ def loads(rows, sigma, mu0, tau0):
             normal += friction * sigma * n_x
             tangential += -sigma * (force * n_x + friction * sigma * -n_z)
     return normal, tangential
+
+
+def minimum_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
+    """Rows as of `contacts`, at the minima of the splined gap: every root of its slope, by scipy."""
+    x = np.arange(upper.size) * 1.0
+    spline_u = CubicSpline(x, upper, bc_type="natural")
+    spline_l = CubicSpline(x, lower, bc_type="natural")
+    gap = CubicSpline(x, upper - lower, bc_type="natural")
+    first_touch = (upper - lower).min()
+    rows = []
+    for place in gap.derivative().roots(extrapolate=False):
+        if gap(place, 2) <= 0 or place <= 0 or place >= x[-1]:
+            continue
+        height = gap(place) - first_touch
+        if height > approach:
+            continue
+        slope = spline_l(place, 1) / spacing
+        q = np.sqrt(1 + slope**2)
+        with np.errstate(divide="ignore"):
+            R_u = q**3 / (spline_u(place, 2) / spacing**2)
+            R_l = -(q**3) / (spline_l(place, 2) / spacing**2)
+        if np.ptp(upper) == 0 or np.ptp(lower) == 0:
+            radius = R_l if np.ptp(upper) == 0 else R_u
+            overlap = approach - height
+            if radius > 0 and overlap > 0:
+                force = 4 / 3 * effective_modulus * np.sqrt(radius) * overlap**1.5
+                rows.append((int(place), 0.0, 1.0, overlap, radius, force, np.pi * radius * overlap))
+            continue
+        inverse = 1 / R_u + 1 / R_l
+        if not np.isfinite([R_u, R_l]).all() or inverse <= 0 or (not signed and (R_u <= 0 or R_l <= 0)):
+            continue
+        n = np.array([-slope, 1]) / q
+        X = (R_u + R_l) * n - (approach - height) * np.array([0, 1])
+        distance = np.hypot(*X)
+        n_c = np.sign(R_u * R_l) * X / distance
+        overlap = R_u + R_l - distance if R_u > 0 and R_l > 0 else distance - abs(R_u + R_l)
+        if overlap <= 0 or n_c[1] <= 0:
+            continue
+        radius = 1 / inverse
+        force = 4 / 3 * effective_modulus * np.sqrt(radius) * overlap**1.5
+        rows.append((int(place), n_c[0], n_c[1], overlap, radius, force, np.pi * radius * overlap))
+    return np.array(rows).reshape(-1, 7)

@@ -12,18 +12,25 @@
 
 namespace stiction {
 
+/// Where a contact is looked for.
+/// cell (Eq. 5): at grid points, where the contact centre lies within half a spacing of the point.
+/// gap_minimum: at the local minima of the splined gap, each found once for all approaches; does not depend on the grid
+/// where the grid resolves the surfaces.
+enum class Detection { cell, gap_minimum };
+
 /// Which pairs of curvatures may touch: `convex` both bodies convex, `any` also a ball in a wider cup.
 enum class Curvature { convex, any };
 
 struct ContactModel {
   Law law;
+  Detection detection = Detection::cell;
   Curvature curvature = Curvature::convex;
   int shear = +1;  ///< the upper body is about to move along +x or -x
 };
 
 /// One contact. Positions are in the frame of the lower profile.
 struct Contact {
-  Index index;      ///< grid point that owns it
+  Index index;      ///< grid point that owns it: its own (cell), or the one on its left (gap_minimum)
   Vector2 centre;   ///< [µm]
   Vector2 normal;   ///< unit vector from the lower to the upper body
   Vector2 tangent;  ///< unit vector of the friction on the upper body
@@ -45,6 +52,12 @@ struct LoadSums {
   std::vector<double> tangential_frictional;  ///< -σ Σ_opp F t_x    [mN] per unit mu0
   std::vector<double> normal_adhesive;        ///< Σ_opp A t_z       [mN] per GPa of tau0
   std::vector<double> tangential_adhesive;    ///< -σ Σ_opp A t_x    [mN] per GPa of tau0
+
+  // How far the model is trusted. Shares are of Σ F n_z.
+  std::vector<double> overlap_load;       ///< Σ F n_z overlap/R                       [mN]
+  std::vector<double> load_beyond_hertz;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
+  std::vector<double> load_below_grid;    ///< Σ F n_z of contacts with R < Δx         [mN]
+  std::vector<Index> crossed_count;       ///< would-be contacts refused because the sphere centres have crossed
 
   explicit LoadSums(std::size_t approaches);
 };

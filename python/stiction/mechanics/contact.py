@@ -11,12 +11,28 @@ from numpy.typing import ArrayLike, NDArray
 from stiction import _core
 from stiction._checks import Floats, choice, float_array, number, read_only
 from stiction.mechanics import friction
-from stiction.mechanics.law import LawName, law_of
+from stiction.mechanics.law import Law, LawName, core_law
 from stiction.surfaces.profile import Profile
 
-Detection = Literal["cell"]
+Detection = Literal["cell", "gap-minimum"]
 Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
+
+SUMS = (
+    "contact_count",
+    "contact_area",
+    "normal_elastic",
+    "tangential_elastic",
+    "normal_frictional",
+    "tangential_frictional",
+    "normal_adhesive",
+    "tangential_adhesive",
+    "overlap_load",
+    "load_beyond_hertz",
+    "load_below_grid",
+    "crossed_count",
+)
+"""What a LoadCurve holds at each approach, and a result of each pair."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +44,7 @@ class Contacts:
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point that owns the contact.
+        Grid point that owns the contact: its own (cell), or the one on its left (gap-minimum).
     centre : (c, 2) ndarray, µm
     normal : (c, 2) ndarray
         Unit vector from the lower to the upper body.
@@ -60,6 +76,39 @@ class Contacts:
 
 
 @dataclass(frozen=True, eq=False)
+class Validity:
+    """How far the model is to be trusted; NaN where there is no contact. Shares are of the normal load Σ F n_z.
+
+    Attributes
+    ----------
+    relative_overlap : ndarray
+        Load-weighted mean of overlap/R. Hertz assumes a << R, that is, much less than 1.
+    share_beyond_hertz : ndarray
+        Share carried by contacts with overlap > R/10.
+    share_below_grid : ndarray
+        Share carried by contacts whose radius is below the grid spacing: of the grid rather than of the surface.
+    share_crossed : ndarray
+        Share of would-be contacts that were refused because their sphere centres had crossed.
+    """
+
+    relative_overlap: Any
+    share_beyond_hertz: Any
+    share_below_grid: Any
+    share_crossed: Any
+
+    @classmethod
+    def of(cls, sums: Any) -> Validity:
+        """From whatever carries the sums of a LoadCurve: NumPy's arrays or xarray's."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return cls(
+                relative_overlap=sums.overlap_load / sums.normal_elastic,
+                share_beyond_hertz=sums.load_beyond_hertz / sums.normal_elastic,
+                share_below_grid=sums.load_below_grid / sums.normal_elastic,
+                share_crossed=sums.crossed_count / (sums.crossed_count + sums.contact_count),
+            )
+
+
+@dataclass(frozen=True, eq=False)
 class LoadCurve:
     """Load and area of a pair against approach, for every mu0 and tau0 at once; all arrays are read-only.
 
@@ -79,6 +128,11 @@ class LoadCurve:
         Σ F t_z, -σ Σ F t_x over opposing contacts.
     normal_adhesive, tangential_adhesive : (k,) ndarray, mN per GPa of tau0
         Σ A t_z, -σ Σ A t_x over opposing contacts.
+    overlap_load, load_beyond_hertz, load_below_grid : (k,) ndarray, mN
+        Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
+        `validity`.
+    crossed_count : (k,) ndarray of int
+        Would-be contacts that were refused because their sphere centres had crossed.
     effective_modulus : float, GPa
     """
 
@@ -91,7 +145,16 @@ class LoadCurve:
     tangential_frictional: Floats
     normal_adhesive: Floats
     tangential_adhesive: Floats
+    overlap_load: Floats
+    load_beyond_hertz: Floats
+    load_below_grid: Floats
+    crossed_count: NDArray[np.int64]
     effective_modulus: float
+
+    @property
+    def validity(self) -> Validity:
+        """How far the model is to be trusted at each approach, (k,) each."""
+        return Validity.of(self)
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """F_N in mN, shape of (mu0, tau0) + (k,); mu0 dimensionless, tau0 in GPa, broadcast against each other."""
@@ -126,11 +189,14 @@ def _model(
     upper: Profile,
     lower: Profile,
     effective_modulus: float,
-    law: LawName,
+    law: Law | LawName,
     detection: Detection,
     curvature: Curvature,
     shear: Shear,
 ) -> dict[str, Any]:
+    for name, body in (("upper", upper), ("lower", lower)):
+        if not isinstance(body, Profile):
+            raise ValueError(f"{name} must be a Profile, got {type(body).__name__}")
     if upper.spacing != lower.spacing:
         raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
     choice("detection", detection, Detection)
@@ -138,7 +204,8 @@ def _model(
     choice("shear", shear, Shear)
     return {
         "spacing": upper.spacing,
-        "law": law_of(law, effective_modulus=effective_modulus),
+        "law": core_law(law, effective_modulus=effective_modulus),
+        "by_cell": detection == "cell",
         "convex_only": curvature == "convex",
         "shear": 1 if shear == "+x" else -1,
     }
@@ -150,7 +217,7 @@ def contacts(
     approach: float,
     *,
     effective_modulus: float = 10.0,
-    law: LawName = "hertz-sphere",
+    law: Law | LawName = "hertz-sphere",
     detection: Detection = "cell",
     curvature: Curvature = "convex",
     shear: Shear = "+x",
@@ -165,10 +232,11 @@ def contacts(
         Displacement of the upper body since first touch of the grid points, at least 0.
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
-    law : {"hertz-sphere"}
+    law : HertzSphere, HertzCylinder or JacksonGreen, or "hertz-sphere" or "hertz-cylinder"
         What one contact carries.
-    detection : {"cell"}
-        "cell" (Eq. 5): a grid point owns a contact whose centre lies in its own cell.
+    detection : {"cell", "gap-minimum"}
+        "cell" (Eq. 5): a grid point owns a contact whose centre lies in its own cell. "gap-minimum": contacts are at
+        the local minima of the splined gap, which do not depend on the grid where it resolves the surfaces.
     curvature : {"convex", "signed"}
         Whether both bodies must be convex at a contact, or one may be a wider cup.
     shear : {"+x", "-x"}
@@ -209,7 +277,7 @@ def press(
     approaches: ArrayLike,
     *,
     effective_modulus: float = 10.0,
-    law: LawName = "hertz-sphere",
+    law: Law | LawName = "hertz-sphere",
     detection: Detection = "cell",
     curvature: Curvature = "convex",
     shear: Shear = "+x",

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats
+from stiction._checks import Floats, float_array
 
 STATUS_OK = "ok"
 STATUS_SELF_LOCKED = "self-locked"
@@ -40,12 +40,9 @@ def status_of(contact_count: ArrayLike, normal: Floats) -> NDArray[np.str_]:
 
 def friction_parameter(name: str, values: ArrayLike) -> Floats:
     """mu0 or tau0 as an array of finite numbers that are not negative."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be numbers, got {values!r}") from None
-    if not (np.isfinite(array).all() and (array >= 0).all()):
-        raise ValueError(f"{name} must be finite and not negative, got {values!r}")
+    array = float_array(name, values)
+    if not (array >= 0).all():
+        raise ValueError(f"{name} must not be negative, got {values!r}")
     return array
 
 

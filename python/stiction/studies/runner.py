@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
-from collections.abc import Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, read_only
-from stiction.mechanics.contact import press
+from stiction.mechanics.contact import SUMS, press
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import Side, random_phases, weierstrass_mandelbrot_family
 from stiction.surfaces.profile import Profile
@@ -23,20 +24,11 @@ if TYPE_CHECKING:
 
 Sums = dict[str, NDArray[Any]]
 
-SUMS = (
-    "contact_count",
-    "contact_area",
-    "normal_elastic",
-    "tangential_elastic",
-    "normal_frictional",
-    "tangential_frictional",
-    "normal_adhesive",
-    "tangential_adhesive",
-)
-"""Variables of a LoadCurve that a result holds."""
+MOST_SUBMITTED = 1000
+"""Tasks that wait on an executor at a time."""
 
-FAMILY = 25
-"""Fractal dimensions whose profiles are held at a time: the memory of a task does not grow with the study."""
+FAMILY_MEMORY = 64_000_000
+"""Bytes of each body's profiles that a task holds at a time, so that its memory does not grow with the study."""
 
 
 def repetition_sums(study: Study, repetition: int) -> Sums:
@@ -45,9 +37,10 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     amplitudes = study.surfaces.amplitudes()
     approaches = study.contact.approaches()
     shape = (dimensions.size, amplitudes.size, approaches.size)
-    sums: Sums = {name: np.empty(shape, np.int64 if name == "contact_count" else np.float64) for name in SUMS}
-    for first in range(0, dimensions.size, FAMILY):
-        family = dimensions[first : first + FAMILY]
+    sums: Sums = {name: np.empty(shape, np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
+    members = max(1, FAMILY_MEMORY // (8 * study.surfaces.points))
+    for first in range(0, dimensions.size, members):
+        family = dimensions[first : first + members]
         uppers = _profiles(study, repetition, "upper", family)
         lowers = _profiles(study, repetition, "lower", family)
         for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
@@ -57,7 +50,7 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
                     lower.with_amplitude(amplitude, study.surfaces.amplitude_measure),
                     approaches,
                     effective_modulus=float(study.contact.effective_modulus),
-                    law=study.contact.law,
+                    law=study.contact.contact_law(),
                     detection=study.contact.detection,
                     curvature=study.contact.curvature,
                     shear=study.contact.shear,
@@ -124,18 +117,12 @@ def run(
 
     if store is not None:
         stores.reserve(store)
-    repetitions = study.ensemble.repetitions
     result = stores.empty_dataset(study)
-    with _executor(executor) as pool:
-        futures = {pool.submit(repetition_sums, study, r): r for r in range(repetitions)}
-        try:
-            for future in _tracked(futures, progress):
-                for name, values in future.result().items():
-                    result[name].values[:, :, futures[future], :] = values
-        except BaseException:
-            for future in futures:
-                future.cancel()
-            raise
+    with _executor(executor) as pool, _progress_bar(study.ensemble.repetitions, progress) as advance:
+        for repetition, sums in _computed(study, pool):
+            for name, values in sums.items():
+                result[name].values[:, :, repetition, :] = values
+            advance()
     if store is not None:
         stores.write(result, store)
     return result
@@ -155,10 +142,30 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _tracked(futures: dict[Future[Sums], int], progress: bool) -> Iterator[Future[Sums]]:
-    if not progress:
-        yield from as_completed(futures)
+def _computed(study: Study, pool: Executor) -> Iterator[tuple[int, Sums]]:
+    """Repetitions as they are done; of however many, so many are submitted at a time."""
+    repetitions = iter(range(study.ensemble.repetitions))
+    waiting: dict[Future[Sums], int] = {}
+    try:
+        while True:
+            for repetition in itertools.islice(repetitions, MOST_SUBMITTED - len(waiting)):
+                waiting[pool.submit(repetition_sums, study, repetition)] = repetition
+            if not waiting:
+                return
+            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield waiting.pop(future), future.result()
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+@contextmanager
+def _progress_bar(total: int, wanted: bool) -> Iterator[Callable[[], None]]:
+    if not wanted:
+        yield lambda: None
         return
+    from rich.console import Console
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -177,5 +184,6 @@ def _tracked(futures: dict[Future[Sums], int], progress: bool) -> Iterator[Futur
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns) as bar:
-        yield from bar.track(as_completed(futures), total=len(futures))
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda: bar.advance(task)

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from stiction._core import __version__
-from stiction.studies.study import Study
+from stiction.studies.study import Study, study_of
 
 _VARIABLES = {
     "contact_count": ("1", "number of contacts"),
@@ -21,6 +21,10 @@ _VARIABLES = {
     "tangential_frictional": ("mN", "tangential load per unit mu0"),
     "normal_adhesive": ("mN/GPa", "normal load per unit tau0"),
     "tangential_adhesive": ("mN/GPa", "tangential load per unit tau0"),
+    "overlap_load": ("mN", "normal load times overlap / radius"),
+    "load_beyond_hertz": ("mN", "normal load of contacts with an overlap above a tenth of their radius"),
+    "load_below_grid": ("mN", "normal load of contacts with a radius below the grid spacing"),
+    "crossed_count": ("1", "number of contacts refused because their sphere centres had crossed"),
 }
 
 _COORDINATES = {
@@ -51,7 +55,7 @@ def empty_dataset(study: Study) -> xarray.Dataset:
     variables = {
         name: xarray.Variable(
             tuple(coordinates),
-            np.zeros(shape, np.int64 if name == "contact_count" else np.float64),
+            np.zeros(shape, np.int64 if name.endswith("_count") else np.float64),
             {"units": units, "long_name": long_name},
         )
         for name, (units, long_name) in _VARIABLES.items()
@@ -65,7 +69,7 @@ def empty_dataset(study: Study) -> xarray.Dataset:
 def reserve(path: str | Path) -> None:
     """Make sure, before anything is computed, that a store can be written to a path that does not exist yet."""
     path = Path(path)
-    if path.exists():
+    if os.path.lexists(path):
         raise StoreError(f"{path}: exists already and holds something else; remove it, or choose another place")
     try:
         _partial(path).mkdir(parents=True, exist_ok=True)
@@ -84,16 +88,19 @@ def write(dataset: xarray.Dataset, path: str | Path) -> None:
     partial = _partial(path)
     try:
         dataset.to_zarr(partial, mode="w-", zarr_format=3, consolidated=False)
-        partial.rename(path)
     except OSError as error:
         shutil.rmtree(partial, ignore_errors=True)
         raise StoreError(f"{path}: cannot be written: {error.strerror or error}") from None
+    try:
+        partial.rename(path)
+    except OSError as error:
+        raise StoreError(f"{path}: cannot be written: {error.strerror or error}; the result is {partial}") from None
 
 
 def holds(path: str | Path, study: Study) -> bool:
     """Whether a store holds the result of a study, computed by this version."""
-    attributes = read(path).attrs
-    return attributes.get("stiction_version") == __version__ and attributes["study"] == study.to_toml()
+    dataset = read(path)
+    return dataset.attrs.get("stiction_version") == __version__ and study_of(dataset) == study
 
 
 def read(path: str | Path) -> xarray.Dataset:
@@ -107,9 +114,17 @@ def read(path: str | Path) -> xarray.Dataset:
     try:
         with xarray.open_zarr(path, consolidated=False) as stored:
             dataset: xarray.Dataset = stored.load()
-    except (OSError, ValueError, KeyError) as error:
+    except Exception as error:  # whatever a damaged or foreign store makes of zarr and xarray
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise StoreError(f"{path}: is not a result of stiction, or is damaged: {reason}") from None
+    try:
+        expected = empty_dataset(study_of(dataset))
+    except ValueError as error:
         raise StoreError(f"{path}: is not a result of stiction: {error}") from None
-    missing = (set(_VARIABLES) | set(_COORDINATES)) - set(dataset.variables)
-    if missing or "study" not in dataset.attrs:
-        raise StoreError(f"{path}: is not a result of stiction: {', '.join(sorted(missing)) or 'study'} missing")
+    for name, variable in expected.variables.items():
+        if name not in dataset.variables:
+            raise StoreError(f"{path}: is not a whole result of stiction: {name} is missing")
+        stored = dataset[name].variable
+        if (stored.dims, stored.shape, stored.dtype) != (variable.dims, variable.shape, variable.dtype):
+            raise StoreError(f"{path}: is damaged: {name} is not what its study says")
     return dataset

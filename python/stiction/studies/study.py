@@ -28,17 +28,17 @@ from pydantic import (
 from pydantic_core import ErrorDetails
 
 from stiction._checks import Floats
-from stiction.mechanics.contact import Curvature, Detection, Shear
-from stiction.mechanics.law import LawName
-from stiction.studies.units import Quantity, quantity
+from stiction.mechanics.contact import SUMS, Curvature, Detection, Shear
+from stiction.mechanics.law import HertzCylinder, JacksonGreen, Law, LawName
+from stiction.studies.units import Quantity, quantity, shortened
 from stiction.surfaces.fractal import Convention
-from stiction.surfaces.profile import FEWEST_POINTS, AmplitudeMeasure
+from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
 
 if TYPE_CHECKING:
     import xarray
 
-MOST_POINTS = 100_000_000
-"""Of a profile: 0.8 GB of heights for each body."""
+MOST_MEMORY = 16 * 2**30
+"""Bytes of a result, which is held in memory."""
 
 MOST_VALUES = 10_000
 """Of any one parameter of a study."""
@@ -143,7 +143,8 @@ class ApproachRange(_Table):
 
 
 # Which of a range or a list a value is, told before it is read, so that its faults are those of one kind.
-_RANGE, _LIST = "a range", "a list"
+_RANGE, _LIST, _NAME = "a range", "a list", "a name"
+_TAGS = (_RANGE, _LIST, _NAME, "hertz-cylinder", "jackson-green")
 
 
 def _range_or_list(value: object) -> str | None:
@@ -192,17 +193,64 @@ class Surfaces(_Table):
         return _array(self.amplitude)
 
 
+class HertzCylinderTable(_Table):
+    """Cylinders of a width of their own."""
+
+    name: Literal["hertz-cylinder"]
+    width: Length
+
+    def law(self) -> Law:
+        """The law itself."""
+        return HertzCylinder(width=float(self.width))
+
+
+class JacksonGreenTable(_Table):
+    """Spheres that yield."""
+
+    name: Literal["jackson-green"]
+    yield_strength: Modulus
+    poisson_ratio: float = Field(ge=0, le=0.5)
+
+    def law(self) -> Law:
+        """The law itself."""
+        return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
+
+
+def _kind_of_law(value: object) -> str | None:
+    if isinstance(value, str):
+        return _NAME
+    name = value.get("name") if isinstance(value, Mapping) else getattr(value, "name", None)
+    return name if name in ("hertz-cylinder", "jackson-green") else None
+
+
+_law = Discriminator(
+    _kind_of_law,
+    custom_error_type="law",
+    custom_error_message='must be "hertz-sphere" or "hertz-cylinder", or a table of name "hertz-cylinder" (width) or '
+    '"jackson-green" (yield_strength, poisson_ratio)',
+)
+
+
 class Contact(_Table):
     """How a pair is pressed together."""
 
     effective_modulus: Modulus = quantity("10 GPa", "pressure")
-    law: LawName = "hertz-sphere"
+    law: Annotated[
+        Annotated[LawName, Tag(_NAME)]
+        | Annotated[HertzCylinderTable, Tag("hertz-cylinder")]
+        | Annotated[JacksonGreenTable, Tag("jackson-green")],
+        _law,
+    ] = "hertz-sphere"
     detection: Detection = "cell"
     curvature: Curvature = "convex"
     shear: Shear = "+x"
     approach: Annotated[Annotated[ApproachRange, Tag(_RANGE)] | Annotated[Approaches, Tag(_LIST)], _either] = (
         ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40)
     )
+
+    def contact_law(self) -> Law | LawName:
+        """What `press` takes."""
+        return self.law if isinstance(self.law, str) else self.law.law()
 
     def approaches(self) -> Floats:
         """All approaches, µm."""
@@ -241,6 +289,17 @@ class Study(_Table):
     contact: Contact = Contact()
     friction: Friction = Friction()
     ensemble: Ensemble = Ensemble()
+
+    @model_validator(mode="after")
+    def _fits(self) -> Study:
+        pairs = self.surfaces.fractal_dimensions().size * self.surfaces.amplitudes().size * self.ensemble.repetitions
+        size = 8 * len(SUMS) * pairs * self.contact.approaches().size
+        if size > MOST_MEMORY:
+            raise ValueError(
+                f"the result would take {size / 2**30:.0f} GiB, more than {MOST_MEMORY / 2**30:.0f}: take fewer "
+                "ensemble.repetitions, contact.approach, surfaces.fractal_dimension or surfaces.amplitude"
+            )
+        return self
 
     @classmethod
     def named(cls, name: str) -> Study:
@@ -292,6 +351,8 @@ class Study(_Table):
         data = self.model_dump()
         for key, value in changes.items():
             table: Any = data
+            if not isinstance(key, str):
+                raise StudyError(f"{key!r}: unknown key")
             *path, last = key.split(".")
             for part in path:
                 table = table.setdefault(part, {}) if isinstance(table, dict) else None
@@ -325,8 +386,10 @@ def study_of(dataset: xarray.Dataset) -> Study:
     StudyError
         If the dataset does not say.
     """
-    if "study" not in dataset.attrs:
-        raise StudyError("the dataset has no attribute 'study', so mu0 and tau0 must be given")
+    if not isinstance(dataset.attrs.get("study"), str):
+        raise StudyError(
+            "the dataset does not say what study it is of (attribute 'study'), so mu0 and tau0 must be given"
+        )
     return _from_toml_text(dataset.attrs["study"], "the dataset's study")
 
 
@@ -367,21 +430,18 @@ def _validated(data: Mapping[str, Any], source: str) -> Study:
 
 
 def _fault(fault: ErrorDetails) -> str:
-    location = [part for part in fault["loc"] if part not in (_RANGE, _LIST)]
+    location = [part for part in fault["loc"] if part not in _TAGS]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
     if fault["type"] == "extra_forbidden":
         return f"{key}: unknown key{_suggestion(location)}"
     message = fault["msg"].removeprefix("Value error, ")
     if fault["type"] == "model_type":
         message = "must be a table"
-    if fault["type"] not in ("value_error", "missing", "range_or_list", "too_short", "too_long"):
-        message = f"{message[0].lower()}{message[1:]}, got {_shortened(fault['input'])}"
-    return f"{key}: {message}"
-
-
-def _shortened(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    if fault["type"] == "tuple_type":
+        message = "must be a list"
+    if fault["type"] not in ("value_error", "missing", "range_or_list", "law", "too_short", "too_long"):
+        message = f"{message[0].lower()}{message[1:]}, got {shortened(fault['input'])}"
+    return f"{key}: {message}" if key else message
 
 
 def _suggestion(location: list[int | str]) -> str:

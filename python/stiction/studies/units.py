@@ -12,6 +12,9 @@ _UNITS = {
 }
 """Factors to µm, GPa and mN; both Unicode spellings of micro."""
 
+_SANE = {"length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12)}
+"""Magnitudes in µm, GPa and mN; what is outside is a slip of the unit."""
+
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+)\s*"
 )
@@ -51,16 +54,28 @@ def quantity(text: object, kind: str) -> Quantity:
     units = _UNITS[kind]
     allowed = ", ".join(unit for unit in units if unit.isascii())
     if not isinstance(text, str):
-        raise ValueError(f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {text!r}')
+        raise ValueError(
+            f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {shortened(text)}'
+        )
     match = _QUANTITY.fullmatch(text)
     if match is None:
-        raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {_shortened(text)}')
+        raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {shortened(text)}')
     digits, unit = match.groups()
     if unit not in units:
-        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {_shortened(text)}")
+        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {shortened(text)}")
     # In decimal, so that "100 nm" and "0.1 um" are the same number.
-    return Quantity(float(Decimal(digits.replace("_", "")) * Decimal(units[unit])), f"{digits} {unit}")
+    value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
+    lowest, highest = _SANE[kind]
+    if value != 0 and not lowest <= abs(value) <= highest:
+        core = next(name for name, factor in units.items() if factor == "1")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {shortened(text)}")
+    return Quantity(value, f"{digits} {unit}")
 
 
-def _shortened(text: str) -> str:
-    return repr(text if len(text) <= 40 else text[:37] + "...")
+def shortened(value: object) -> str:
+    """Text of a value for a message, of a length that fits a line."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python does not print integers of many thousand digits
+        text = type(value).__name__
+    return text if len(text) <= 40 else text[:37] + "..."

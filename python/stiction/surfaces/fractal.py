@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from stiction import _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
-from stiction.surfaces.profile import FEWEST_POINTS, Profile
+from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
 
 Side = Literal["lower", "upper"]
 Convention = Literal["paper", "classical"]
@@ -135,7 +136,7 @@ def weierstrass_mandelbrot_family(
     length_scale = number("length_scale", length_scale, unit="µm", above=0)
     gamma = number("gamma", gamma, above=1)
     extent = number("extent", extent, unit="µm", above=0)
-    points = whole_number("points", points, least=FEWEST_POINTS)
+    points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
     if band_limit is not None:
         choice("band_limit", band_limit, BandLimit)
     weights = [
@@ -185,4 +186,73 @@ def weierstrass_mandelbrot(
         convention=convention,
         band_limit=band_limit,
     )
-    return Profile(read_only(family[0]), spacing=extent / points)
+    return Profile(read_only(family[0]), spacing=float(extent) / points)
+
+
+@dataclass(frozen=True)
+class ProfileMoments:
+    """Variances of a profile and its derivatives, over all phases.
+
+    Attributes
+    ----------
+    height : float, µm²
+        About the mean.
+    slope : float
+    curvature : float, 1/µm²
+    """
+
+    height: float
+    slope: float
+    curvature: float
+
+
+def weierstrass_mandelbrot_moments(
+    fractal_dimension: float,
+    *,
+    directions: int = 40,
+    frequencies: int = 40,
+    length_scale: float = 1.0,
+    gamma: float = 1.5,
+    convention: Convention = "paper",
+    shortest_wavelength: float = 0.0,
+) -> ProfileMoments:
+    """Exact moments of Eq. 1: half the sum of a² k^(2j) over its harmonics, j = 0, 1, 2 for height, slope, curvature.
+
+    Parameters
+    ----------
+    fractal_dimension : float
+        At least 1 and below 2.
+    directions, frequencies : int
+        M and n_max.
+    length_scale : float, µm
+    gamma : float
+    convention : {"paper", "classical"}
+    shortest_wavelength : float, µm
+        Harmonics shorter than this are left out: twice the spacing for ``band_limit="nyquist"``, 0 for none.
+        Harmonics above the Nyquist frequency of a grid count as they are, not as they fold.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    Examples
+    --------
+    >>> from stiction import weierstrass_mandelbrot_moments
+    >>> moments = weierstrass_mandelbrot_moments(1.5, directions=1, frequencies=1)
+    >>> round(moments.height, 6)  # half the square of one amplitude, ln 1.5
+    0.082201
+    """
+    directions = whole_number("directions", directions, least=1)
+    frequencies = whole_number("frequencies", frequencies, least=1)
+    length_scale = number("length_scale", length_scale, unit="µm", above=0)
+    gamma = number("gamma", gamma, above=1)
+    shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
+    hurst = hurst_exponent(fractal_dimension, convention=convention)
+    weights = np.array(_core.frequency_weights(hurst, frequencies, gamma, length_scale))
+    m = np.arange(1, directions + 1)
+    cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
+    wave_numbers = 2 * np.pi / length_scale * np.outer(cosines, gamma ** np.arange(frequencies))
+    kept = (wave_numbers != 0) & (np.abs(wave_numbers) * shortest <= 2 * np.pi)
+    powers = np.where(kept, 0.5 * weights**2, 0.0)
+    return ProfileMoments(*(float((powers * wave_numbers ** (2 * j)).sum()) for j in range(3)))

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 
 from stiction._checks import Floats, choice, float_array, number, read_only
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
+
+MOST_POINTS = 100_000_000
+"""Of a generated profile: 0.8 GB of heights."""
 
 FEWEST_POINTS = 4
 """A natural cubic spline with a curvature of its own needs two interior points."""
@@ -48,10 +52,13 @@ class Profile:
         heights = float_array("heights", self.heights, ndim=1)
         if heights.size < FEWEST_POINTS:
             raise ValueError(f"heights must have at least {FEWEST_POINTS} points, got {heights.size}")
-        if heights.flags.writeable:  # somebody may still hold it
+        if heights.flags.writeable or not heights.flags.owndata:  # somebody else may still change it
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", number("spacing", self.spacing, unit="µm", above=0))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(Profile, spacing=self.spacing), (self.heights,)  # read-only on the other side as well
 
     def __len__(self) -> int:
         """Return the number of points."""

@@ -46,7 +46,7 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
     paths = []
     with mpl.rc_context(_STYLE):
         for amplitude in amplitudes:
-            name = "friction" if amplitudes.size == 1 else f"friction_amplitude_{1000 * amplitude:g}nm"
+            name = "friction" if amplitudes.size == 1 else f"friction_amplitude_{1000 * amplitude:.12g}nm"
             paths.append(_save(friction_figure(dataset, amplitude), directory / f"{name}.png"))
         paths.append(_save(area_figure(dataset), directory / "area.png"))
     return paths
@@ -67,7 +67,8 @@ def reached_loads(dataset: xarray.Dataset, steps: int = LOAD_STEPS) -> Floats:
     if not highest > 0:
         raise ValueError("no pair of this result touches within its approaches, so there is nothing to draw")
     lowest = float(elastic.isel(approach=0).max())
-    lowest = max(lowest, 1e-6 * highest)
+    if not 1e-6 * highest < lowest < 0.5 * highest:
+        lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
     return np.geomspace(lowest, highest, steps)
 
 
@@ -124,7 +125,22 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     locked = np.ma.masked_where(status != STATUS_SELF_LOCKED, np.ones(status.shape))
     axes.pcolormesh(*edges, locked, cmap=ListedColormap([_LOCKED_COLOUR]), rasterized=True)
-    return axes.pcolormesh(*edges, np.ma.masked_invalid(values), norm=norm, cmap="viridis", rasterized=True)
+    mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values), norm=norm, cmap="viridis", rasterized=True)
+    if min(values.shape) > 1:
+        for name, style, _ in _VALIDITY_LINES:
+            share = np.ma.masked_invalid(panel[name].values)
+            if share.count() and share.min() < 0.5 < share.max():
+                axes.contour(
+                    panel["fractal_dimension"].values, panel["load"].values, share,
+                    levels=[0.5], colors="white", linewidths=0.8, linestyles=[style],
+                )  # fmt: skip
+    return mesh
+
+
+_VALIDITY_LINES: tuple[tuple[str, Any, str], ...] = (
+    ("share_beyond_hertz", "--", "above: more than half of the load on overlaps $> R/10$"),
+    ("share_below_grid", ":", "below: more than half of the load on radii < grid spacing"),
+)
 
 
 def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
@@ -134,11 +150,15 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
 
 
 def _friction_legend(figure: Figure, *, locked: bool, columns: int) -> None:
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles = [_not_reached_patch((0, 0), 1, 1, label="load not reached")]
     if locked:
         handles.append(Patch(facecolor=_LOCKED_COLOUR, label=r"self-locked: $F_N \leq 0$"))
+    handles += [
+        Line2D([], [], color="0.4", linestyle=style, linewidth=1, label=label) for _, style, label in _VALIDITY_LINES
+    ]
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
@@ -184,7 +204,10 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
                 )
         for ax in axes[row]:
             ax.set_xscale("log")
-            ax.set_yscale("log")
+            if (areas["contact_area"].isel(amplitude=row) > 0).any():
+                ax.set_yscale("log")
+            else:
+                ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
         axes[row, 0].set_ylabel("true contact area $A$ (µm²)")
         axes[row, 1].set_ylabel("$A / F_N$ (µm²/mN)")
         if rows > 1:
