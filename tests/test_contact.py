@@ -306,7 +306,7 @@ class TestGapMinimum:
     """What the cell detection cannot do: results that are the surface's, not the grid's."""
 
     POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
-    # The first touch is that of grid points, within g'' Δx² / 8 of the bodies' own, of an approach of 10 nm: three digits
+    # The first touch is that of grid points, within g'' Δx² / 8 of the bodies' own, of an approach of 10 nm: 3 digits
     # for every pair, more for a sum over pairs.
     EACH_PAIR = 1e-3
     ALL_PAIRS = 2e-4

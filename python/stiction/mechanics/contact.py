@@ -249,9 +249,9 @@ def contacts(
 
     Notes
     -----
-    With X = O_u - O_l between the sphere centres, the normal is ±X/|X|, the overlap R_u + R_l - |X|, or
-    |X| - |R_u + R_l| for a ball in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2 (Eq. 4). Refused are centres
-    that have crossed, n_z <= 0.
+    With X = O_u - O_l between the sphere centres and d its length, the normal is ±X/d, the overlap R_u + R_l - d, or
+    d less the difference of the radii for a ball in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2 (Eq. 4).
+    Refused are centres that have crossed, n_z <= 0.
 
     Examples
     --------
