@@ -98,38 +98,60 @@ Verdict judge(const Touch& touch, double half_cell) {
 
 // ---- Passes over the profiles -------------------------------------------------------------------------------------
 
+struct FirstTouch {
+  double gap;         // the lowest on the grid
+  bool upper_finite;  // no height is NaN or infinite
+  bool lower_finite;
+};
+
+// In one pass: value - value is zero, or NaN where the value is not finite.
 STICTION_MULTIVERSION
-double lowest_gap(const double* upper, const double* lower, std::size_t size) {
-  constexpr std::size_t lanes = 16;
+FirstTouch first_touch(const double* upper, const double* lower, std::size_t size) {
+  constexpr std::size_t lanes = 32;
   double lowest[lanes];
+  double upper_zero[lanes] = {};
+  double lower_zero[lanes] = {};
   std::fill_n(lowest, lanes, std::numeric_limits<double>::infinity());
+  const auto take = [&](std::size_t i, std::size_t lane) {
+    const double gap = upper[i] - lower[i];
+    lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
+    upper_zero[lane] += upper[i] - upper[i];
+    lower_zero[lane] += lower[i] - lower[i];
+  };
   std::size_t i = 0;
   for (; i + lanes <= size; i += lanes) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const double gap = upper[i + lane] - lower[i + lane];
-      lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
+      take(i + lane, lane);
     }
   }
   for (; i < size; ++i) {
-    lowest[0] = std::min(lowest[0], upper[i] - lower[i]);
+    take(i, 0);
   }
-  return *std::min_element(lowest, lowest + lanes);
+  const auto is_zero = [](double value) { return value == 0.0; };
+  return {*std::min_element(lowest, lowest + lanes), std::all_of(upper_zero, upper_zero + lanes, is_zero),
+          std::all_of(lower_zero, lower_zero + lanes, is_zero)};
 }
 
+// The grid points whose gap above `zero` is at most `largest`; most of a profile is passed over a stretch at a time.
 STICTION_MULTIVERSION
-bool all_finite(const double* values, std::size_t size) {
-  constexpr std::size_t lanes = 16;
-  double zero[lanes] = {};  // stays zero, or turns into NaN
-  std::size_t i = 0;
-  for (; i + lanes <= size; i += lanes) {
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      zero[lane] += values[i + lane] * 0.0;
+std::vector<std::size_t> points_within(const double* upper, const double* lower, std::size_t size, double zero,
+                                       double largest) {
+  constexpr std::size_t stretch = 64;
+  std::vector<std::size_t> points;
+  for (std::size_t begin = 0; begin < size; begin += stretch) {
+    const std::size_t end = std::min(begin + stretch, size);
+    int count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      count += (upper[i] - lower[i]) - zero <= largest ? 1 : 0;
+    }
+    for (std::size_t i = begin; count > 0; ++i) {
+      if ((upper[i] - lower[i]) - zero <= largest) {
+        points.push_back(i);
+        --count;
+      }
     }
   }
-  for (; i < size; ++i) {
-    zero[0] += values[i] * 0.0;
-  }
-  return std::all_of(zero, zero + lanes, [](double lane) { return lane == 0.0; });
+  return points;
 }
 
 // The largest second difference of the gap: what its spline can dip below the grid's own values is 3/8 of it, because
@@ -242,10 +264,24 @@ std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::siz
   return inside && next_slope != 0.0 ? std::optional(t) : std::nullopt;
 }
 
-// Calls visit(site, index of the approach, touch, effective radius, verdict) for every contact, and every would-be
-// contact whose centres have crossed, from left to right.
+// Left ends of the intervals that have one of some grid points as an end.
+std::vector<std::size_t> intervals_beside(const std::vector<std::size_t>& points, std::size_t size) {
+  std::vector<std::size_t> intervals;
+  for (const std::size_t point : points) {
+    if (point > 0 && (intervals.empty() || intervals.back() != point - 1)) {
+      intervals.push_back(point - 1);
+    }
+    if (point + 1 < size) {
+      intervals.push_back(point);
+    }
+  }
+  return intervals;
+}
+
+// `zero` is the gap of first touch. Calls visit(site, index of the approach, touch, effective radius, verdict) for
+// every contact, and every would-be contact whose centres have crossed, from left to right.
 template <class Visit>
-void visit_contacts(const Pair& pair, Values approaches, const ContactModel& model, const Visit& visit) {
+void visit_contacts(const Pair& pair, double zero, Values approaches, const ContactModel& model, const Visit& visit) {
   const std::size_t size = pair.upper.size();
   Body upper(pair.upper, pair.spacing, Side::upper);
   Body lower(pair.lower, pair.spacing, Side::lower);
@@ -254,25 +290,14 @@ void visit_contacts(const Pair& pair, Values approaches, const ContactModel& mod
   }
   const bool by_cell = model.detection == Detection::cell;
   const double half_cell = by_cell ? 0.5 * pair.spacing : std::numeric_limits<double>::infinity();
-  const double first_touch = lowest_gap(pair.upper.data(), pair.lower.data(), size);
-  const auto grid_gap = [&](std::size_t i) { return (pair.upper[i] - pair.lower[i]) - first_touch; };
+  const auto grid_gap = [&](std::size_t i) { return (pair.upper[i] - pair.lower[i]) - zero; };
 
-  // Grid points, or the intervals on their right, that may hold a contact at the largest approach.
-  std::vector<std::size_t> candidates;
-  if (by_cell) {
-    for (std::size_t i = 0; i < size; ++i) {
-      if (grid_gap(i) <= approaches.back()) {
-        candidates.push_back(i);
-      }
-    }
-  } else {
-    const double deepest =
-        approaches.back() + 0.375 * largest_second_difference(pair.upper.data(), pair.lower.data(), size);
-    for (std::size_t i = 0; i + 1 < size; ++i) {
-      if (std::min(grid_gap(i), grid_gap(i + 1)) <= deepest) {
-        candidates.push_back(i);
-      }
-    }
+  // Grid points that may hold a contact at the largest approach, in their cell or in an interval beside them.
+  const double dip = by_cell ? 0.0 : 0.375 * largest_second_difference(pair.upper.data(), pair.lower.data(), size);
+  std::vector<std::size_t> candidates =
+      points_within(pair.upper.data(), pair.lower.data(), size, zero, approaches.back() + dip);
+  if (!by_cell) {
+    candidates = intervals_beside(candidates, size);
   }
 
   const auto site_at = [&](std::size_t i) -> std::optional<Site> {
@@ -284,7 +309,14 @@ void visit_contacts(const Pair& pair, Values approaches, const ContactModel& mod
       return std::nullopt;
     }
     const double lower_height = lower.height(i, *t);
-    return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - first_touch};
+    return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
+  };
+  // Whether the curvatures allow a contact at a grid point, which most refuse: cheaper than its asperities.
+  const auto may_touch = [&](std::size_t i) {
+    if (model.curvature == Curvature::any) {
+      return true;
+    }
+    return (upper.flat() || upper.curvature(i) > 0.0) && (lower.flat() || lower.curvature(i) < 0.0);
   };
   const auto visit_site = [&](const Site& site, const auto& encounter) {
     if (!encounter) {
@@ -313,6 +345,9 @@ void visit_contacts(const Pair& pair, Values approaches, const ContactModel& mod
     upper.spline(candidates[begin], last);
     lower.spline(candidates[begin], last);
     for (; begin < end; ++begin) {
+      if (by_cell && !may_touch(candidates[begin])) {
+        continue;
+      }
       const std::optional<Site> site = site_at(candidates[begin]);
       if (!site || site->gap > approaches.back()) {
         continue;
@@ -339,7 +374,8 @@ Vector2 tangent_of(const Vector2& normal, int shear) { return shear * Vector2(-n
 
 // ---- Checks -------------------------------------------------------------------------------------------------------
 
-void check(const Pair& pair, Values approaches, const ContactModel& model) {
+// Returns the gap of first touch, which is found in the same pass as heights that are not finite.
+double check(const Pair& pair, Values approaches, const ContactModel& model) {
   const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
   if (pair.upper.size() != pair.lower.size()) {
     fail("upper and lower must have equally many points, not " + std::to_string(pair.upper.size()) + " and " +
@@ -348,10 +384,11 @@ void check(const Pair& pair, Values approaches, const ContactModel& model) {
   if (pair.upper.size() < 4) {
     fail("upper and lower have " + std::to_string(pair.upper.size()) + " points, at least 4 are needed");
   }
-  if (!all_finite(pair.upper.data(), pair.upper.size())) {
+  const FirstTouch touch = first_touch(pair.upper.data(), pair.lower.data(), pair.upper.size());
+  if (!touch.upper_finite) {
     fail("upper has heights that are NaN or infinite");
   }
-  if (!all_finite(pair.lower.data(), pair.lower.size())) {
+  if (!touch.lower_finite) {
     fail("lower has heights that are NaN or infinite");
   }
   if (!(pair.spacing > 0.0) || !std::isfinite(pair.spacing)) {
@@ -373,6 +410,7 @@ void check(const Pair& pair, Values approaches, const ContactModel& model) {
   if (model.shear != 1 && model.shear != -1) {
     fail("shear is " + std::to_string(model.shear) + ", must be +1 or -1");
   }
+  return touch.gap;
 }
 
 }  // namespace
@@ -394,10 +432,10 @@ LoadSums::LoadSums(std::size_t approaches)
 std::vector<Contact> contacts(Values upper, Values lower, double spacing, double approach, const ContactModel& model) {
   const Pair pair{upper, lower, spacing};
   const Values approaches(&approach, 1);
-  check(pair, approaches, model);
+  const double zero = check(pair, approaches, model);
   std::vector<Contact> result;
   const auto visit_with = [&](const auto& law) {
-    visit_contacts(pair, approaches, model,
+    visit_contacts(pair, zero, approaches, model,
                    [&](const Site& site, std::size_t, const Touch& touch, double radius, Verdict verdict) {
                      if (verdict == Verdict::crossed) {
                        return;
@@ -416,11 +454,11 @@ std::vector<Contact> contacts(Values upper, Values lower, double spacing, double
 LoadSums press(Values upper, Values lower, double spacing, Values approaches, const ContactModel& model) {
   constexpr double hertz_limit = 0.1;  // overlap / R
   const Pair pair{upper, lower, spacing};
-  check(pair, approaches, model);
+  const double zero = check(pair, approaches, model);
   LoadSums sums(approaches.size());
   const double shear = model.shear;
   const auto visit_with = [&](const auto& law) {
-    visit_contacts(pair, approaches, model,
+    visit_contacts(pair, zero, approaches, model,
                    [&](const Site&, std::size_t k, const Touch& touch, double radius, Verdict verdict) {
                      if (verdict == Verdict::crossed) {
                        sums.crossed_count[k] += 1;

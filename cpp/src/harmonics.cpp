@@ -17,11 +17,14 @@ namespace {
 using Complex = std::complex<double>;
 
 // Points that are computed together, so that the group profiles of one block stay in the second-level cache.
-constexpr Index block = 2048;
+constexpr Index block = 1024;
+// Blocks after which a harmonic starts from its phase anew.
+constexpr Index restart = 4;
 // A harmonic is advanced this many points at a time, each by its own recurrence.
 constexpr Index lanes = 32;
-constexpr Index doublings = 5;
-static_assert(lanes == 1 << doublings && block % lanes == 0);
+constexpr std::size_t doublings = 5;
+constexpr Index packs = lanes / pack_size;
+static_assert(lanes == 1 << doublings && block % lanes == 0 && lanes % pack_size == 0);
 
 // A phase as a fraction of a turn in 64 bits: multiples of it wrap exactly, however many turns they make.
 using Turns = std::uint64_t;
@@ -39,13 +42,16 @@ double radians(Turns turns) {
 
 Complex unit(Turns turns) { return std::polar(1.0, radians(turns)); }
 
-// Re[amplitude e^(i k x)], as it is advanced along the grid.
+// Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d of θ = `lanes` k Δx,
+// whose error grows with the number of steps only, however small the angle θ is.
 struct Harmonic {
+  Pack z[packs];                             // at the next `lanes` points
+  Pack d[packs];                             // what they are above those `lanes` points before
+  double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // at x = 0
-  Turns step;                                // k Δx
+  Complex backward;                          // 1 - e^(-i θ), to full relative accuracy
   std::array<Complex, doublings> rotations;  // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
-  Complex backward;                          // 1 - e^(-i lanes k Δx), to full relative accuracy
-  double curvature;                          // 4 sin²(lanes k Δx / 2)
+  Turns step;                                // k Δx
 
   Harmonic(Complex amplitude_at_zero, Turns turns_per_point) : amplitude(amplitude_at_zero), step(turns_per_point) {
     for (std::size_t w = 0; w < rotations.size(); ++w) {
@@ -53,7 +59,32 @@ struct Harmonic {
     }
     const double half_angle = 0.5 * radians(step * static_cast<Turns>(lanes));
     backward = Complex(0.0, 2.0 * std::sin(half_angle)) * std::polar(1.0, -half_angle);
-    curvature = 4.0 * std::sin(half_angle) * std::sin(half_angle);
+    rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
+  }
+
+  // From its phase at a point: the first `lanes` points by doubling, a run of points, then the same run rotated.
+  void start(Index point) {
+    std::array<double, lanes> real;
+    std::array<double, lanes> imaginary;
+    const Complex first = amplitude * unit(step * static_cast<Turns>(point));
+    real[0] = first.real();
+    imaginary[0] = first.imag();
+    for (std::size_t w = 0, run = 1; w < rotations.size(); ++w, run *= 2) {
+      const double c = rotations[w].real();
+      const double s = rotations[w].imag();
+      for (std::size_t lane = 0; lane < run; ++lane) {
+        real[run + lane] = c * real[lane] - s * imaginary[lane];
+        imaginary[run + lane] = s * real[lane] + c * imaginary[lane];
+      }
+    }
+    std::array<double, lanes> difference;
+    for (std::size_t lane = 0; lane < real.size(); ++lane) {
+      difference[lane] = backward.real() * real[lane] - backward.imag() * imaginary[lane];
+    }
+    for (Index p = 0; p < packs; ++p) {
+      z[p] = load(real.data() + p * pack_size);
+      d[p] = load(difference.data() + p * pack_size);
+    }
   }
 };
 
@@ -98,59 +129,97 @@ std::vector<Group> groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// values[j] -= Re[z_j], z advancing by the recurrence d += -4 sin²(θ/2) z, z += d, whose error grows with the number of
-// steps only, however small the angle θ is.
-STICTION_MULTIVERSION
-void subtract_recurrence(double* values, const double* start, const double* difference, double curvature) {
-  double z[lanes];
-  double d[lanes];
-  for (Index lane = 0; lane < lanes; ++lane) {
-    z[lane] = start[lane];
-    d[lane] = difference[lane];
+// Subtracts the next block of `count` harmonics from the values: each value is loaded and stored once for all of them.
+template <std::size_t count>
+STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
+  Pack z[count][packs];
+  Pack d[count][packs];
+  for (std::size_t h = 0; h < count; ++h) {
+    std::copy_n(harmonics[h].z, packs, z[h]);
+    std::copy_n(harmonics[h].d, packs, d[h]);
   }
   for (Index j = 0; j < block; j += lanes) {
-    for (Index lane = 0; lane < lanes; ++lane) {
-      values[j + lane] -= z[lane];
-      d[lane] -= curvature * z[lane];
-      z[lane] += d[lane];
+    for (Index p = 0; p < packs; ++p) {
+      Pack value = load(values + j + p * pack_size);
+      for (std::size_t h = 0; h < count; ++h) {
+        value -= z[h][p];
+        d[h][p] -= harmonics[h].rate * z[h][p];
+        z[h][p] += d[h][p];
+      }
+      store(value, values + j + p * pack_size);
     }
+  }
+  for (std::size_t h = 0; h < count; ++h) {
+    std::copy_n(z[h], packs, harmonics[h].z);
+    std::copy_n(d[h], packs, harmonics[h].d);
   }
 }
 
-void subtract_harmonic(const Harmonic& harmonic, Index first, double* values) {
-  // The first `lanes` points by doubling: a run of points, then the same run rotated.
-  std::array<double, lanes> real;
-  std::array<double, lanes> imaginary;
-  const Complex start = harmonic.amplitude * unit(harmonic.step * static_cast<Turns>(first));
-  real[0] = start.real();
-  imaginary[0] = start.imag();
-  for (std::size_t w = 0, run = 1; w < harmonic.rotations.size(); ++w, run *= 2) {
-    const double c = harmonic.rotations[w].real();
-    const double s = harmonic.rotations[w].imag();
-    for (std::size_t lane = 0; lane < run; ++lane) {
-      real[run + lane] = c * real[lane] - s * imaginary[lane];
-      imaginary[run + lane] = s * real[lane] + c * imaginary[lane];
-    }
-  }
-  std::array<double, lanes> difference;  // Re[z_j - z_(j - lanes)]
-  for (std::size_t lane = 0; lane < real.size(); ++lane) {
-    difference[lane] = harmonic.backward.real() * real[lane] - harmonic.backward.imag() * imaginary[lane];
-  }
-  subtract_recurrence(values, real.data(), difference.data(), harmonic.curvature);
-}
-
-// sums[j] = Σ_n weights[n] values[n][j], in the order of n whatever the number of rows.
 STICTION_MULTIVERSION
-void weighted_sum(const double* weights, const double* values, Index frequencies, Index count, double* sums) {
-  for (Index j = 0; j < count; ++j) {
-    sums[j] = 0.0;
-  }
-  for (Index n = 0; n < frequencies; ++n) {
-    const double weight = weights[n];
-    const double* group = values + n * block;
-    for (Index j = 0; j < count; ++j) {
-      sums[j] += weight * group[j];
+void subtract_two(double* values, Harmonic* harmonics) { subtract<2>(values, harmonics); }
+
+STICTION_MULTIVERSION
+void subtract_one(double* values, Harmonic* harmonics) { subtract<1>(values, harmonics); }
+
+// G_n over the block that begins at a point; blocks come in order.
+void next_block(Group& group, Index first, double* values) {
+  std::fill_n(values, block, group.constant);
+  if (first % (restart * block) == 0) {
+    for (Harmonic& harmonic : group.harmonics) {
+      harmonic.start(first);
     }
+  }
+  std::size_t h = 0;
+  for (; h + 2 <= group.harmonics.size(); h += 2) {
+    subtract_two(values, &group.harmonics[h]);
+  }
+  if (h < group.harmonics.size()) {
+    subtract_one(values, &group.harmonics[h]);
+  }
+}
+
+// sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and j < block: a tile of sums stays in registers
+// while the groups pass by, each product in the order of n whatever the number of rows.
+template <std::size_t rows>
+STICTION_INLINE void tile_product(const double* weights, const double* values, Index frequencies, double* sums,
+                                  Index stride) {
+  constexpr Index width = 2;  // packs
+  for (Index j = 0; j < block; j += width * pack_size) {
+    Pack tile[rows][width] = {};
+    for (Index n = 0; n < frequencies; ++n) {
+      for (std::size_t row = 0; row < rows; ++row) {
+        for (Index p = 0; p < width; ++p) {
+          tile[row][p] +=
+              weights[static_cast<Index>(row) * frequencies + n] * load(values + n * block + j + p * pack_size);
+        }
+      }
+    }
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (Index p = 0; p < width; ++p) {
+        store(tile[row][p], sums + static_cast<Index>(row) * stride + j + p * pack_size);
+      }
+    }
+  }
+}
+
+STICTION_MULTIVERSION
+void four_rows(const double* weights, const double* values, Index frequencies, double* sums, Index stride) {
+  tile_product<4>(weights, values, frequencies, sums, stride);
+}
+
+STICTION_MULTIVERSION
+void one_row(const double* weights, const double* values, Index frequencies, double* sums, Index stride) {
+  tile_product<1>(weights, values, frequencies, sums, stride);
+}
+
+// All rows of one whole block; `sums` points at its first column.
+void product(const Matrix& weights, const double* values, double* sums, Index stride) {
+  Index row = 0;
+  for (; row + 4 <= weights.rows(); row += 4) {
+    four_rows(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
+  }
+  for (; row < weights.rows(); ++row) {
+    one_row(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
   }
 }
 
@@ -174,7 +243,7 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
   return weights;
 }
 
-Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
+void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles) {
   require(phases.rows() > 0 && phases.cols() > 0, "phases must have at least one direction and one frequency");
   require(weights.cols() == phases.cols(), "weights must have one column per frequency of the phases");
   require(phases.allFinite() && weights.allFinite(), "phases and weights must be finite");
@@ -182,23 +251,31 @@ Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGr
   require(grid.spacing > 0.0 && std::isfinite(grid.spacing), "spacing must be above 0 and finite");
   require(grid.length_scale > 0.0 && std::isfinite(grid.length_scale), "length_scale must be above 0 and finite");
   require(grid.gamma > 1.0 && std::isfinite(grid.gamma), "gamma must be above 1 and finite");
+  require(profiles.rows() == weights.rows() && profiles.cols() == grid.points,
+          "profiles must have a row for each row of weights and a column for each point");
 
-  const std::vector<Group> all = groups(phases, grid);
-  Matrix profiles(weights.rows(), grid.points);
+  std::vector<Group> all = groups(phases, grid);
+  const Matrix packed_weights = weights;
   std::vector<double> values(all.size() * static_cast<std::size_t>(block));
+  Matrix last_block;
   for (Index first = 0; first < grid.points; first += block) {
     for (std::size_t n = 0; n < all.size(); ++n) {
-      double* group = values.data() + static_cast<Index>(n) * block;
-      std::fill_n(group, block, all[n].constant);
-      for (const Harmonic& harmonic : all[n].harmonics) {
-        subtract_harmonic(harmonic, first, group);
-      }
+      next_block(all[n], first, values.data() + static_cast<Index>(n) * block);
     }
-    const Index count = std::min(block, grid.points - first);
-    for (Index row = 0; row < weights.rows(); ++row) {
-      weighted_sum(weights.row(row).data(), values.data(), phases.cols(), count, profiles.row(row).data() + first);
+    const Index count = grid.points - first;
+    if (count >= block) {
+      product(packed_weights, values.data(), profiles.data() + first, profiles.outerStride());
+    } else {
+      last_block.resize(weights.rows(), block);
+      product(packed_weights, values.data(), last_block.data(), block);
+      profiles.rightCols(count) = last_block.leftCols(count);
     }
   }
+}
+
+Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
+  Matrix profiles(weights.rows(), std::max<Index>(grid.points, 0));
+  harmonic_profiles(phases, weights, grid, profiles);
   return profiles;
 }
 

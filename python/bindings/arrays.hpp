@@ -10,6 +10,7 @@
 #include <pybind11/typing.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace stiction::python {

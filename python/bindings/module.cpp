@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 namespace stiction::python {
+void bind_amplitude(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
@@ -11,6 +12,7 @@ void bind_contact(pybind11::module_& module);
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   module.doc() = "The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side.";
   module.attr("__version__") = STICTION_VERSION;
+  stiction::python::bind_amplitude(module);
   stiction::python::bind_harmonics(module);
   stiction::python::bind_asperity(module);
   stiction::python::bind_law(module);

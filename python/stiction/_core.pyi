@@ -18,6 +18,7 @@ __all__: list[str] = [
     "frequency_weights",
     "harmonic_profiles",
     "press",
+    "scale_to_amplitude",
 ]
 
 class HertzSphere:
@@ -101,7 +102,7 @@ def harmonic_profiles(
     length_scale: typing.SupportsFloat | typing.SupportsIndex,
     gamma: typing.SupportsFloat | typing.SupportsIndex,
     band_limited: bool,
-) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+) -> numpy.typing.NDArray[numpy.float64]:
     """
     Eq. 1 for every row of weights: (rows, points) heights [µm].
     """
@@ -119,6 +120,13 @@ def press(
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     Sums over the contacts at each approach [µm]: a dict of columns.
+    """
+
+def scale_to_amplitude(
+    heights: numpy.typing.NDArray[numpy.float64], amplitude: typing.SupportsFloat | typing.SupportsIndex, measure: str
+) -> numpy.typing.NDArray[numpy.float64] | None:
+    """
+    Heights [µm] about a mean of zero with a measure of `amplitude` [µm]; None for a flat profile.
     """
 
 __version__: str = "0.1.0"

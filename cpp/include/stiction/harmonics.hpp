@@ -32,4 +32,7 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// std::invalid_argument for shapes that do not match, values out of range and unresolvable phases.
 Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid);
 
+/// The same into the caller's array (rows of weights, points).
+void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles);
+
 }  // namespace stiction

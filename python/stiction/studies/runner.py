@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, read_only
+from stiction._checks import Floats
 from stiction.mechanics.contact import SUMS, press
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import Side, random_phases, weierstrass_mandelbrot_family
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import scaled_profile
 
 if TYPE_CHECKING:
     import xarray
@@ -36,18 +36,20 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     dimensions = study.surfaces.fractal_dimensions()
     amplitudes = study.surfaces.amplitudes()
     approaches = study.contact.approaches()
+    spacing = float(study.surfaces.extent) / study.surfaces.points
+    measure = study.surfaces.amplitude_measure
     shape = (dimensions.size, amplitudes.size, approaches.size)
     sums: Sums = {name: np.empty(shape, np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
     members = max(1, FAMILY_MEMORY // (8 * study.surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
-        uppers = _profiles(study, repetition, "upper", family)
-        lowers = _profiles(study, repetition, "lower", family)
+        uppers = _heights(study, repetition, "upper", family)
+        lowers = _heights(study, repetition, "lower", family)
         for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
             for a, amplitude in enumerate(amplitudes):
                 curve = press(
-                    upper.with_amplitude(amplitude, study.surfaces.amplitude_measure),
-                    lower.with_amplitude(amplitude, study.surfaces.amplitude_measure),
+                    scaled_profile(upper, spacing, amplitude, measure),
+                    scaled_profile(lower, spacing, amplitude, measure),
                     approaches,
                     effective_modulus=float(study.contact.effective_modulus),
                     law=study.contact.contact_law(),
@@ -60,7 +62,7 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     return sums
 
 
-def _profiles(study: Study, repetition: int, side: Side, dimensions: Floats) -> list[Profile]:
+def _heights(study: Study, repetition: int, side: Side, dimensions: Floats) -> Floats:
     surfaces = study.surfaces
     phases = random_phases(
         study.ensemble.seed,
@@ -69,7 +71,7 @@ def _profiles(study: Study, repetition: int, side: Side, dimensions: Floats) -> 
         directions=surfaces.directions,
         frequencies=surfaces.frequencies,
     )
-    heights = weierstrass_mandelbrot_family(
+    return weierstrass_mandelbrot_family(
         phases,
         dimensions,
         length_scale=float(surfaces.length_scale),
@@ -79,8 +81,6 @@ def _profiles(study: Study, repetition: int, side: Side, dimensions: Floats) -> 
         convention=surfaces.convention,
         band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
     )
-    spacing = float(surfaces.extent) / surfaces.points
-    return [Profile(read_only(row), spacing=spacing) for row in heights]
 
 
 def run(

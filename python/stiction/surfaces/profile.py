@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from stiction import _core
 from stiction._checks import Floats, choice, float_array, number, read_only
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
@@ -94,17 +95,13 @@ class Profile:
         ValueError
             If the amplitude is not above 0, the measure is unknown, or the profile is flat.
         """
-        amplitude = number("amplitude", amplitude, unit="µm", above=0)
-        choice("measure", measure, AmplitudeMeasure)
-        if self.is_flat:
-            raise ValueError("a flat profile has no amplitude to scale")
-        heights = self.heights - self.heights.mean()
-        match measure:
-            case "height":
-                size = np.ptp(heights)
-            case "Ra":
-                size = np.abs(heights).mean()
-            case "Rq":
-                size = np.sqrt(np.square(heights).mean())
-        heights *= amplitude / size
-        return Profile(read_only(heights), spacing=self.spacing)
+        return scaled_profile(self.heights, self.spacing, amplitude, measure)
+
+
+def scaled_profile(heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure) -> Profile:
+    """`Profile(heights, spacing=spacing).with_amplitude(amplitude, measure)` without a copy of the heights."""
+    choice("measure", measure, AmplitudeMeasure)
+    scaled = _core.scale_to_amplitude(heights, number("amplitude", amplitude, unit="µm", above=0), measure)
+    if scaled is None:
+        raise ValueError("a flat profile has no amplitude to scale")
+    return Profile(read_only(scaled), spacing=spacing)
