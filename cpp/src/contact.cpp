@@ -138,6 +138,7 @@ std::vector<std::size_t> points_within(const double* upper, const double* lower,
                                        double largest) {
   constexpr std::size_t stretch = 64;
   std::vector<std::size_t> points;
+  points.reserve(size / 4);
   for (std::size_t begin = 0; begin < size; begin += stretch) {
     const std::size_t end = std::min(begin + stretch, size);
     int count = 0;

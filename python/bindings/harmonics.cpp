@@ -9,18 +9,13 @@ void bind_harmonics(py::module_& module) {
              py::arg("gamma"), py::arg("length_scale"), "Amplitudes of the frequencies of Eq. 1 [µm].");
   module.def(
       "harmonic_profiles",
-      [](const MatrixView& phases, const MatrixView& weights, double spacing, Index points, double length_scale,
-         double gamma, bool band_limited) {
-        // NumPy's memory, which comes in large pages where the system has them.
-        py::array_t<double> profiles({weights.rows(), std::max<Index>(points, 0)});
-        Eigen::Map<Matrix> view(profiles.mutable_data(), profiles.shape(0), profiles.shape(1));
-        const py::gil_scoped_release release;
-        harmonic_profiles(phases, weights, {spacing, points, length_scale, gamma, band_limited}, view);
-        return profiles;
+      [](const MatrixView& phases, const MatrixView& weights, Eigen::Ref<Matrix> profiles, double spacing,
+         double length_scale, double gamma, bool band_limited) {
+        harmonic_profiles(phases, weights, {spacing, profiles.cols(), length_scale, gamma, band_limited}, profiles);
       },
-      py::arg("phases").noconvert(), py::arg("weights").noconvert(), py::kw_only(), py::arg("spacing"),
-      py::arg("points"), py::arg("length_scale"), py::arg("gamma"), py::arg("band_limited"),
-      "Eq. 1 for every row of weights: (rows, points) heights [µm].");
+      py::arg("phases").noconvert(), py::arg("weights").noconvert(), py::arg("profiles").noconvert(), py::kw_only(),
+      py::arg("spacing"), py::arg("length_scale"), py::arg("gamma"), py::arg("band_limited"),
+      py::call_guard<py::gil_scoped_release>(), "Eq. 1 for every row of weights, into `profiles` (rows, points) [µm].");
 }
 
 }  // namespace stiction::python

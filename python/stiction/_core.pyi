@@ -96,15 +96,15 @@ def frequency_weights(
 def harmonic_profiles(
     phases: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
     weights: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    profiles: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
     *,
     spacing: typing.SupportsFloat | typing.SupportsIndex,
-    points: typing.SupportsInt | typing.SupportsIndex,
     length_scale: typing.SupportsFloat | typing.SupportsIndex,
     gamma: typing.SupportsFloat | typing.SupportsIndex,
     band_limited: bool,
-) -> numpy.typing.NDArray[numpy.float64]:
+) -> None:
     """
-    Eq. 1 for every row of weights: (rows, points) heights [µm].
+    Eq. 1 for every row of weights, into `profiles` (rows, points) [µm].
     """
 
 def press(
@@ -123,10 +123,13 @@ def press(
     """
 
 def scale_to_amplitude(
-    heights: numpy.typing.NDArray[numpy.float64], amplitude: typing.SupportsFloat | typing.SupportsIndex, measure: str
-) -> numpy.typing.NDArray[numpy.float64] | None:
+    heights: numpy.typing.NDArray[numpy.float64],
+    amplitude: typing.SupportsFloat | typing.SupportsIndex,
+    measure: str,
+    scaled: numpy.typing.NDArray[numpy.float64],
+) -> bool:
     """
-    Heights [µm] about a mean of zero with a measure of `amplitude` [µm]; None for a flat profile.
+    Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.
     """
 
 __version__: str = "0.1.0"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.contact import SUMS, press
 from stiction.studies.study import Study
-from stiction.surfaces.fractal import Side, random_phases, weierstrass_mandelbrot_family
+from stiction.surfaces.fractal import Side, fill_family, random_phases
 from stiction.surfaces.profile import scaled_profile
 
 if TYPE_CHECKING:
@@ -40,16 +41,19 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     measure = study.surfaces.amplitude_measure
     shape = (dimensions.size, amplitudes.size, approaches.size)
     sums: Sums = {name: np.empty(shape, np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
-    members = max(1, FAMILY_MEMORY // (8 * study.surfaces.points))
+    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * study.surfaces.points)))
+    memory = _memory((2, members + 1, study.surfaces.points))
+    scratch = memory[:, -1]
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
-        uppers = _heights(study, repetition, "upper", family)
-        lowers = _heights(study, repetition, "lower", family)
+        uppers, lowers = memory[0, : family.size], memory[1, : family.size]
+        _fill(uppers, study, repetition, "upper", family)
+        _fill(lowers, study, repetition, "lower", family)
         for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
             for a, amplitude in enumerate(amplitudes):
                 curve = press(
-                    scaled_profile(upper, spacing, amplitude, measure),
-                    scaled_profile(lower, spacing, amplitude, measure),
+                    scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
+                    scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
                     approaches,
                     effective_modulus=float(study.contact.effective_modulus),
                     law=study.contact.contact_law(),
@@ -62,7 +66,18 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     return sums
 
 
-def _heights(study: Study, repetition: int, side: Side, dimensions: Floats) -> Floats:
+_kept = threading.local()
+
+
+def _memory(shape: tuple[int, ...]) -> Floats:
+    """An array of a shape, not initialised; a thread's tasks use the same again, because new pages are slow to come by."""
+    memory: Floats | None = getattr(_kept, "memory", None)
+    if memory is None or memory.shape != shape:
+        _kept.memory = memory = np.empty(shape)
+    return memory
+
+
+def _fill(heights: Floats, study: Study, repetition: int, side: Side, dimensions: Floats) -> None:
     surfaces = study.surfaces
     phases = random_phases(
         study.ensemble.seed,
@@ -71,13 +86,13 @@ def _heights(study: Study, repetition: int, side: Side, dimensions: Floats) -> F
         directions=surfaces.directions,
         frequencies=surfaces.frequencies,
     )
-    return weierstrass_mandelbrot_family(
+    fill_family(
+        heights,
         phases,
         dimensions,
         length_scale=float(surfaces.length_scale),
         gamma=surfaces.gamma,
         extent=float(surfaces.extent),
-        points=surfaces.points,
         convention=surfaces.convention,
         band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
     )

@@ -131,12 +131,38 @@ def weierstrass_mandelbrot_family(
 
     Hanaor, Gan & Einav, Tribology International 93 (2016) 229, Eq. 1.
     """
+    points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
+    family = np.empty((np.size(fractal_dimensions), points))
+    fill_family(
+        family,
+        phases,
+        fractal_dimensions,
+        length_scale=length_scale,
+        gamma=gamma,
+        extent=extent,
+        convention=convention,
+        band_limit=band_limit,
+    )
+    return family
+
+
+def fill_family(
+    family: Floats,
+    phases: ArrayLike,
+    fractal_dimensions: ArrayLike,
+    *,
+    length_scale: float,
+    gamma: float,
+    extent: float,
+    convention: Convention,
+    band_limit: BandLimit | None,
+) -> None:
+    """`weierstrass_mandelbrot_family` in memory that is there already, which new memory of this size is slower than."""
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     length_scale = number("length_scale", length_scale, unit="µm", above=0)
     gamma = number("gamma", gamma, above=1)
     extent = number("extent", extent, unit="µm", above=0)
-    points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
     if band_limit is not None:
         choice("band_limit", band_limit, BandLimit)
     weights = [
@@ -145,11 +171,11 @@ def weierstrass_mandelbrot_family(
         )
         for dimension in dimensions
     ]
-    return _core.harmonic_profiles(
+    _core.harmonic_profiles(
         phase_array,
         np.array(weights).reshape(len(weights), phase_array.shape[1]),
-        spacing=extent / points,
-        points=points,
+        family,
+        spacing=extent / family.shape[1],
         length_scale=length_scale,
         gamma=gamma,
         band_limited=band_limit == "nyquist",

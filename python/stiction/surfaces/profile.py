@@ -95,13 +95,22 @@ class Profile:
         ValueError
             If the amplitude is not above 0, the measure is unknown, or the profile is flat.
         """
-        return scaled_profile(self.heights, self.spacing, amplitude, measure)
+        return scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
 
 
-def scaled_profile(heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure) -> Profile:
-    """`Profile(heights, spacing=spacing).with_amplitude(amplitude, measure)` without a copy of the heights."""
+def scaled_profile(
+    heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
+) -> Profile:
+    """`Profile(heights, spacing=spacing).with_amplitude(amplitude, measure)` in the memory of `scaled`.
+
+    New memory costs more than the scaling itself; whoever scales many profiles one after the other gives the same
+    again, and the profile before is then gone.
+    """
     choice("measure", measure, AmplitudeMeasure)
-    scaled = _core.scale_to_amplitude(heights, number("amplitude", amplitude, unit="µm", above=0), measure)
-    if scaled is None:
+    amplitude = number("amplitude", amplitude, unit="µm", above=0)
+    if not _core.scale_to_amplitude(heights, amplitude, measure, scaled):
         raise ValueError("a flat profile has no amplitude to scale")
-    return Profile(read_only(scaled), spacing=spacing)
+    profile = object.__new__(Profile)
+    object.__setattr__(profile, "heights", read_only(scaled[:]))
+    object.__setattr__(profile, "spacing", spacing)
+    return profile

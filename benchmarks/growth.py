@@ -1,0 +1,74 @@
+"""How does the cost grow with points, dimensions and approaches, and how much memory does it take?"""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from measure import in_units, peak_mebibytes
+from stiction import Study, run
+from stiction.studies.runner import repetition_sums
+
+HERE = Path(__file__).parent
+BASE = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
+
+
+def cost(changes: dict[str, object], repeats: int = 3) -> float:
+    study = BASE.with_changes(changes)
+    pairs = study.surfaces.fractal_dimensions().size
+    return in_units(lambda: repetition_sums(study, 0), repeats) / pairs
+
+
+def figure6() -> None:
+    run(Study.named("figure6").with_changes({"ensemble.repetitions": 8}))
+
+
+def ten_million() -> None:
+    repetition_sums(BASE.with_changes(at_points(10_000_000)), 0)
+
+
+def at_points(points: int) -> dict[str, object]:
+    return {
+        "surfaces.points": points,
+        "surfaces.extent": f"{points * 40 / 150_000:.6f} um",
+        "surfaces.fractal_dimension": [1.3],
+    }
+
+
+def rows() -> list[tuple[str, str]]:
+    points = (10_000, 150_000, 1_000_000, 10_000_000)
+    dimensions = (1, 5, 20, 50, 200)
+    approaches = (1, 10, 40, 100, 400)
+    by_points = [cost(at_points(n), 5 if n < 1e6 else 1) / n * 150_000 for n in points]
+    spread = {"start": 1.0, "stop": 1.7}
+    by_dimensions = [
+        cost({"surfaces.fractal_dimension": [1.3] if n == 1 else spread | {"count": n}}) for n in dimensions
+    ]
+    by_approaches = [
+        cost({"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}})
+        for n in approaches
+    ]
+    figure = Figure(figsize=(6.7, 2.3), dpi=200, layout="constrained")
+    axes = figure.subplots(1, 3)
+    for ax, x, y, label, unit in (
+        (axes[0], points, by_points, "points (one dimension)", "U per 150 000 points"),
+        (axes[1], dimensions, by_dimensions, "fractal dimensions", "U per pair"),
+        (axes[2], approaches, by_approaches, "approaches (50 dimensions)", "U per pair"),
+    ):
+        ax.plot(x, y, "o-", ms=3, lw=1)
+        ax.set_xscale("log")
+        ax.set_ylim(0, 1.15 * np.max(y))
+        ax.set_xlabel(label, fontsize=7)
+        ax.set_ylabel(unit, fontsize=7)
+        ax.tick_params(labelsize=6)
+    figure.savefig(HERE.parent / "docs/images/performance.png")
+    join = "; ".join
+    return [
+        ("cost of a single pair by points, U per 150 000 points",
+         join(f"{n:.0e}: {c:.1f}" for n, c in zip(points, by_points, strict=True))),
+        ("cost of a pair by the number of dimensions, U",
+         join(f"{n}: {c:.1f}" for n, c in zip(dimensions, by_dimensions, strict=True))),
+        ("cost of a pair by the number of approaches, U",
+         join(f"{n}: {c:.1f}" for n, c in zip(approaches, by_approaches, strict=True))),
+        ("peak memory of figure6 on two threads", f"{peak_mebibytes(figure6):.0f} MiB"),
+        ("peak memory of a pair of ten million points each", f"{peak_mebibytes(ten_million):.0f} MiB"),
+    ]  # fmt: skip

@@ -1,0 +1,54 @@
+"""Times and memory of one run; the unit U is one real FFT of 150 000 numbers, timed between the others."""
+
+import multiprocessing
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+_SIGNAL = np.random.default_rng(0).random(150_000)
+
+
+def seconds(call: Callable[[], object], repeats: int = 5) -> float:
+    """Median time of a call."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def unit(repeats: int = 40) -> float:
+    """U in seconds."""
+    return seconds(lambda: np.fft.rfft(_SIGNAL), repeats)
+
+
+def in_units(call: Callable[[], object], repeats: int = 5) -> float:
+    """Median of time over U, U being timed before and after each call, because the machine's clock drifts."""
+    ratios = []
+    for _ in range(repeats):
+        before = unit(10)
+        took = seconds(call, 1)
+        ratios.append(took / ((before + unit(10)) / 2))
+    return statistics.median(ratios)
+
+
+def peak_mebibytes(call: Callable[[], object]) -> float:
+    """Peak memory of a new process that makes a call."""
+    context = multiprocessing.get_context("spawn")
+    queue = context.Queue()
+    process = context.Process(target=_report_peak, args=(call, queue))
+    process.start()
+    peak = queue.get()
+    process.join()
+    return float(peak)
+
+
+def _report_peak(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:
+    call()
+    # Not getrusage, whose peak a new process inherits from its parent.
+    lines = Path("/proc/self/status").read_text("ascii").splitlines()
+    queue.put(next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")))

@@ -1,0 +1,24 @@
+"""Run every benchmark, print its table, and write docs/performance_table.md and docs/images/performance.png."""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+HERE = Path(__file__).parent
+
+
+def main() -> None:
+    lines = []
+    for name in sys.argv[1:] or ("pair", "against", "growth"):
+        module = import_module(name)
+        lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| | |", "|---|---|"]
+        for question, answer in module.rows():
+            print(f"{question:75s} {answer}", flush=True)
+            lines.append(f"| {question} | {answer} |")
+        lines.append("")
+    if len(sys.argv) == 1:
+        (HERE.parent / "docs/performance_table.md").write_text("\n".join(lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
