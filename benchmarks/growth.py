@@ -38,7 +38,7 @@ def rows() -> list[tuple[str, str]]:
     points = (10_000, 150_000, 1_000_000, 10_000_000)
     dimensions = (1, 5, 20, 50, 200)
     approaches = (1, 10, 40, 100, 400)
-    by_points = [cost(at_points(n), 5 if n < 1e6 else 1) / n * 150_000 for n in points]
+    by_points = [cost(at_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points]
     spread = {"start": 1.0, "stop": 1.7}
     by_dimensions = [
         cost({"surfaces.fractal_dimension": [1.3] if n == 1 else spread | {"count": n}}) for n in dimensions

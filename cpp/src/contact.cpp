@@ -249,8 +249,17 @@ std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::siz
   if (slope == 0.0 && curvature > 0.0 && i > 0) {
     return 0.0;
   }
+  // Most intervals have none, and their ends tell: the slope rises through zero between them, or it comes down to zero
+  // and rises again, or rises through zero and comes down again.
+  const double next_curvature = upper.curvature(i + 1) - lower.curvature(i + 1);
+  const bool rises = slope < 0.0 && next_slope > 0.0;
+  const bool dips = slope >= 0.0 && curvature < 0.0 && next_curvature > 0.0 && next_slope > 0.0;
+  const bool bulges = slope < 0.0 && curvature > 0.0 && next_curvature < 0.0 && next_slope < 0.0;
+  if (!rises && !dips && !bulges) {
+    return std::nullopt;
+  }
   // slope + curvature t + half_rate t²
-  const double half_rate = (upper.curvature(i + 1) - lower.curvature(i + 1) - curvature) / (2.0 * spacing);
+  const double half_rate = (next_curvature - curvature) / (2.0 * spacing);
   const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
   if (!(discriminant > 0.0)) {
     return std::nullopt;
@@ -258,11 +267,10 @@ std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::siz
   const double root = std::sqrt(discriminant);
   // The root at which the quadratic rises, in the form that does not cancel.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
-  if (slope < 0.0 && next_slope > 0.0) {
+  if (rises) {
     return std::clamp(t, 0.0, spacing);  // it is there, whatever round-off says
   }
-  const bool inside = t > 0.0 && t < spacing;
-  return inside && next_slope != 0.0 ? std::optional(t) : std::nullopt;
+  return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;
 }
 
 // Left ends of the intervals that have one of some grid points as an end.

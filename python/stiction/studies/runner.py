@@ -70,7 +70,7 @@ _kept = threading.local()
 
 
 def _memory(shape: tuple[int, ...]) -> Floats:
-    """An array of a shape, not initialised; a thread's tasks use the same again, because new pages are slow to come by."""
+    """An uninitialised array; a thread's tasks use the same again, because new pages are slow to come by."""
     memory: Floats | None = getattr(_kept, "memory", None)
     if memory is None or memory.shape != shape:
         _kept.memory = memory = np.empty(shape)
