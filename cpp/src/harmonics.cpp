@@ -214,11 +214,15 @@ void one_row(const double* weights, const double* values, Index frequencies, dou
 
 // All rows of one whole block; `sums` points at its first column.
 void product(const Matrix& weights, const double* values, double* sums, Index stride) {
-  Index row = 0;
-  for (; row + 4 <= weights.rows(); row += 4) {
-    four_rows(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
+  const Index rows = weights.rows();
+  if (rows >= 4) {
+    for (Index begin = 0; begin < rows; begin += 4) {
+      const Index row = std::min(begin, rows - 4);  // the last tile may do some rows again
+      four_rows(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
+    }
+    return;
   }
-  for (; row < weights.rows(); ++row) {
+  for (Index row = 0; row < rows; ++row) {
     one_row(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
   }
 }

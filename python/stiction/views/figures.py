@@ -192,8 +192,11 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
             line = areas.isel(amplitude=row, fractal_dimension=curve)
             load = line["load"].values
             label = f"{float(line['fractal_dimension']):.2f}"
+            trusted = line["share_beyond_hertz"].values <= 0.5
             for ax, scale in zip(axes[row], (1.0, 1 / load), strict=True):
-                ax.plot(load, scale * line["contact_area"].values, color=colour, linewidth=1, label=label)
+                area = scale * line["contact_area"].values
+                ax.plot(load, area, ":", color=colour, linewidth=1)
+                ax.plot(load, np.where(trusted, area, np.nan), color=colour, linewidth=1, label=label)
                 ax.fill_between(
                     load,
                     scale * line["lower"].values,
@@ -216,7 +219,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
         ax.set_xlabel("normal load $F_N$ (mN)")
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(),
-        title=f"{_dimension_label(dataset)}\n$\\mu_0$ = {mu0:g}\n$\\tau_0$ = {tau0.text}\nshaded: 95 %",
+        title=f"{_dimension_label(dataset)}\n$\\mu_0$ = {mu0:g}\n$\\tau_0$ = {tau0.text}\nshaded: 95 %\ndotted: more than half of\nthe load on overlaps $> R/10$",
         loc="outside right center",
     )
     return figure
