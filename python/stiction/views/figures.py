@@ -219,7 +219,8 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
         ax.set_xlabel("normal load $F_N$ (mN)")
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(),
-        title=f"{_dimension_label(dataset)}\n$\\mu_0$ = {mu0:g}\n$\\tau_0$ = {tau0.text}\nshaded: 95 %\ndotted: more than half of\nthe load on overlaps $> R/10$",
+        title=f"{_dimension_label(dataset)}\n$\\mu_0$ = {mu0:g}\n$\\tau_0$ = {tau0.text}\nshaded: 95 %\n"
+        "dotted: more than half of\nthe load on overlaps $> R/10$",
         loc="outside right center",
     )
     return figure
