@@ -10,7 +10,6 @@
 #include <pybind11/typing.h>
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace stiction::python {

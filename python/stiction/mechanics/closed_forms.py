@@ -8,15 +8,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats
+from stiction._checks import Floats, float_array
+from stiction.mechanics.friction import friction_parameter
 
 
 def _positive(**arguments: ArrayLike) -> list[Floats]:
     arrays = []
     for name, values in arguments.items():
-        array = np.asarray(values, dtype=np.float64)
-        if not (np.isfinite(array).all() and (array > 0).all()):
-            raise ValueError(f"{name} must be finite and above 0, got {values!r}")
+        array = float_array(name, values)
+        if not (array > 0).all():
+            raise ValueError(f"{name} must be above 0, got {values!r}")
         arrays.append(array)
     return arrays
 
@@ -35,7 +36,7 @@ def effective_modulus(
     upper, lower = _positive(young_upper=young_upper, young_lower=young_lower)
     ratios = []
     for name, values in (("poisson_upper", poisson_upper), ("poisson_lower", poisson_lower)):
-        ratio = np.asarray(values, dtype=np.float64)
+        ratio = float_array(name, values)
         if not ((ratio > -1) & (ratio <= 0.5)).all():
             raise ValueError(f"{name} must be above -1 and at most 0.5, got {values!r}")
         ratios.append(ratio)
@@ -113,11 +114,10 @@ def slope_friction(
     >>> slope_friction([0.0, 0.1, 1.2], mu0=0.4).round(3)
     array([0.4  , 0.521,   nan])
     """
-    theta, mu, tau = (np.asarray(values, dtype=np.float64) for values in (slope_angle, mu0, tau0))
+    theta = float_array("slope_angle", slope_angle)
+    mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
         raise ValueError(f"slope_angle must be from 0 to below pi/2 rad, got {slope_angle!r}")
-    if not ((mu >= 0).all() and (tau >= 0).all()):
-        raise ValueError(f"mu0 and tau0 must not be negative, got {mu0!r} and {tau0!r}")
     if mean_pressure is not None:
         mu = mu + tau / _positive(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():

@@ -46,16 +46,11 @@ class _Crossing:
 
     @classmethod
     def of(cls, normal: Floats, loads: Floats) -> _Crossing:
-        # The first approach at which a load is exceeded follows from the running maximum; only a load that the first
-        # approach exceeds already can be crossed upwards later, after a dip.
-        highest_so_far = np.maximum.accumulate(normal, axis=1)
-        index = np.stack([np.searchsorted(curve, loads, side="left") for curve in highest_so_far])
-        for curve, load in np.argwhere((index == 0) & (normal[:, :1] != loads)):
-            upwards = np.flatnonzero((normal[curve, :-1] < loads[load]) & (normal[curve, 1:] >= loads[load]))
-            index[curve, load] = upwards[0] + 1 if upwards.size else 0
-        below = (index == 0) & (normal[:, :1] != loads)
-        reached = (index < normal.shape[1]) & ~below
-        index = np.minimum(index, normal.shape[1] - 1)
+        at_least = normal[:, :, np.newaxis] >= loads  # (c, k, l)
+        reaches = np.concatenate([normal[:, :1, np.newaxis] == loads, ~at_least[:, :-1] & at_least[:, 1:]], axis=1)
+        reached: NDArray[np.bool_] = np.any(reaches, axis=1)
+        index = reaches.argmax(axis=1)
+        below = ~reached & at_least[:, 0]
         before = np.take_along_axis(normal, np.maximum(index - 1, 0), axis=1)
         step = np.take_along_axis(normal, index, axis=1) - before
         fraction = np.divide(loads - before, step, out=np.ones_like(before), where=step > 0)
@@ -157,9 +152,9 @@ def friction_map(
     xarray.Dataset
         friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition), status
         and the figures of `Validity`, over fractal_dimension, amplitude, load (mN), mu0 and tau0 (GPa). The status is
-        "ok", "no-contact",
-        "self-locked" (mean(F_N) is zero or below at the largest approach), "not-reached" (the largest approach
-        carries less) or "below-range" (the smallest approach carries more); the coefficient is NaN unless it is "ok".
+        "ok", "no-contact", "self-locked" (mean(F_N) is zero or below at the largest approach), "not-reached" (no
+        approach carries as much) or "below-range" (the smallest approach carries more); the coefficient is NaN unless
+        it is "ok".
 
     Raises
     ------
