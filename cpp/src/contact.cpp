@@ -6,8 +6,10 @@
 #include "text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -98,16 +100,25 @@ Verdict judge(const Touch& touch, double half_cell) {
 
 // ---- Passes over the profiles -------------------------------------------------------------------------------------
 
-struct FirstTouch {
-  double gap;         // the lowest on the grid
-  bool upper_finite;  // no height is NaN or infinite
-  bool lower_finite;
+// One pass over a pair: its first touch, and what shows which parts of it ever come near.
+struct Screening {
+  static constexpr std::size_t block = 64;
+
+  double gap = std::numeric_limits<double>::infinity();  // the lowest on the grid
+  std::vector<double> block_gap;                         // the lowest of each `block` points
+  bool upper_finite = true;                              // no height is NaN or infinite
+  bool lower_finite = true;
 };
 
-// In one pass: value - value is zero, or NaN where the value is not finite.
+struct BlockScreening {
+  double gap;
+  double upper_zero;  // 0, or NaN where a height is not finite
+  double lower_zero;
+};
+
 STICTION_MULTIVERSION
-FirstTouch first_touch(const double* upper, const double* lower, std::size_t size) {
-  constexpr std::size_t lanes = 32;
+BlockScreening screen_block(const double* upper, const double* lower, std::size_t size) {
+  constexpr std::size_t lanes = 16;
   double lowest[lanes];
   double upper_zero[lanes] = {};
   double lower_zero[lanes] = {};
@@ -127,32 +138,56 @@ FirstTouch first_touch(const double* upper, const double* lower, std::size_t siz
   for (; i < size; ++i) {
     take(i, 0);
   }
-  const auto is_zero = [](double value) { return value == 0.0; };
-  return {*std::min_element(lowest, lowest + lanes), std::all_of(upper_zero, upper_zero + lanes, is_zero),
-          std::all_of(lower_zero, lower_zero + lanes, is_zero)};
+  return {*std::min_element(lowest, lowest + lanes), std::accumulate(upper_zero, upper_zero + lanes, 0.0),
+          std::accumulate(lower_zero, lower_zero + lanes, 0.0)};
 }
 
-// The grid points whose gap above `zero` is at most `largest`; most of a profile is passed over a stretch at a time.
-STICTION_MULTIVERSION
-std::vector<std::size_t> points_within(const double* upper, const double* lower, std::size_t size, double zero,
-                                       double largest) {
-  constexpr std::size_t stretch = 64;
-  std::vector<std::size_t> points;
-  points.reserve(size / 4);
-  for (std::size_t begin = 0; begin < size; begin += stretch) {
-    const std::size_t end = std::min(begin + stretch, size);
-    int count = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      count += (upper[i] - lower[i]) - zero <= largest ? 1 : 0;
+Screening screen(Values upper, Values lower) {
+  Screening result;
+  result.block_gap.reserve(upper.size() / Screening::block + 1);
+  for (std::size_t begin = 0; begin < upper.size(); begin += Screening::block) {
+    const auto [gap, upper_zero, lower_zero] =
+        screen_block(upper.data() + begin, lower.data() + begin, std::min(Screening::block, upper.size() - begin));
+    result.block_gap.push_back(gap);
+    result.gap = std::min(result.gap, gap);
+    result.upper_finite = result.upper_finite && upper_zero == 0.0;
+    result.lower_finite = result.lower_finite && lower_zero == 0.0;
+  }
+  return result;
+}
+
+struct Stretch {
+  std::size_t begin;
+  std::size_t end;
+};
+
+// Stretches of the grid that hold all points whose gap above first touch is at most `largest`.
+std::vector<Stretch> stretches_within(Values upper, Values lower, const Screening& screening, double largest) {
+  constexpr std::size_t step = 8;      // points that are taken together
+  constexpr std::size_t closest = 32;  // no stretches are nearer to each other
+  std::vector<Stretch> stretches;
+  for (std::size_t b = 0; b < screening.block_gap.size(); ++b) {
+    if (!(screening.block_gap[b] - screening.gap <= largest)) {
+      continue;
     }
-    for (std::size_t i = begin; count > 0; ++i) {
-      if ((upper[i] - lower[i]) - zero <= largest) {
-        points.push_back(i);
-        --count;
+    const std::size_t block_end = std::min((b + 1) * Screening::block, upper.size());
+    for (std::size_t begin = b * Screening::block; begin < block_end; begin += step) {
+      const std::size_t end = std::min(begin + step, block_end);
+      bool within = false;
+      for (std::size_t i = begin; i < end; ++i) {
+        within = within || (upper[i] - lower[i]) - screening.gap <= largest;
+      }
+      if (!within) {
+        continue;
+      }
+      if (!stretches.empty() && begin - stretches.back().end <= closest) {
+        stretches.back().end = end;
+      } else {
+        stretches.push_back({begin, end});
       }
     }
   }
-  return points;
+  return stretches;
 }
 
 // The largest second difference of the gap: what its spline can dip below the grid's own values is 3/8 of it, because
@@ -187,18 +222,18 @@ class Body {
 
   bool flat() const { return flat_; }
 
-  void spline(std::size_t first, std::size_t last) {
-    constexpr auto reach = static_cast<std::size_t>(spline_reach);
-    begin_ = first > reach ? first - reach : 0;
-    const std::size_t size = std::min(last + 1 + reach, heights_.size()) - begin_;
-    slope_.resize(size);
-    curvature_.resize(size);
+  void spline(std::size_t begin, std::size_t end) {
+    begin_ = begin;
+    slope_.resize(end - begin);
+    curvature_.resize(end - begin);
     if (!flat_) {
-      natural_spline(heights_.subspan(begin_, size), spacing_, slope_, curvature_);
+      natural_spline_from(heights_, spacing_, static_cast<Index>(begin), slope_, curvature_);
     }
   }
 
   double height(std::size_t i) const { return heights_[i]; }
+  const std::vector<double>& slopes() const { return slope_; }
+  const std::vector<double>& curvatures() const { return curvature_; }
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
@@ -240,25 +275,80 @@ struct Site {
   double gap;           // above first touch [µm]
 };
 
+// ---- Which points or intervals may hold a contact: wide and cheap, so that few are left to look at one by one -------
+
+// Slopes and curvatures of both bodies at consecutive points.
+struct Derivatives {
+  const double* upper_slope;
+  const double* upper_curvature;
+  const double* lower_slope;
+  const double* lower_curvature;
+};
+
+// Points at which both bodies are convex and the contact centre passes through the cell between first touch and the
+// largest approach. The centre moves one way as the distance of the sphere centres shrinks, so its two ends tell.
+STICTION_MULTIVERSION
+void mark_cells(Derivatives at, const double* upper, const double* lower, std::size_t size, double zero,
+                double largest, double half_cell, unsigned char* marks) {
+  constexpr double round_off = 1e-12;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double upper_slope = at.upper_slope[i];
+    const double lower_slope = at.lower_slope[i];
+    const double gap = (upper[i] - lower[i]) - zero;
+    // R = scale q and O = scale (slope, 1), with the sign of the side.
+    const double upper_q2 = 1.0 + upper_slope * upper_slope;
+    const double lower_q2 = 1.0 + lower_slope * lower_slope;
+    const double upper_scale = upper_q2 / at.upper_curvature[i];
+    const double lower_scale = -lower_q2 / at.lower_curvature[i];
+    const double upper_radius = upper_scale * std::sqrt(upper_q2);
+    const double lower_radius = lower_scale * std::sqrt(lower_q2);
+    const double lower_x = lower_scale * lower_slope;
+    const double apart_x = -upper_scale * upper_slope - lower_x;
+    const double apart_y = gap + upper_scale + lower_scale - largest;
+    const double least_y = apart_y > 0.0 ? apart_y : 0.0;
+    const double farthest = upper_radius + lower_radius;
+    const double nearest = std::sqrt(apart_x * apart_x + least_y * least_y);
+    const double half_excess = 0.5 * (upper_radius - lower_radius);
+    const double middle = lower_x + 0.5 * apart_x;
+    const double first = middle - half_excess * apart_x / farthest;
+    const double last = middle - half_excess * apart_x / nearest;
+    const double limit =
+        half_cell + round_off * (std::abs(lower_x) + std::abs(apart_x) + std::abs(half_excess));
+    // What is not a number is left to the exact rules.
+    const bool beside = ((first > limit) & (last > limit)) | ((first < -limit) & (last < -limit));
+    const bool apart = nearest > farthest * (1.0 + round_off);
+    const bool convex = (at.upper_curvature[i] > 0.0) & (at.lower_curvature[i] < 0.0);
+    marks[i] = convex & (gap <= largest) & !beside & !apart;
+  }
+}
+
+// Intervals [x_i, x_(i+1)) in which the gap may have a minimum, by the signs at their ends: its slope rises through zero
+// between them, or comes down to zero and rises again, or rises through zero and comes down again.
+STICTION_MULTIVERSION
+void mark_minima(Derivatives at, std::size_t size, unsigned char* marks) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const double slope = at.upper_slope[i] - at.lower_slope[i];
+    const double curvature = at.upper_curvature[i] - at.lower_curvature[i];
+    const double next_slope = at.upper_slope[i + 1] - at.lower_slope[i + 1];
+    const double next_curvature = at.upper_curvature[i + 1] - at.lower_curvature[i + 1];
+    const bool rises = (slope <= 0.0) & (next_slope > 0.0);
+    const bool dips = (slope >= 0.0) & (curvature < 0.0) & (next_curvature > 0.0) & (next_slope > 0.0);
+    const bool bulges = (slope <= 0.0) & (curvature > 0.0) & (next_curvature < 0.0) & (next_slope < 0.0);
+    const bool starts = (slope == 0.0) & (curvature > 0.0);
+    marks[i] = rises | dips | bulges | starts;
+  }
+}
+
 // The local minimum of the splined gap in [x_i, x_(i+1)), if there is one: the root of the gap's slope, a quadratic
 // there, at which the gap is convex.
 std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::size_t i, double spacing) {
   const double slope = upper.slope(i) - lower.slope(i);
-  const double next_slope = upper.slope(i + 1) - lower.slope(i + 1);
   const double curvature = upper.curvature(i) - lower.curvature(i);
   if (slope == 0.0 && curvature > 0.0 && i > 0) {
     return 0.0;
   }
-  // Most intervals have none, and their ends tell: the slope rises through zero between them, or it comes down to zero
-  // and rises again, or rises through zero and comes down again.
-  const double next_curvature = upper.curvature(i + 1) - lower.curvature(i + 1);
-  const bool rises = slope < 0.0 && next_slope > 0.0;
-  const bool dips = slope >= 0.0 && curvature < 0.0 && next_curvature > 0.0 && next_slope > 0.0;
-  const bool bulges = slope < 0.0 && curvature > 0.0 && next_curvature < 0.0 && next_slope < 0.0;
-  if (!rises && !dips && !bulges) {
-    return std::nullopt;
-  }
   // slope + curvature t + half_rate t²
+  const double next_curvature = upper.curvature(i + 1) - lower.curvature(i + 1);
   const double half_rate = (next_curvature - curvature) / (2.0 * spacing);
   const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
   if (!(discriminant > 0.0)) {
@@ -267,51 +357,34 @@ std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::siz
   const double root = std::sqrt(discriminant);
   // The root at which the quadratic rises, in the form that does not cancel.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
-  if (rises) {
+  if (slope < 0.0 && upper.slope(i + 1) - lower.slope(i + 1) > 0.0) {
     return std::clamp(t, 0.0, spacing);  // it is there, whatever round-off says
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;
 }
 
-// Left ends of the intervals that have one of some grid points as an end.
-std::vector<std::size_t> intervals_beside(const std::vector<std::size_t>& points, std::size_t size) {
-  std::vector<std::size_t> intervals;
-  for (const std::size_t point : points) {
-    if (point > 0 && (intervals.empty() || intervals.back() != point - 1)) {
-      intervals.push_back(point - 1);
-    }
-    if (point + 1 < size) {
-      intervals.push_back(point);
-    }
-  }
-  return intervals;
-}
+// ---- All contacts of a pair ------------------------------------------------------------------------------------------
 
-// `zero` is the gap of first touch. Calls visit(site, index of the approach, touch, effective radius, verdict) for
-// every contact, and every would-be contact whose centres have crossed, from left to right.
+// Calls visit(site, index of the approach, touch, effective radius, verdict) for every contact, and every would-be
+// contact whose centres have crossed, from left to right.
 template <class Visit>
-void visit_contacts(const Pair& pair, double zero, Values approaches, const ContactModel& model, const Visit& visit) {
+void visit_contacts(const Pair& pair, const Screening& screening, Values approaches, const ContactModel& model,
+                    const Visit& visit) {
   const std::size_t size = pair.upper.size();
+  const double zero = screening.gap;
+  const double largest = approaches.back();
   Body upper(pair.upper, pair.spacing, Side::upper);
   Body lower(pair.lower, pair.spacing, Side::lower);
   if (upper.flat() && lower.flat()) {
     return;  // no asperities: 1/R = 0 everywhere
   }
   const bool by_cell = model.detection == Detection::cell;
+  const bool two_convex_spheres = model.curvature == Curvature::convex && !upper.flat() && !lower.flat();
   const double half_cell = by_cell ? 0.5 * pair.spacing : std::numeric_limits<double>::infinity();
-  const auto grid_gap = [&](std::size_t i) { return (pair.upper[i] - pair.lower[i]) - zero; };
-
-  // Grid points that may hold a contact at the largest approach, in their cell or in an interval beside them.
-  const double dip = by_cell ? 0.0 : 0.375 * largest_second_difference(pair.upper.data(), pair.lower.data(), size);
-  std::vector<std::size_t> candidates =
-      points_within(pair.upper.data(), pair.lower.data(), size, zero, approaches.back() + dip);
-  if (!by_cell) {
-    candidates = intervals_beside(candidates, size);
-  }
 
   const auto site_at = [&](std::size_t i) -> std::optional<Site> {
     if (by_cell) {
-      return Site{i, 0.0, pair.lower[i], grid_gap(i)};
+      return Site{i, 0.0, pair.lower[i], (pair.upper[i] - pair.lower[i]) - zero};
     }
     const auto t = gap_minimum(upper, lower, i, pair.spacing);
     if (!t) {
@@ -320,14 +393,7 @@ void visit_contacts(const Pair& pair, double zero, Values approaches, const Cont
     const double lower_height = lower.height(i, *t);
     return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
   };
-  // Whether the curvatures allow a contact at a grid point, which most refuse: cheaper than its asperities.
-  const auto may_touch = [&](std::size_t i) {
-    if (model.curvature == Curvature::any) {
-      return true;
-    }
-    return (upper.flat() || upper.curvature(i) > 0.0) && (lower.flat() || lower.curvature(i) < 0.0);
-  };
-  const auto visit_site = [&](const Site& site, const auto& encounter) {
+  const auto visit_encounter = [&](const Site& site, const auto& encounter) {
     if (!encounter) {
       return;
     }
@@ -340,34 +406,46 @@ void visit_contacts(const Pair& pair, double zero, Values approaches, const Cont
       }
     }
   };
-
-  // Windows of neighbouring candidates; no longer than stays in cache, no closer than their splines overlap.
-  constexpr std::size_t longest = 4096;
-  constexpr auto closest = static_cast<std::size_t>(2 * spline_reach);
-  for (std::size_t begin = 0; begin < candidates.size();) {
-    std::size_t end = begin + 1;
-    while (end < candidates.size() && candidates[end] - candidates[end - 1] <= closest &&
-           candidates[end] - candidates[begin] < longest) {
-      ++end;
+  const auto visit_site = [&](const Site& site) {
+    if (upper.flat()) {
+      visit_encounter(site, sphere_on_flat(lower.asperity(site.index, site.offset), Side::lower, site.gap));
+    } else if (lower.flat()) {
+      visit_encounter(site, sphere_on_flat(upper.asperity(site.index, site.offset), Side::upper, site.gap));
+    } else {
+      visit_encounter(site, sphere_pair(upper.asperity(site.index, site.offset),
+                                        lower.asperity(site.index, site.offset), site.gap, model.curvature));
     }
-    const std::size_t last = std::min(candidates[end - 1] + 1, size - 1);
-    upper.spline(candidates[begin], last);
-    lower.spline(candidates[begin], last);
-    for (; begin < end; ++begin) {
-      if (by_cell && !may_touch(candidates[begin])) {
-        continue;
-      }
-      const std::optional<Site> site = site_at(candidates[begin]);
-      if (!site || site->gap > approaches.back()) {
-        continue;
-      }
-      if (upper.flat()) {
-        visit_site(*site, sphere_on_flat(lower.asperity(site->index, site->offset), Side::lower, site->gap));
-      } else if (lower.flat()) {
-        visit_site(*site, sphere_on_flat(upper.asperity(site->index, site->offset), Side::upper, site->gap));
+  };
+
+  // A cell belongs to a point; a minimum to the interval on the right of a point, and may dip below both its ends.
+  const double dip = by_cell ? 0.0 : 0.375 * largest_second_difference(pair.upper.data(), pair.lower.data(), size);
+  constexpr std::size_t longest = 254;  // points whose derivatives are at hand at a time
+  std::array<unsigned char, longest> marks;
+  for (const Stretch& stretch : stretches_within(pair.upper, pair.lower, screening, largest + dip)) {
+    const std::size_t stretch_begin = by_cell || stretch.begin == 0 ? stretch.begin : stretch.begin - 1;
+    const std::size_t stretch_end = by_cell ? stretch.end : std::min(stretch.end, size - 1);
+    for (std::size_t begin = stretch_begin; begin < stretch_end; begin += longest) {
+      const std::size_t end = std::min(begin + longest, stretch_end);
+      const std::size_t count = end - begin;
+      upper.spline(begin, by_cell ? end : end + 1);
+      lower.spline(begin, by_cell ? end : end + 1);
+      const Derivatives derivatives{upper.slopes().data(), upper.curvatures().data(), lower.slopes().data(),
+                                    lower.curvatures().data()};
+      if (!by_cell) {
+        mark_minima(derivatives, count, marks.data());
+      } else if (two_convex_spheres) {
+        mark_cells(derivatives, pair.upper.data() + begin, pair.lower.data() + begin, count, zero, largest, half_cell,
+                   marks.data());
       } else {
-        visit_site(*site, sphere_pair(upper.asperity(site->index, site->offset),
-                                      lower.asperity(site->index, site->offset), site->gap, model.curvature));
+        marks.fill(1);
+      }
+      for (std::size_t i = begin; i < end; ++i) {
+        if (marks[i - begin] != 0) {
+          const std::optional<Site> site = site_at(i);
+          if (site && site->gap <= largest) {
+            visit_site(*site);
+          }
+        }
       }
     }
   }
@@ -383,8 +461,8 @@ Vector2 tangent_of(const Vector2& normal, int shear) { return shear * Vector2(-n
 
 // ---- Checks -------------------------------------------------------------------------------------------------------
 
-// Returns the gap of first touch, which is found in the same pass as heights that are not finite.
-double check(const Pair& pair, Values approaches, const ContactModel& model) {
+// Returns the screening, a pass which finds heights that are not finite as well.
+Screening check(const Pair& pair, Values approaches, const ContactModel& model) {
   const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
   if (pair.upper.size() != pair.lower.size()) {
     fail("upper and lower must have equally many points, not " + std::to_string(pair.upper.size()) + " and " +
@@ -393,11 +471,11 @@ double check(const Pair& pair, Values approaches, const ContactModel& model) {
   if (pair.upper.size() < 4) {
     fail("upper and lower have " + std::to_string(pair.upper.size()) + " points, at least 4 are needed");
   }
-  const FirstTouch touch = first_touch(pair.upper.data(), pair.lower.data(), pair.upper.size());
-  if (!touch.upper_finite) {
+  Screening screening = screen(pair.upper, pair.lower);
+  if (!screening.upper_finite) {
     fail("upper has heights that are NaN or infinite");
   }
-  if (!touch.lower_finite) {
+  if (!screening.lower_finite) {
     fail("lower has heights that are NaN or infinite");
   }
   if (!(pair.spacing > 0.0) || !std::isfinite(pair.spacing)) {
@@ -419,7 +497,7 @@ double check(const Pair& pair, Values approaches, const ContactModel& model) {
   if (model.shear != 1 && model.shear != -1) {
     fail("shear is " + std::to_string(model.shear) + ", must be +1 or -1");
   }
-  return touch.gap;
+  return screening;
 }
 
 }  // namespace
@@ -441,10 +519,10 @@ LoadSums::LoadSums(std::size_t approaches)
 std::vector<Contact> contacts(Values upper, Values lower, double spacing, double approach, const ContactModel& model) {
   const Pair pair{upper, lower, spacing};
   const Values approaches(&approach, 1);
-  const double zero = check(pair, approaches, model);
+  const Screening screening = check(pair, approaches, model);
   std::vector<Contact> result;
   const auto visit_with = [&](const auto& law) {
-    visit_contacts(pair, zero, approaches, model,
+    visit_contacts(pair, screening, approaches, model,
                    [&](const Site& site, std::size_t, const Touch& touch, double radius, Verdict verdict) {
                      if (verdict == Verdict::crossed) {
                        return;
@@ -463,11 +541,11 @@ std::vector<Contact> contacts(Values upper, Values lower, double spacing, double
 LoadSums press(Values upper, Values lower, double spacing, Values approaches, const ContactModel& model) {
   constexpr double hertz_limit = 0.1;  // overlap / R
   const Pair pair{upper, lower, spacing};
-  const double zero = check(pair, approaches, model);
+  const Screening screening = check(pair, approaches, model);
   LoadSums sums(approaches.size());
   const double shear = model.shear;
   const auto visit_with = [&](const auto& law) {
-    visit_contacts(pair, zero, approaches, model,
+    visit_contacts(pair, screening, approaches, model,
                    [&](const Site&, std::size_t k, const Touch& touch, double radius, Verdict verdict) {
                      if (verdict == Verdict::crossed) {
                        sums.crossed_count[k] += 1;

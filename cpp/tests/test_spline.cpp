@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <gsl/gsl_spline.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -68,20 +69,43 @@ TEST_CASE("a straight line has its slope and no curvature") {
   }
 }
 
-TEST_CASE("a window reaches far enough to give the derivatives of the whole spline") {
+TEST_CASE("a part of the spline is that of the whole, at its ends too") {
+  for (const std::size_t size : {4U, 5U, 30U, 1000U}) {
+    const std::vector<double> heights = rough_heights(size);
+    const Derivatives whole = derivatives(heights, 0.5);
+    for (const std::size_t first : {0U, 1U, 3U, 300U, 960U}) {
+      for (const std::size_t count : {1U, 31U, 255U, 256U, 257U, 700U, 1000U}) {
+        if (first + count > size && !(first < size && count > size)) {
+          continue;
+        }
+        const std::size_t points = std::min(count, size - first);
+        Derivatives part{std::vector<double>(points), std::vector<double>(points)};
+        stiction::natural_spline_from(heights, 0.5, static_cast<stiction::Index>(first), part.slope, part.curvature);
+        double off = 0.0;
+        for (std::size_t i = 0; i < points; ++i) {
+          off = std::max({off, std::abs(part.slope[i] - whole.slope[first + i]),
+                          std::abs(part.curvature[i] - whole.curvature[first + i])});
+        }
+        CAPTURE(size);
+        CAPTURE(first);
+        CAPTURE(points);
+        CHECK(off < 1e-13);  // of curvatures that reach 30
+      }
+    }
+  }
+}
+
+TEST_CASE("a point has the same derivatives in whatever part it lies") {
   const std::vector<double> heights = rough_heights(1000);
-  const Derivatives whole = derivatives(heights, 1.0);
-  constexpr auto reach = static_cast<std::size_t>(stiction::spline_reach);
-  for (const std::size_t first : {0U, 1U, 300U, 900U}) {
-    const std::size_t last = std::min<std::size_t>(first + 30, heights.size() - 1);
-    const std::size_t begin = first > reach ? first - reach : 0;
-    const std::size_t end = std::min(last + 1 + reach, heights.size());
-    const Derivatives window = derivatives(
-        {heights.begin() + static_cast<std::ptrdiff_t>(begin), heights.begin() + static_cast<std::ptrdiff_t>(end)},
-        1.0);
-    for (std::size_t i = first; i <= last; ++i) {
-      CHECK(window.slope[i - begin] == whole.slope[i]);
-      CHECK(window.curvature[i - begin] == whole.curvature[i]);
+  Derivatives all{std::vector<double>(1000), std::vector<double>(1000)};
+  stiction::natural_spline_from(heights, 0.5, 0, all.slope, all.curvature);
+  for (std::size_t first = 0; first < 1000; ++first) {
+    const std::size_t points = std::min<std::size_t>(1000 - first, 1 + first % 90);
+    Derivatives part{std::vector<double>(points), std::vector<double>(points)};
+    stiction::natural_spline_from(heights, 0.5, static_cast<stiction::Index>(first), part.slope, part.curvature);
+    for (std::size_t i = 0; i < points; ++i) {
+      CHECK(part.slope[i] == all.slope[first + i]);
+      CHECK(part.curvature[i] == all.curvature[first + i]);
     }
   }
 }
@@ -93,4 +117,6 @@ TEST_CASE("the spline refuses what it cannot pass through") {
   std::vector<double> heights(5);
   std::vector<double> shorter(4);
   CHECK_THROWS_AS(stiction::natural_spline(heights, 1.0, shorter, heights), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::natural_spline_from(heights, 1.0, 2, shorter, shorter), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::natural_spline_from(heights, 1.0, -1, shorter, shorter), std::invalid_argument);
 }

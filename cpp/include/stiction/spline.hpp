@@ -1,4 +1,4 @@
-// Natural cubic spline through equally spaced points: slope and curvature at the points themselves.
+// Natural cubic spline through equally spaced points: slope and curvature at the points themselves, at all or at some.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -10,8 +10,10 @@ namespace stiction {
 /// The spline's tridiagonal system is solved by GSL. Throws std::invalid_argument, std::runtime_error (GSL).
 void natural_spline(Values heights, double spacing, std::span<double> slope, std::span<double> curvature);
 
-/// A natural spline forgets a point by a factor 2 - sqrt(3) = 0.268 per point, so a spline through a window gives the
-/// derivatives of the whole-profile spline, bit for bit in all but the rarest rounding, this many points inside it.
-inline constexpr Index spline_reach = 48;
+/// The same of some of its points alone: first, first + 1, ..., as many as the outputs have elements. A superposition of
+/// GSL's spline of a unit load at one point, which decays by 2 - sqrt(3) = 0.268 a point, so that only near points count.
+/// Throws as above, and where the points lie beyond the profile.
+void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,
+                         std::span<double> curvature);
 
 }  // namespace stiction
