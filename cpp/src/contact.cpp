@@ -288,8 +288,8 @@ struct Derivatives {
 // Points at which both bodies are convex and the contact centre passes through the cell between first touch and the
 // largest approach. The centre moves one way as the distance of the sphere centres shrinks, so its two ends tell.
 STICTION_MULTIVERSION
-void mark_cells(Derivatives at, const double* upper, const double* lower, std::size_t size, double zero,
-                double largest, double half_cell, unsigned char* marks) {
+void mark_cells(Derivatives at, const double* upper, const double* lower, std::size_t size, double zero, double largest,
+                double half_cell, unsigned char* marks) {
   constexpr double round_off = 1e-12;
   for (std::size_t i = 0; i < size; ++i) {
     const double upper_slope = at.upper_slope[i];
@@ -312,8 +312,7 @@ void mark_cells(Derivatives at, const double* upper, const double* lower, std::s
     const double middle = lower_x + 0.5 * apart_x;
     const double first = middle - half_excess * apart_x / farthest;
     const double last = middle - half_excess * apart_x / nearest;
-    const double limit =
-        half_cell + round_off * (std::abs(lower_x) + std::abs(apart_x) + std::abs(half_excess));
+    const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(apart_x) + std::abs(half_excess));
     // What is not a number is left to the exact rules.
     const bool beside = ((first > limit) & (last > limit)) | ((first < -limit) & (last < -limit));
     const bool apart = nearest > farthest * (1.0 + round_off);
@@ -322,8 +321,8 @@ void mark_cells(Derivatives at, const double* upper, const double* lower, std::s
   }
 }
 
-// Intervals [x_i, x_(i+1)) in which the gap may have a minimum, by the signs at their ends: its slope rises through zero
-// between them, or comes down to zero and rises again, or rises through zero and comes down again.
+// Intervals [x_i, x_(i+1)) in which the gap may have a minimum, by the signs at their ends: its slope rises through
+// zero between them, or comes down to zero and rises again, or rises through zero and comes down again.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives at, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -363,7 +362,8 @@ std::optional<double> gap_minimum(const Body& upper, const Body& lower, std::siz
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;
 }
 
-// ---- All contacts of a pair ------------------------------------------------------------------------------------------
+// ---- All contacts of a pair
+// ------------------------------------------------------------------------------------------
 
 // Calls visit(site, index of the approach, touch, effective radius, verdict) for every contact, and every would-be
 // contact whose centres have crossed, from left to right.

@@ -19,12 +19,11 @@ using Complex = std::complex<double>;
 // Points that are computed together, so that the group profiles of one block stay in the second-level cache.
 constexpr Index block = 1024;
 // Blocks after which a harmonic starts from its phase anew.
-constexpr Index restart = 4;
+constexpr Index restart = 8;
 // A harmonic is advanced this many points at a time, each by its own recurrence.
-constexpr Index lanes = 32;
+constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
-constexpr Index packs = lanes / pack_size;
-static_assert(lanes == 1 << doublings && block % lanes == 0 && lanes % pack_size == 0);
+static_assert(lanes == 1 << doublings && block % lanes == 0);
 
 // A phase as a fraction of a turn in 64 bits: multiples of it wrap exactly, however many turns they make.
 using Turns = std::uint64_t;
@@ -45,8 +44,8 @@ Complex unit(Turns turns) { return std::polar(1.0, radians(turns)); }
 // Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d of θ = `lanes` k Δx,
 // whose error grows with the number of steps only, however small the angle θ is.
 struct Harmonic {
-  Pack z[packs];                             // at the next `lanes` points
-  Pack d[packs];                             // what they are above those `lanes` points before
+  std::array<double, lanes> z;               // at the next `lanes` points
+  std::array<double, lanes> d;               // what they are above those `lanes` points before
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // at x = 0
   Complex backward;                          // 1 - e^(-i θ), to full relative accuracy
@@ -63,27 +62,21 @@ struct Harmonic {
   }
 
   // From its phase at a point: the first `lanes` points by doubling, a run of points, then the same run rotated.
-  void start(Index point) {
-    std::array<double, lanes> real;
+  STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit(step * static_cast<Turns>(point));
-    real[0] = first.real();
+    z[0] = first.real();
     imaginary[0] = first.imag();
     for (std::size_t w = 0, run = 1; w < rotations.size(); ++w, run *= 2) {
       const double c = rotations[w].real();
       const double s = rotations[w].imag();
       for (std::size_t lane = 0; lane < run; ++lane) {
-        real[run + lane] = c * real[lane] - s * imaginary[lane];
-        imaginary[run + lane] = s * real[lane] + c * imaginary[lane];
+        z[run + lane] = c * z[lane] - s * imaginary[lane];
+        imaginary[run + lane] = s * z[lane] + c * imaginary[lane];
       }
     }
-    std::array<double, lanes> difference;
-    for (std::size_t lane = 0; lane < real.size(); ++lane) {
-      difference[lane] = backward.real() * real[lane] - backward.imag() * imaginary[lane];
-    }
-    for (Index p = 0; p < packs; ++p) {
-      z[p] = load(real.data() + p * pack_size);
-      d[p] = load(difference.data() + p * pack_size);
+    for (std::size_t lane = 0; lane < z.size(); ++lane) {
+      d[lane] = backward.real() * z[lane] - backward.imag() * imaginary[lane];
     }
   }
 };
@@ -130,36 +123,51 @@ std::vector<Group> groups(MatrixView phases, const HarmonicGrid& grid) {
 }
 
 // Subtracts the next block of `count` harmonics from the values: each value is loaded and stored once for all of them.
-template <std::size_t count>
+// So many lanes go through the block at a time as registers hold z and d of.
+template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
-  Pack z[count][packs];
-  Pack d[count][packs];
-  for (std::size_t h = 0; h < count; ++h) {
-    std::copy_n(harmonics[h].z, packs, z[h]);
-    std::copy_n(harmonics[h].d, packs, d[h]);
-  }
-  for (Index j = 0; j < block; j += lanes) {
-    for (Index p = 0; p < packs; ++p) {
-      Pack value = load(values + j + p * pack_size);
-      for (std::size_t h = 0; h < count; ++h) {
-        value -= z[h][p];
-        d[h][p] -= harmonics[h].rate * z[h][p];
-        z[h][p] += d[h][p];
+  constexpr std::size_t packs = Width == 8 ? 4 : 2;
+  for (std::size_t lane = 0; lane < lanes; lane += packs * Width) {
+    Pack<Width> z[count][packs];
+    Pack<Width> d[count][packs];
+    for (std::size_t h = 0; h < count; ++h) {
+      for (std::size_t p = 0; p < packs; ++p) {
+        z[h][p] = pack<Width>(harmonics[h].z.data() + lane + p * Width);
+        d[h][p] = pack<Width>(harmonics[h].d.data() + lane + p * Width);
       }
-      store(value, values + j + p * pack_size);
     }
-  }
-  for (std::size_t h = 0; h < count; ++h) {
-    std::copy_n(z[h], packs, harmonics[h].z);
-    std::copy_n(d[h], packs, harmonics[h].d);
+    for (std::size_t j = lane; j < block; j += lanes) {
+      for (std::size_t p = 0; p < packs; ++p) {
+        Pack<Width> value = pack<Width>(values + j + p * Width);
+        for (std::size_t h = 0; h < count; ++h) {
+          value -= z[h][p];
+          d[h][p] -= harmonics[h].rate * z[h][p];
+          z[h][p] += d[h][p];
+        }
+        pack<Width>(values + j + p * Width) = value;
+      }
+    }
+    for (std::size_t h = 0; h < count; ++h) {
+      for (std::size_t p = 0; p < packs; ++p) {
+        pack<Width>(harmonics[h].z.data() + lane + p * Width) = z[h][p];
+        pack<Width>(harmonics[h].d.data() + lane + p * Width) = d[h][p];
+      }
+    }
   }
 }
 
-STICTION_MULTIVERSION
-void subtract_two(double* values, Harmonic* harmonics) { subtract<2>(values, harmonics); }
+template <std::size_t Width>
+STICTION_INLINE void subtract_two_kernel(double* values, Harmonic* harmonics) {
+  subtract<Width, 2>(values, harmonics);
+}
 
-STICTION_MULTIVERSION
-void subtract_one(double* values, Harmonic* harmonics) { subtract<1>(values, harmonics); }
+template <std::size_t Width>
+STICTION_INLINE void subtract_one_kernel(double* values, Harmonic* harmonics) {
+  subtract<Width, 1>(values, harmonics);
+}
+
+STICTION_KERNEL(subtract_two, (double* values, Harmonic* harmonics), (values, harmonics))
+STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, harmonics))
 
 // G_n over the block that begins at a point; blocks come in order.
 void next_block(Group& group, Index first, double* values) {
@@ -179,51 +187,63 @@ void next_block(Group& group, Index first, double* values) {
 }
 
 // sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and j < block: a tile of sums stays in registers
-// while the groups pass by, each product in the order of n whatever the number of rows.
-template <std::size_t rows>
-STICTION_INLINE void tile_product(const double* weights, const double* values, Index frequencies, double* sums,
-                                  Index stride) {
-  constexpr Index width = 2;  // packs
-  for (Index j = 0; j < block; j += width * pack_size) {
-    Pack tile[rows][width] = {};
-    for (Index n = 0; n < frequencies; ++n) {
+// while the groups pass by, each product in the order of n whatever the tile.
+template <std::size_t Width, std::size_t rows, std::size_t packs>
+STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
+                                  std::size_t stride) {
+  static_assert(block % (packs * Width) == 0);
+  for (std::size_t j = 0; j < block; j += packs * Width) {
+    Pack<Width> tile[rows][packs] = {};
+    for (std::size_t n = 0; n < frequencies; ++n) {
       for (std::size_t row = 0; row < rows; ++row) {
-        for (Index p = 0; p < width; ++p) {
-          tile[row][p] +=
-              weights[static_cast<Index>(row) * frequencies + n] * load(values + n * block + j + p * pack_size);
+        for (std::size_t p = 0; p < packs; ++p) {
+          tile[row][p] += weights[row * frequencies + n] * pack<Width>(values + n * block + j + p * Width);
         }
       }
     }
     for (std::size_t row = 0; row < rows; ++row) {
-      for (Index p = 0; p < width; ++p) {
-        store(tile[row][p], sums + static_cast<Index>(row) * stride + j + p * pack_size);
+      for (std::size_t p = 0; p < packs; ++p) {
+        pack<Width>(sums + row * stride + j + p * Width) = tile[row][p];
       }
     }
   }
 }
 
-STICTION_MULTIVERSION
-void four_rows(const double* weights, const double* values, Index frequencies, double* sums, Index stride) {
-  tile_product<4>(weights, values, frequencies, sums, stride);
+template <std::size_t Width>
+STICTION_INLINE void four_rows_kernel(const double* weights, const double* values, std::size_t frequencies,
+                                      double* sums, std::size_t stride) {
+  tile_product<Width, 4, Width == 8 ? 4 : 2>(weights, values, frequencies, sums, stride);
 }
 
-STICTION_MULTIVERSION
-void one_row(const double* weights, const double* values, Index frequencies, double* sums, Index stride) {
-  tile_product<1>(weights, values, frequencies, sums, stride);
+template <std::size_t Width>
+STICTION_INLINE void one_row_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
+                                    std::size_t stride) {
+  tile_product<Width, 1, 8>(weights, values, frequencies, sums, stride);
 }
+
+STICTION_KERNEL(four_rows,
+                (const double* weights, const double* values, std::size_t frequencies, double* sums,
+                 std::size_t stride),
+                (weights, values, frequencies, sums, stride))
+STICTION_KERNEL(one_row,
+                (const double* weights, const double* values, std::size_t frequencies, double* sums,
+                 std::size_t stride),
+                (weights, values, frequencies, sums, stride))
 
 // All rows of one whole block; `sums` points at its first column.
 void product(const Matrix& weights, const double* values, double* sums, Index stride) {
   const Index rows = weights.rows();
+  const auto frequencies = static_cast<std::size_t>(weights.cols());
+  const auto step = static_cast<std::size_t>(stride);
   if (rows >= 4) {
     for (Index begin = 0; begin < rows; begin += 4) {
       const Index row = std::min(begin, rows - 4);  // the last tile may do some rows again
-      four_rows(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
+      four_rows(weights.row(row).data(), values, frequencies, sums + row * stride, step);
     }
     return;
   }
   for (Index row = 0; row < rows; ++row) {
-    one_row(weights.row(row).data(), values, weights.cols(), sums + row * stride, stride);
+    one_row(weights.row(row).data(), values, frequencies, sums + row * stride, step);
   }
 }
 
@@ -260,7 +280,7 @@ void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid
 
   std::vector<Group> all = groups(phases, grid);
   const Matrix packed_weights = weights;
-  std::vector<double> values(all.size() * static_cast<std::size_t>(block));
+  std::vector<double> values(all.size() * block);
   Matrix last_block;
   for (Index first = 0; first < grid.points; first += block) {
     for (std::size_t n = 0; n < all.size(); ++n) {

@@ -1,16 +1,29 @@
-// What makes a portable build fast: one macro compiles a hot loop for several instruction sets and picks the widest at
-// load time, and a pack of numbers is what such a loop keeps in a register, whatever its width.
+// What makes a portable build fast: a hot loop is compiled for several instruction sets, and the widest that the
+// machine has is picked at load time. Two ways, one for loops that the compiler makes wide by itself, one for those in
+// which it matters what stays in registers.
 #pragma once
 
-#include "stiction/array.hpp"
+#include <cstddef>
 
-// Empty where the loader cannot do it: other compilers and platforms, and under sanitizers, whose start-up the resolver
+// Not where the loader cannot do it: other compilers and platforms, and under sanitizers, whose start-up the resolver
 // functions break.
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+
+/// Before a function of plain loops.
 #define STICTION_MULTIVERSION __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+
+/// Defines void name(parameters) as name_kernel<Width>(arguments), a template written in packs of so many numbers as a
+/// register of the instruction set holds: GCC keeps wider ones in memory, 20 times slower.
+#define STICTION_KERNEL(name, parameters, arguments)                                                             \
+  __attribute__((target("arch=x86-64-v4"))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
+  __attribute__((target("arch=x86-64-v3"))) void name parameters { name##_kernel<4> arguments; } /* AVX2, FMA */ \
+  __attribute__((target("default"))) void name parameters { name##_kernel<2> arguments; }
+
 #else
 #define STICTION_MULTIVERSION
+#define STICTION_KERNEL(name, parameters, arguments) \
+  void name parameters { name##_kernel<2> arguments; }
 #endif
 
 // What a hot loop is made of must become part of it, to be compiled for its instruction sets.
@@ -18,11 +31,33 @@
 
 namespace stiction {
 
-/// Eight numbers, in one register of AVX-512, two of AVX or four of SSE (a vector type of GCC and Clang).
-inline constexpr Index pack_size = 8;
-using Pack = double __attribute__((vector_size(pack_size * sizeof(double)), aligned(sizeof(double))));
+// Vector types of GCC and Clang; written out, because GCC drops the attributes of a type that depends on a template.
+template <std::size_t Width>
+struct PackOf;
+template <>
+struct PackOf<2> {
+  using Type = double __attribute__((vector_size(16), aligned(8), may_alias));
+};
+template <>
+struct PackOf<4> {
+  using Type = double __attribute__((vector_size(32), aligned(8), may_alias));
+};
+template <>
+struct PackOf<8> {
+  using Type = double __attribute__((vector_size(64), aligned(8), may_alias));
+};
 
-STICTION_INLINE const Pack& load(const double* values) { return *reinterpret_cast<const Pack*>(values); }
-STICTION_INLINE void store(const Pack& pack, double* values) { *reinterpret_cast<Pack*>(values) = pack; }
+/// Numbers that one instruction works on.
+template <std::size_t Width>
+using Pack = typename PackOf<Width>::Type;
+
+template <std::size_t Width>
+STICTION_INLINE Pack<Width>& pack(double* values) {
+  return *reinterpret_cast<Pack<Width>*>(values);
+}
+template <std::size_t Width>
+STICTION_INLINE const Pack<Width>& pack(const double* values) {
+  return *reinterpret_cast<const Pack<Width>*>(values);
+}
 
 }  // namespace stiction

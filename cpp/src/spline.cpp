@@ -32,8 +32,8 @@ void check(Values heights, double spacing, std::size_t size, std::span<double> s
 double load_scale(double spacing) { return 6.0 / (spacing * spacing); }
 
 STICTION_MULTIVERSION
-void loads(const double* heights, std::size_t size, double scale, double* result) {
-  for (std::size_t i = 0; i < size; ++i) {
+void loads(const double* heights, Index size, double scale, double* result) {
+  for (Index i = 0; i < size; ++i) {
     const double* y = heights + i;
     result[i] = scale * ((y[1] - y[0]) - (y[0] - y[-1]));
   }
@@ -42,10 +42,10 @@ void loads(const double* heights, std::size_t size, double scale, double* result
 // The mean of the two cubics' slopes at a point, which are equal: symmetric in x, so a mirrored profile has mirrored
 // slopes to the last bit.
 STICTION_MULTIVERSION
-void slopes(const double* heights, const double* curvature, std::size_t size, double spacing, double* result) {
+void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double of_heights = 0.5 / spacing;
   const double of_curvature = spacing / 12.0;
-  for (std::size_t i = 0; i < size; ++i) {
+  for (Index i = 0; i < size; ++i) {
     const double* y = heights + i;
     const double* c = curvature + i;
     result[i] = of_heights * (y[1] - y[-1]) - of_curvature * (c[1] - c[-1]);
@@ -64,49 +64,53 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 // ---- Superposition --------------------------------------------------------------------------------------------------
 
 // Points on each side beyond which the curvature of a unit load, 0.268^28 = 1e-16, is nothing.
-constexpr std::size_t reach = 28;
-// Points that are computed together.
-constexpr std::size_t chunk = 256;
-constexpr std::size_t width = 4 * pack_size;
-static_assert((chunk + 2) % 2 == 0 && chunk % width == 0);
+constexpr Index reach = 28;
+// Curvatures are computed in multiples of a stride, and so many together with one more than points on both sides.
+constexpr Index stride = 32;
+constexpr Index chunk = 254;
+static_assert((chunk + 2) % stride == 0);
 
 using Kernel = std::array<double, reach + 1>;
 
 // Curvature at 0, 1, ..., `reach` points from a unit load, far from both ends.
 const Kernel& unit_load() {
   static const Kernel kernel = [] {
-    constexpr std::size_t half = 3 * reach;
-    std::vector<double> load(2 * half + 1);
+    constexpr std::size_t middle = 3 * reach;
+    std::vector<double> load(2 * middle + 1);
     std::vector<double> curvature(load.size());
-    load[half] = 1.0;
+    load[middle] = 1.0;
     gsl::solve_tridiagonal(4.0, 1.0, load, curvature);
     Kernel result;
-    std::copy_n(curvature.begin() + half, result.size(), result.begin());
+    std::copy_n(curvature.begin() + middle, result.size(), result.begin());
     return result;
   }();
   return kernel;
 }
 
-// result[i] = Σ_k kernel[|k|] load[i + k] for i = 0, 1, ..., a whole number of widths of them.
-STICTION_MULTIVERSION
-void superpose(const double* load_values, const double* kernel, std::size_t size, double* result) {
-  constexpr std::size_t packs = width / pack_size;
-  for (std::size_t i = 0; i < size; i += width) {
-    Pack sum[packs];
-    const double* at = load_values + i;
+// result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., a whole number of strides of them.
+template <std::size_t Width>
+STICTION_INLINE void superpose_kernel(const double* values, const double* kernel, std::size_t size, double* result) {
+  constexpr std::size_t packs = 4;
+  static_assert(stride % (packs * Width) == 0);
+  for (std::size_t i = 0; i < size; i += packs * Width) {
+    Pack<Width> sum[packs];
     for (std::size_t p = 0; p < packs; ++p) {
-      sum[p] = kernel[0] * load(at + p * pack_size);
+      sum[p] = kernel[0] * pack<Width>(values + i + p * Width);
     }
     for (std::size_t k = 1; k <= reach; ++k) {
       for (std::size_t p = 0; p < packs; ++p) {
-        sum[p] += kernel[k] * (load(at + p * pack_size - k) + load(at + p * pack_size + k));
+        const double* at = values + i + p * Width;
+        sum[p] += kernel[k] * (pack<Width>(at - k) + pack<Width>(at + k));
       }
     }
     for (std::size_t p = 0; p < packs; ++p) {
-      store(sum[p], result + i + p * pack_size);
+      pack<Width>(result + i + p * Width) = sum[p];
     }
   }
 }
+
+STICTION_KERNEL(superpose, (const double* values, const double* kernel, std::size_t size, double* result),
+                (values, kernel, size, result))
 
 }  // namespace
 
@@ -114,71 +118,66 @@ void natural_spline(Values heights, double spacing, std::span<double> slope, std
   const std::size_t size = heights.size();
   check(heights, spacing, size, slope, curvature);
   std::vector<double> load(size - 2);
-  loads(heights.data() + 1, size - 2, load_scale(spacing), load.data());
+  const auto inner = static_cast<Index>(size) - 2;
+  loads(heights.data() + 1, inner, load_scale(spacing), load.data());
   curvature.front() = 0.0;
   curvature.back() = 0.0;
   gsl::solve_tridiagonal(4.0, 1.0, load, curvature.subspan(1, size - 2));
   slope.front() = first_slope(heights, curvature[1], spacing);
-  slopes(heights.data() + 1, curvature.data() + 1, size - 2, spacing, slope.data() + 1);
+  slopes(heights.data() + 1, curvature.data() + 1, inner, spacing, slope.data() + 1);
   slope.back() = last_slope(heights, curvature[size - 2], spacing);
 }
 
 void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,
                          std::span<double> curvature) {
   const auto size = static_cast<Index>(heights.size());
+  const auto points = static_cast<Index>(slope.size());
   check(heights, spacing, slope.size(), slope, curvature);
-  if (first < 0 || static_cast<Index>(slope.size()) > size - first) {
+  if (first < 0 || first > size - points) {
     throw std::invalid_argument("natural_spline_from: the points lie beyond the profile");
   }
+  const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
   // An end without curvature is a point of odd symmetry: beyond it the load is that of its mirror image, reversed.
   const auto load_at = [&](Index j) {
-    const Index period = 2 * last;
-    Index i = (j % period + period) % period;
-    const double sign = i > last ? -1.0 : 1.0;
-    i = i > last ? period - i : i;
+    const Index i = (j % (2 * last) + 2 * last) % (2 * last);
+    const Index image = i > last ? 2 * last - i : i;
     double load = 0.0;
-    if (i > 0 && i < last) {
-      loads(heights.data() + i, 1, scale, &load);
+    if (image > 0 && image < last) {
+      loads(y + image, 1, scale, &load);
     }
-    return sign * load;
+    return i > last ? -load : load;
   };
-  constexpr auto before = static_cast<Index>(reach) + 1;
-  std::array<double, chunk + width + 2 * reach> around;
-  std::array<double, chunk + width> curvatures;  // from one point before the first
-  for (std::size_t done = 0; done < slope.size(); done += chunk) {
-    const std::size_t count = std::min(chunk, slope.size() - done);
-    const Index begin = first + static_cast<Index>(done);
-    const std::size_t wanted = (count + 2 + width - 1) / width * width;
-    const Index load_begin = begin - before;
-    const Index load_end = load_begin + static_cast<Index>(wanted + 2 * reach);
-    const Index inside_begin = std::clamp<Index>(1, load_begin, load_end);
-    const Index inside_end = std::clamp<Index>(last, inside_begin, load_end);
-    for (Index j = load_begin; j < inside_begin; ++j) {
-      around[static_cast<std::size_t>(j - load_begin)] = load_at(j);
+  std::array<double, chunk + 2 + 2 * reach> load;
+  std::array<double, chunk + 2> around;  // curvatures from one point before the first
+  for (Index done = 0; done < points; done += chunk) {
+    const Index count = std::min(chunk, points - done);
+    const Index begin = first + done;
+    const Index wanted = (count + 2 + stride - 1) / stride * stride;
+    const Index load_begin = begin - 1 - reach;
+    const Index load_end = load_begin + wanted + 2 * reach;
+    const Index inner_begin = std::clamp<Index>(1, load_begin, load_end);
+    const Index inner_end = std::clamp<Index>(last, inner_begin, load_end);
+    const auto slot = [&](Index j) { return load.data() + (j - load_begin); };
+    for (Index j = load_begin; j < inner_begin; ++j) {
+      *slot(j) = load_at(j);
     }
-    loads(heights.data() + inside_begin, static_cast<std::size_t>(inside_end - inside_begin), scale,
-          around.data() + (inside_begin - load_begin));
-    for (Index j = inside_end; j < load_end; ++j) {
-      around[static_cast<std::size_t>(j - load_begin)] = load_at(j);
+    loads(y + inner_begin, inner_end - inner_begin, scale, slot(inner_begin));
+    for (Index j = inner_end; j < load_end; ++j) {
+      *slot(j) = load_at(j);
     }
-    superpose(around.data() + reach, unit_load().data(), wanted, curvatures.data());
+    superpose(load.data() + reach, unit_load().data(), static_cast<std::size_t>(wanted), around.data());
 
-    std::copy_n(curvatures.data() + 1, count, curvature.data() + done);
-    const bool at_start = begin == 0;
-    const bool at_end = begin + static_cast<Index>(count) == size;
-    const std::size_t from = at_start ? 1 : 0;
-    const std::size_t to = at_end ? count - 1 : count;
-    if (to > from) {
-      slopes(heights.data() + begin + from, curvatures.data() + 1 + from, to - from, spacing,
-             slope.data() + done + from);
+    std::copy_n(around.data() + 1, count, curvature.data() + done);
+    const Index inside = begin == 0 ? 1 : 0;  // the first that has neighbours on both sides
+    const Index outside = begin + count == size ? count - 1 : count;
+    slopes(y + begin + inside, around.data() + 1 + inside, outside - inside, spacing, slope.data() + done + inside);
+    if (begin == 0) {
+      slope.front() = first_slope(heights, around[2], spacing);
     }
-    if (at_start) {
-      slope.front() = first_slope(heights, curvatures[2], spacing);
-    }
-    if (at_end) {
-      slope.back() = last_slope(heights, curvatures[count - 1], spacing);
+    if (begin + count == size) {
+      slope.back() = last_slope(heights, around[static_cast<std::size_t>(count - 1)], spacing);
     }
   }
 }
