@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import stiction
-from stiction import Study
+from stiction import Study, study_names
 from stiction.studies import store
 
 TINY = [
@@ -45,10 +45,9 @@ def ran(tmp_path_factory):
 
 def test_run_writes_the_result_and_its_figures_where_it_says(ran):
     where, done = ran
-    assert sorted(p.name for p in (where / "quick").iterdir()) == ["area.png", "friction.png", "result.zarr"]
-    assert done.stdout.splitlines() == [
-        f"wrote {Path('quick') / n}" for n in ("result.zarr", "friction.png", "area.png")
-    ]
+    written = ["result.zarr", *(f"friction_mu0_{mu0}.png" for mu0 in ("0.1", "0.4", "1")), "area.png"]
+    assert sorted(p.name for p in (where / "quick").iterdir()) == sorted(written)
+    assert done.stdout.splitlines() == [f"wrote {Path('quick') / name}" for name in written]
     dataset = store.read(where / "quick" / "result.zarr")
     assert dataset.sizes == {"fractal_dimension": 2, "amplitude": 1, "repetition": 3, "approach": 5}
     assert float(dataset["contact_count"].sum()) > 0
@@ -91,7 +90,7 @@ def test_a_study_file_runs_as_the_study_it_is(tmp_path):
 
 
 def test_studies_lists_and_prints(tmp_path):
-    assert stiction_command("studies", cwd=tmp_path).stdout.split() == ["figure5", "figure6", "quick"]
+    assert stiction_command("studies", cwd=tmp_path).stdout.split() == study_names()
     printed = stiction_command("studies", "figure5", cwd=tmp_path).stdout
     (tmp_path / "figure5.toml").write_text(printed, encoding="utf-8")
     assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")

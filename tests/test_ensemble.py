@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import xarray
-from stiction import Study, friction_map
+from stiction import Study, friction_map, stiffness_map
 from stiction.mechanics.contact import LoadCurve
 from stiction.studies.ensemble import area_map
 from stiction.studies.store import empty_dataset
@@ -214,3 +214,28 @@ def test_intervals_hold_when_half_of_the_repetitions_do_not_touch():
     ok = out["status"].values.ravel() == "ok"
     covered = ((out["lower"] <= truth) & (truth <= out["upper"])).values.ravel()[ok].mean()
     assert 0.9 <= covered <= MOST_COVERAGE
+
+
+def test_stiffness_is_the_derivative_of_the_mean_load_along_the_approach():
+    # F = k δ² about each of the approaches 1, 2, 3, ... nm is a parabola, so its derivative is exact there.
+    approach = np.arange(1, 8) * 1e-3
+    stiffness = np.array([[1000.0], [3000.0]])
+    result = dataset(stiffness * approach**2, np.zeros((2, 7)))
+    loads = 2000 * approach[1:-1] ** 2
+    found = stiffness_map(result, loads).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
+    assert np.allclose(found["normal_stiffness"], 2 * 2000 * approach[1:-1], rtol=EXACT)
+    assert found["normal_stiffness"].attrs["units"] == "mN/um"
+    assert (found["lower"] < found["normal_stiffness"]).all()
+    assert (found["upper"] > found["normal_stiffness"]).all()
+
+
+def test_stiffness_counts_friction_and_adhesion():
+    approach = np.arange(1, 6) * 1e-3
+    result = dataset(1000 * approach, np.zeros(5), frictional=-500 * approach)
+    found = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
+    assert np.allclose(found.values.ravel(), [1000.0, 800.0], rtol=EXACT)
+
+
+def test_stiffness_needs_three_approaches():
+    with pytest.raises(ValueError, match="3 approaches"):
+        stiffness_map(dataset([1.0, 2.0], [0.1, 0.2]), [1.5])

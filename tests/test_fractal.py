@@ -3,7 +3,12 @@ import math
 import numpy as np
 import pytest
 from reference import direct_sum
-from stiction import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_family
+from stiction import (
+    random_phases,
+    weierstrass_mandelbrot,
+    weierstrass_mandelbrot_family,
+    weierstrass_mandelbrot_surface,
+)
 
 # Of the profile's total height. Phases are held to 64 bits, so what is left is the round-off of 1600 cosines and of a
 # recurrence of 256 steps; the reference's own long double phases are good to about 1e-10 rad at the highest frequency.
@@ -144,3 +149,56 @@ class TestProfile:
     def test_no_directions_is_named(self):
         with pytest.raises(ValueError, match="at least one direction"):
             weierstrass_mandelbrot(np.zeros((0, 5)), 1.5, points=100)
+
+
+class TestSurface:
+    SHAPE, EXTENT = (60, 90), (3.0, 2.0)
+
+    @pytest.mark.parametrize("band_limit", [None, "nyquist"])
+    @pytest.mark.parametrize(("dimension", "convention"), [(1.0, "paper"), (1.6, "paper"), (1.7, "classical")])
+    def test_is_the_direct_sum(self, dimension, convention, band_limit):
+        phases = random_phases(5, side="upper")
+        surface = weierstrass_mandelbrot_surface(
+            phases, dimension, shape=self.SHAPE, extent=self.EXTENT, convention=convention, band_limit=band_limit
+        )
+        random = np.random.default_rng(2)
+        at = np.vstack([[(0, 0), (59, 89), (0, 89), (59, 0)], random.integers(self.SHAPE, size=(40, 2))])
+        expected = direct_sum.weierstrass_mandelbrot_surface(
+            phases,
+            hurst(dimension, convention),
+            length_scale=1.0,
+            gamma=1.5,
+            extents=self.EXTENT,
+            shape=self.SHAPE,
+            at=at,
+            nyquist=band_limit == "nyquist",
+        )
+        ours = surface.heights[tuple(np.transpose(at))]
+        assert np.abs(ours - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(surface.heights)
+
+    def test_its_first_row_is_the_profile(self):
+        phases = random_phases(8)
+        surface = weierstrass_mandelbrot_surface(phases, 1.5, shape=(5, 3000), extent=(1.0, 2.0), length_scale=0.7)
+        profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL)
+        row = surface.row(0)
+        assert row.spacing == profile.spacing
+        assert np.abs(row.heights - profile.heights).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
+
+    @pytest.mark.parametrize(
+        ("bad", "match"),
+        [
+            ({"shape": 10}, "shape"),
+            ({"shape": (10, 1)}, "shape"),
+            ({"shape": (10**5, 10**5)}, "shape"),
+            ({"extent": 0.0}, "extent"),
+            ({"extent": (1.0, 2.0, 3.0)}, "extent"),
+            ({"gamma": 30.0}, "resolved"),
+            ({"fractal_dimension": 2.0}, "fractal_dimension"),
+            ({"band_limit": "low"}, "band_limit"),
+            ({"phases": [1.0]}, "phases"),
+        ],
+    )
+    def test_bad_arguments_are_named(self, bad, match):
+        arguments = {"phases": random_phases(1), "fractal_dimension": 1.3, "shape": (10, 10)} | bad
+        with pytest.raises(ValueError, match=match):
+            weierstrass_mandelbrot_surface(**arguments)

@@ -64,7 +64,22 @@ class TestQuantities:
 
 class TestLibrary:
     def test_has_the_papers_studies(self):
-        assert {"figure5", "figure6", "quick"} <= set(study_names())
+        names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
+        assert study_names() == names
+        drawn = {name: Study.named(name).figures.draw for name in names}
+        assert drawn["figure2"] == ("profiles",)
+        assert drawn["figure3"] == ("length-scales",)
+        assert drawn["figure5"] == drawn["figure8"] == ("area",)
+        assert drawn["figure7"] == ("friction",)
+        assert drawn["figure6"] == drawn["quick"] == ("friction", "area")
+
+    def test_figures_7_and_8_have_the_papers_amplitudes(self):
+        for name in ("figure7", "figure8"):
+            assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
+
+    def test_an_unknown_figure_is_refused(self):
+        with pytest.raises(StudyError, match=r"figures.draw"):
+            Study().with_changes({"figures.draw": ["heights"]})
 
     def test_figure6_is_the_default(self):
         assert Study.named("figure6") == Study()
@@ -84,10 +99,10 @@ class TestLibrary:
         file.write_text(study.to_toml(), encoding="utf-8")
         assert Study.from_toml(file) == study
         assert pickle.loads(pickle.dumps(study)).to_toml() == study.to_toml()
-        assert set(tomllib.loads(study.to_toml())) == {"surfaces", "contact", "friction", "ensemble"}
+        assert set(tomllib.loads(study.to_toml())) == {"surfaces", "contact", "friction", "ensemble", "figures"}
 
     def test_unknown_names_list_the_known(self):
-        with pytest.raises(StudyError, match=r"no built-in study 'figure66'; there are figure5, figure6, quick"):
+        with pytest.raises(StudyError, match=r"no built-in study 'figure66'; there are figure2, figure3, figure5"):
             Study.named("figure66")
 
 

@@ -14,7 +14,7 @@ from stiction.mechanics.closed_forms import (
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
-from stiction.studies.ensemble import area_map, friction_map
+from stiction.studies.ensemble import area_map, friction_map, stiffness_map
 from stiction.studies.runner import run
 from stiction.studies.study import Study, study_names
 from stiction.surfaces.fractal import (
@@ -23,8 +23,10 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_family,
     weierstrass_mandelbrot_moments,
+    weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 __all__ = [
     "Asperities",
@@ -36,6 +38,7 @@ __all__ = [
     "Profile",
     "ProfileMoments",
     "Study",
+    "Surface",
     "Validity",
     "__version__",
     "area_map",
@@ -50,9 +53,11 @@ __all__ = [
     "random_phases",
     "run",
     "slope_friction",
+    "stiffness_map",
     "study_names",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",
     "weierstrass_mandelbrot_moments",
+    "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
 ]

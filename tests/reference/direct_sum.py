@@ -25,3 +25,23 @@ def weierstrass_mandelbrot(phases, hurst_exponent, *, length_scale, gamma, exten
             turns = wave_number * x / (2 * PI)
             heights += weight * (np.cos(phase) - np.cos(2 * PI * (turns - np.rint(turns)) + phase))
     return heights
+
+
+def weierstrass_mandelbrot_surface(phases, hurst_exponent, *, length_scale, gamma, extents, shape, at, nyquist=False):
+    """Heights at grid points `at` (k, 2) of (row, column), long double."""
+    directions, frequencies = phases.shape
+    dy, dx = (EXTENDED(extent / size) for extent, size in zip(extents, shape, strict=True))
+    y, x = (np.asarray(at)[:, k].astype(EXTENDED) * (dy, dx)[k] for k in (0, 1))
+    gamma, length_scale, hurst = EXTENDED(gamma), EXTENDED(length_scale), EXTENDED(hurst_exponent)
+    heights = np.zeros(x.shape, EXTENDED)
+    for n in range(1, frequencies + 1):
+        weight = length_scale**hurst * np.log(gamma) * gamma ** (-(n - 1) * hurst)
+        for m in range(1, directions + 1):
+            k = gamma ** (n - 1) / length_scale  # turns per µm
+            kx, ky = k * np.cos(PI * m / directions), k * np.sin(PI * m / directions)
+            if nyquist and (abs(kx) * dx > 0.5 or abs(ky) * dy > 0.5):
+                continue
+            phase = EXTENDED(phases[m - 1, n - 1])
+            turns = kx * x + ky * y
+            heights += weight * (np.cos(phase) - np.cos(2 * PI * (turns - np.rint(turns)) + phase))
+    return heights

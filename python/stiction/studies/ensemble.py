@@ -104,9 +104,10 @@ def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Fl
         lower, upper = mean * np.exp(-half_width), mean * np.exp(half_width)
     plain = crossing.reached[0] & ~np.isfinite(logarithms).all(axis=0)
     if plain.any():
-        # Zeros have no logarithm; the interval is then symmetric, but not below zero.
+        # What is not positive has no logarithm; the interval is then symmetric, but not below zero if no value is.
         half_width = _half_width(left_out)
-        lower = np.where(plain, np.maximum(mean - half_width, 0), lower)
+        least = -np.inf if (values < 0).any() else 0.0
+        lower = np.where(plain, np.maximum(mean - half_width, least), lower)
         upper = np.where(plain, mean + half_width, upper)
     return mean, lower, upper, crossing
 
@@ -175,6 +176,35 @@ def area_map(
     return _map(dataset, loads, mu0, tau0, "contact_area")
 
 
+def stiffness_map(
+    dataset: xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+) -> xarray.Dataset:
+    """Normal stiffness of the ensemble, d mean(F_N) / dδ (mN/µm), at given normal loads; otherwise as `friction_map`.
+
+    The derivative along the approach δ is that of the parabola through an approach and its two neighbours, so it is as
+    fine as the approaches are; it can be negative, because load is not monotone in approach.
+
+    Raises
+    ------
+    ValueError
+        As `friction_map`, and with fewer than three approaches.
+    """
+    if dataset.sizes.get("approach", 0) < 3:
+        raise ValueError(f"a stiffness needs at least 3 approaches, got {dataset.sizes.get('approach', 0)}")
+    return _map(dataset, loads, mu0, tau0, "normal_stiffness")
+
+
+_QUANTITIES = {
+    "friction_coefficient": ("1", "coefficient of static friction"),
+    "contact_area": ("um^2", "true contact area"),
+    "normal_stiffness": ("mN/um", "normal stiffness"),
+}
+
+
 def _map(
     dataset: xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str
 ) -> xarray.Dataset:
@@ -201,10 +231,13 @@ def _map(
         touched = bool(pair.contact_count.any())
         for m, t in np.ndindex(shape[3:]):
             normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
-            if what == "contact_area":
-                values = pair.contact_area
-            else:
-                values = friction.tangential_load(pair, mu0_values[m], tau0_values[t])
+            match what:
+                case "contact_area":
+                    values = pair.contact_area
+                case "normal_stiffness":
+                    values = np.gradient(normal, data["approach"].values, axis=1, edge_order=2)
+                case _:
+                    values = friction.tangential_load(pair, mu0_values[m], tau0_values[t])
             here = (d, a, slice(None), m, t)
             mean[here], lower[here], upper[here], crossing = _read_off(normal, values, load_values)
             status[here] = _status(touched, _locked(pair, normal), crossing)
@@ -222,10 +255,7 @@ def _map(
         "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
     }
     dims = tuple(coordinates)
-    units, long_name = {
-        "friction_coefficient": ("1", "coefficient of static friction"),
-        "contact_area": ("um^2", "true contact area"),
-    }[what]
+    units, long_name = _QUANTITIES[what]
     return xarray.Dataset(
         {
             what: (dims, mean, {"units": units, "long_name": long_name}),

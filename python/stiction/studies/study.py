@@ -271,6 +271,15 @@ class Ensemble(_Table):
     seed: int = Field(default=2016, ge=0, lt=2**63)
 
 
+FigureName = Literal["profiles", "length-scales", "friction", "area"]
+
+
+class Figures(_Table):
+    """What is drawn of the result."""
+
+    draw: Annotated[tuple[FigureName, ...], _as_tuple] = ("friction", "area")
+
+
 class Study(_Table):
     """A study: which pairs of surfaces, how they are pressed, over which parameters.
 
@@ -289,6 +298,7 @@ class Study(_Table):
     contact: Contact = Contact()
     friction: Friction = Friction()
     ensemble: Ensemble = Ensemble()
+    figures: Figures = Figures()
 
     @model_validator(mode="after")
     def _fits(self) -> Study:

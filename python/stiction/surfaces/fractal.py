@@ -1,4 +1,4 @@
-"""Fractal profiles: the Weierstrass-Mandelbrot function of Hanaor, Gan & Einav (2016), Eq. 1."""
+"""Fractal profiles and surfaces: the Weierstrass-Mandelbrot function of Hanaor, Gan & Einav (2016), Eq. 1."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction import _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
+from stiction.surfaces.surface import Surface, lengths
 
 Side = Literal["lower", "upper"]
 Convention = Literal["paper", "classical"]
@@ -213,6 +214,100 @@ def weierstrass_mandelbrot(
         band_limit=band_limit,
     )
     return Profile(read_only(family[0]), spacing=float(extent) / points)
+
+
+def weierstrass_mandelbrot_surface(
+    phases: ArrayLike,
+    fractal_dimension: float,
+    *,
+    shape: tuple[int, int],
+    extent: float | tuple[float, float] = 40.0,
+    length_scale: float = 1.0,
+    gamma: float = 1.5,
+    convention: Convention = "paper",
+    band_limit: BandLimit | None = None,
+) -> Surface:
+    r"""Surface of Eq. 1 over an area, unscaled, y(0, 0) = 0; its first row is the profile of the same phases.
+
+    Parameters
+    ----------
+    phases : (directions, frequencies) array_like of float, rad
+    fractal_dimension : float
+        That of the profiles, at least 1 and below 2; see `weierstrass_mandelbrot_family` for this and what follows.
+    shape : (int, int)
+        Rows (along y) and columns (along x).
+    extent : float or (float, float), µm
+        Lengths along y and x; one number for both. Rows are extent_y / rows apart, columns extent_x / columns.
+    length_scale : float, µm
+    gamma : float
+    convention : {"paper", "classical"}
+    band_limit : {None, "nyquist"}
+        "nyquist" drops the harmonics above the Nyquist frequency of either axis.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the phases of the highest frequencies cannot be resolved.
+
+    Notes
+    -----
+    The phase of harmonic (m, n) is :math:`2πγ^{n-1}/L (x \cos(πm/M) + y \sin(πm/M)) + φ_{mn}`.
+    Hanaor, Gan & Einav, Tribology International 93 (2016) 229, Fig. 3.
+
+    Examples
+    --------
+    >>> from stiction import random_phases, weierstrass_mandelbrot_surface
+    >>> surface = weierstrass_mandelbrot_surface(random_phases(1), 1.3, shape=(64, 128), extent=(2.0, 4.0))
+    >>> surface.heights.shape, surface.spacing
+    ((64, 128), (0.03125, 0.03125))
+    """
+    phase_array = float_array("phases", phases, ndim=2)
+    directions, frequencies = phase_array.shape
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+    rows, columns = (whole_number("shape", size, least=2, most=MOST_POINTS) for size in shape)
+    if rows * columns > MOST_POINTS:
+        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    extents = lengths("extent", extent)
+    length_scale = number("length_scale", length_scale, unit="µm", above=0)
+    gamma = number("gamma", gamma, above=1)
+    if band_limit is not None:
+        choice("band_limit", band_limit, BandLimit)
+    hurst = hurst_exponent(fractal_dimension, convention=convention)
+    weights = np.array(_core.frequency_weights(hurst, frequencies, gamma, length_scale))
+
+    # Turns per point along y and x, in extended precision, because a high frequency makes many turns.
+    angle = 4 * np.arctan(np.longdouble(1)) * np.arange(1, directions + 1)[:, np.newaxis] / directions
+    waves = np.longdouble(gamma) ** np.arange(frequencies) / np.longdouble(length_scale)
+    along_y = np.sin(angle) * waves * np.longdouble(extents[0] / rows)
+    along_x = np.cos(angle) * waves * np.longdouble(extents[1] / columns)
+    if max(np.abs(along_y).max() * rows, np.abs(along_x).max() * columns) > _MOST_TURNS:
+        raise ValueError(
+            "gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the highest frequencies "
+            "cannot be resolved; take a smaller gamma, fewer frequencies or a smaller extent"
+        )
+    kept = np.full(along_x.shape, True)
+    if band_limit == "nyquist":
+        kept = (np.abs(along_y) <= 0.5) & (np.abs(along_x) <= 0.5)
+
+    # cos(a + b) = cos a cos b - sin a sin b: every harmonic is two products of a column and a row, all of them together
+    # a matrix product.
+    phase, weight = phase_array[kept], np.broadcast_to(weights, kept.shape)[kept]
+    of_y = _angles(along_y[kept], rows) + phase
+    of_x = _angles(along_x[kept], columns)
+    heights = (weight * np.cos(phase)).sum() - (weight * np.cos(of_y)) @ np.cos(of_x).T
+    heights += (weight * np.sin(of_y)) @ np.sin(of_x).T
+    return Surface(read_only(heights), spacing=(extents[0] / rows, extents[1] / columns))
+
+
+_MOST_TURNS = 2**44
+"""Beyond this many turns the fraction of a turn is no longer known to 1e-6."""
+
+
+def _angles(turns_per_point: NDArray[np.longdouble], points: int) -> Floats:
+    """(points, harmonics) angles at each point, rad, less whole turns."""
+    turns = np.arange(points, dtype=np.longdouble)[:, np.newaxis] * turns_per_point
+    return np.asarray(2 * math.pi * (turns - np.rint(turns)).astype(np.float64))
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.ensemble import area_map, friction_map
-from stiction.studies.study import study_of
+from stiction.studies.study import Study, study_of
+from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_surface
+from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
     import xarray
@@ -18,37 +21,57 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
+WIDTH = 80 * MILLIMETRE
+"""One column of print; nothing on a figure is smaller than 6 pt at this width."""
+
 LOAD_STEPS = 80
 MOST_CURVES = 8
 _STYLE: dict[Any, Any] = {
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
+    "font.size": 7,
+    "axes.titlesize": 7,
+    "axes.labelsize": 7,
+    "xtick.labelsize": 6,
+    "ytick.labelsize": 6,
+    "legend.fontsize": 6,
+    "legend.title_fontsize": 6,
+    "axes.linewidth": 0.5,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "xtick.minor.width": 0.3,
+    "ytick.minor.width": 0.3,
     "legend.frameon": False,
-    "figure.dpi": 200,
-    "hatch.linewidth": 0.4,
+    "figure.dpi": 300,
+    "hatch.linewidth": 0.3,
 }
 _LOCKED_COLOUR = "#7a0019"
 
 
 def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
-    """Draw every figure of a result into a directory and return their paths.
+    """Draw the figures that a result's study asks for into a directory and return their paths.
 
-    ``friction.png`` maps the friction coefficient over fractal dimension and load (one file per amplitude if there are
-    several); ``area.png`` shows the true contact area against load.
+    ``profiles.png``: profiles of several fractal dimensions. ``length_scales.png``: profiles and areal surfaces of
+    three length scales. ``friction_mu0_*.png``: the friction coefficient over fractal dimension and load, a file for
+    each mu0. ``area.png``: the true contact area against load.
     """
     import matplotlib as mpl
 
     directory = Path(directory)
-    amplitudes = dataset["amplitude"].values
+    study = study_of(dataset)
     paths = []
     with mpl.rc_context(_STYLE):
-        for amplitude in amplitudes:
-            name = "friction" if amplitudes.size == 1 else f"friction_amplitude_{1000 * amplitude:.12g}nm"
-            paths.append(_save(friction_figure(dataset, amplitude), directory / f"{name}.png"))
-        paths.append(_save(area_figure(dataset), directory / "area.png"))
+        for name in study.figures.draw:
+            match name:
+                case "profiles":
+                    paths.append(_save(profiles_figure(study), directory / "profiles.png"))
+                case "length-scales":
+                    paths.append(_save(length_scales_figure(study), directory / "length_scales.png"))
+                case "friction":
+                    paths += [
+                        _save(friction_figure(dataset, mu0), directory / f"friction_mu0_{mu0:g}.png")
+                        for mu0 in study.friction.mu0
+                    ]
+                case "area":
+                    paths.append(_save(area_figure(dataset), directory / "area.png"))
     return paths
 
 
@@ -72,33 +95,154 @@ def reached_loads(dataset: xarray.Dataset, steps: int = LOAD_STEPS) -> Floats:
     return np.geomspace(lowest, highest, steps)
 
 
+# ---- Surfaces --------------------------------------------------------------------------------------------------------
+
+
+def profiles_figure(study: Study) -> Figure:
+    """Profiles of several fractal dimensions, of the same phases: their whole length, and one length scale of it."""
+    from matplotlib.figure import Figure
+
+    dimensions = study.surfaces.fractal_dimensions()
+    dimensions = dimensions[_some(dimensions.size, MOST_PROFILES)]
+    amplitude = float(study.surfaces.amplitudes()[0])
+    window = min(float(study.surfaces.length_scale), float(study.surfaces.extent))
+    figure = Figure(figsize=(WIDTH, (12 + 13 * dimensions.size) * MILLIMETRE), layout="constrained")
+    axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
+    for row, dimension in enumerate(dimensions):
+        profile = _example(study, dimension).with_amplitude(amplitude, study.surfaces.amplitude_measure)
+        for ax, end in zip(axes[row], (profile.extent, window), strict=True):
+            shown = profile.x <= end
+            ax.fill_between(profile.x[shown], profile.heights[shown], profile.heights.min(), color="0.85", linewidth=0)
+            ax.plot(profile.x[shown], profile.heights[shown], color="C0", linewidth=0.4, rasterized=True)
+            ax.set_xlim(0, end)
+        axes[row, 0].set_title(f"$D$ = {dimension:.3g}", loc="left", pad=2)
+    for ax in axes[-1]:
+        ax.set_xlabel("$x$ (µm)")
+    axes[dimensions.size // 2, 0].set_ylabel("height (µm)")
+    return figure
+
+
+def length_scales_figure(study: Study) -> Figure:
+    """Eq. 1, unscaled, for three length scales and the same phases: profiles, and the surfaces whose edges they are."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    dimension = study.surfaces.fractal_dimensions()[0]
+    extent = float(study.surfaces.extent)
+    pixels = int(min(AREAL_POINTS, study.surfaces.points))
+    scales = [factor * float(study.surfaces.length_scale) for factor in LENGTH_SCALES]
+    figure = Figure(figsize=(WIDTH, 66 * MILLIMETRE), layout="constrained")
+    axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
+    for column, scale in enumerate(scales):
+        profile = _example(study, dimension, length_scale=scale)
+        surface = weierstrass_mandelbrot_surface(
+            _example_phases(study), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
+            gamma=study.surfaces.gamma, convention=study.surfaces.convention, band_limit="nyquist",
+        )  # fmt: skip
+        top, bottom = axes[:, column]
+        top.plot(profile.x, profile.heights - profile.heights.mean(), color="C0", linewidth=0.4, rasterized=True)
+        top.set_title(f"$L$ = {scale:.3g} µm")
+        top.set_xlim(0, extent)
+        heights = surface.heights - surface.heights.mean()
+        image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap="cividis")
+        bar = figure.colorbar(image, ax=bottom, location="bottom", pad=0.02)
+        bar.locator = MaxNLocator(3)
+        bar.set_label("height (µm)")
+        bottom.set_xlabel("$x$ (µm)")
+        bottom.tick_params(axis="x", labelbottom=True)
+        if column > 0:
+            bottom.tick_params(labelleft=False)
+    axes[0, 0].set_ylabel("height (µm)")
+    axes[1, 0].set_ylabel("$y$ (µm)")
+    return figure
+
+
+LENGTH_SCALES = (0.5, 1.0, 2.0)
+"""Of the study's own, in the figure of length scales."""
+
+AREAL_POINTS = 400
+"""Rows and columns of a surface in a figure."""
+
+MOST_PROFILES = 5
+
+
+def _some(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many indices out of `count`, evenly spread, both ends included."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))
+
+
+def _example_phases(study: Study) -> Floats:
+    surfaces = study.surfaces
+    return random_phases(study.ensemble.seed, directions=surfaces.directions, frequencies=surfaces.frequencies)
+
+
+def _example(study: Study, dimension: float, *, length_scale: float | None = None) -> Profile:
+    """The lower profile of the study's first pair, unscaled."""
+    surfaces = study.surfaces
+    return weierstrass_mandelbrot(
+        _example_phases(study),
+        dimension,
+        length_scale=length_scale or float(surfaces.length_scale),
+        gamma=surfaces.gamma,
+        extent=float(surfaces.extent),
+        points=surfaces.points,
+        convention=surfaces.convention,
+        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
+    )
+
+
 # ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
 
 
-def friction_figure(dataset: xarray.Dataset, amplitude: float) -> Figure:
-    """Colour maps over fractal dimension and normal load: a row per mu0, with its own colours, a column per tau0."""
+def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
+    """Colour maps over fractal dimension and normal load for one mu0, all with the same colours.
+
+    A panel for each tau0; with several amplitudes a row for each tau0 and a column for each amplitude.
+    """
     from matplotlib.figure import Figure
 
     study = study_of(dataset)
-    maps = friction_map(dataset.sel(amplitude=[amplitude]), reached_loads(dataset)).isel(amplitude=0)
-    rows, columns = maps.sizes["mu0"], maps.sizes["tau0"]
-    figure = Figure(figsize=((30 + 31 * columns) * MILLIMETRE, (24 + 36 * rows) * MILLIMETRE), layout="constrained")
+    maps = friction_map(dataset, reached_loads(dataset), mu0=[mu0]).isel(mu0=0)
+    strengths = study.friction.tau0
+    amplitudes = [float(value) for value in dataset["amplitude"].values]
+    panels = [
+        (maps.isel(amplitude=a, tau0=t), rf"$\tau_0$ = {strength.text}")
+        for t, strength in enumerate(strengths)
+        for a in range(len(amplitudes))
+    ]
+    columns = len(amplitudes) if len(amplitudes) > 1 else min(2, len(panels))
+    rows = -(-len(panels) // columns)
+    figure = Figure(figsize=(WIDTH, (32 + (29 if columns < 3 else 22) * rows) * MILLIMETRE), layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for row in range(rows):
-        norm = _norm(maps["friction_coefficient"].isel(mu0=row).values)
-        for column in range(columns):
-            mesh = _friction_panel(axes[row, column], maps.isel(mu0=row, tau0=column), norm)
-            if row == 0:
-                axes[row, column].set_title(rf"$\tau_0$ = {study.friction.tau0[column].text}")
-        axes[row, 0].set_ylabel("$F_N$ (mN)")
-        bar = figure.colorbar(mesh, ax=axes[row], extend="both", pad=0.01)
-        bar.set_label(rf"$\mu_s$ at $\mu_0$ = {study.friction.mu0[row]:g}")
-        ticks = [tick for tick in _TICKS if norm.vmin <= tick <= norm.vmax]
-        bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
-        bar.ax.minorticks_off()
-    axes[-1, columns // 2].set_xlabel(_dimension_label(dataset))
-    _friction_legend(figure, locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()), columns=min(columns, 2))
+    norm = _norm(maps["friction_coefficient"].values)
+    for ax in axes.flat[len(panels) :]:
+        ax.set_axis_off()
+    for ax, (panel, title) in zip(axes.flat, panels, strict=False):
+        mesh = _friction_panel(ax, panel, norm)
+        ax.set_title(title, pad=2)
+    last = axes.flat[len(panels) - columns : len(panels)]
+    for ax in last:
+        ax.tick_params(labelbottom=True)
+    for ax in last if columns < 3 else [last[columns // 2]]:
+        ax.set_xlabel(_dimension_label(dataset))
+    for ax in axes[:, 0]:
+        ax.set_ylabel("$F_N$ (mN)")
+    if len(amplitudes) > 1:
+        for column, amplitude in enumerate(amplitudes):
+            axes[0, column].set_title(f"{1000 * amplitude:g} nm\n{panels[0][1]}", pad=2)
+    bar = figure.colorbar(mesh, ax=axes, location="top", extend="both", aspect=35, pad=0.01)
+    bar.set_label(rf"$\mu_s$ at $\mu_0$ = {mu0:g}")
+    ticks = _ticks(norm)
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.ax.minorticks_off()
+    _friction_legend(figure, locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()))
     return figure
+
+
+def _ticks(norm: Any) -> list[float]:
+    """Some of the round numbers on a scale of equal ratios, no closer than their labels are long."""
+    inside = [tick for tick in _TICKS if norm.vmin <= tick <= norm.vmax]
+    return inside[:: max(1, -(-len(inside) // 8))]
 
 
 _TICKS = (0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20)
@@ -149,7 +293,7 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
-def _friction_legend(figure: Figure, *, locked: bool, columns: int) -> None:
+def _friction_legend(figure: Figure, *, locked: bool) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -159,7 +303,7 @@ def _friction_legend(figure: Figure, *, locked: bool, columns: int) -> None:
     handles += [
         Line2D([], [], color="0.4", linestyle=style, linewidth=1, label=label) for _, style, label in _VALIDITY_LINES
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    figure.legend(handles=handles, loc="outside lower center")
 
 
 def _edges(centres: Floats) -> Floats:
@@ -173,55 +317,48 @@ def _edges(centres: Floats) -> Floats:
 
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
-    """True contact area against normal load, and their ratio, with 95 % intervals; a row for each amplitude."""
+    """True contact area against normal load, and their ratio, with 95 % intervals; a column for each amplitude."""
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 
     study = study_of(dataset)
     mu0, tau0 = study.friction.mu0[0], study.friction.tau0[0]
-    dimensions = dataset["fractal_dimension"].values
-    shown = np.unique(np.linspace(0, dimensions.size - 1, min(MOST_CURVES, dimensions.size)).round().astype(int))
+    shown = _some(dataset.sizes["fractal_dimension"], MOST_CURVES)
     areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=float(tau0))
     areas = areas.isel(mu0=0, tau0=0)
-    rows = areas.sizes["amplitude"]
-    figure = Figure(figsize=(170 * MILLIMETRE, (18 + 62 * rows) * MILLIMETRE), layout="constrained")
-    axes = figure.subplots(rows, 2, squeeze=False, sharex=True)
+    amplitudes = areas["amplitude"].values
+    figure = Figure(figsize=(WIDTH, 102 * MILLIMETRE), layout="constrained")
+    axes = figure.subplots(2, amplitudes.size, squeeze=False, sharex=True, sharey="row")
     colours = colormaps["viridis"](np.linspace(0, 0.92, shown.size))
-    for row, amplitude in enumerate(areas["amplitude"].values):
+    for column, amplitude in enumerate(amplitudes):
         for curve, colour in zip(range(shown.size), colours, strict=True):
-            line = areas.isel(amplitude=row, fractal_dimension=curve)
+            line = areas.isel(amplitude=column, fractal_dimension=curve)
             load = line["load"].values
             label = f"{float(line['fractal_dimension']):.2f}"
             trusted = line["share_beyond_hertz"].values <= 0.5
-            for ax, scale in zip(axes[row], (1.0, 1 / load), strict=True):
+            for ax, scale in zip(axes[:, column], (1.0, 1 / load), strict=True):
                 area = scale * line["contact_area"].values
-                ax.plot(load, area, ":", color=colour, linewidth=1)
-                ax.plot(load, np.where(trusted, area, np.nan), color=colour, linewidth=1, label=label)
-                ax.fill_between(
-                    load,
-                    scale * line["lower"].values,
-                    scale * line["upper"].values,
-                    color=colour,
-                    alpha=0.25,
-                    linewidth=0,
-                )
-        for ax in axes[row]:
+                ax.plot(load, area, ":", color=colour, linewidth=0.8)
+                ax.plot(load, np.where(trusted, area, np.nan), color=colour, linewidth=0.8, label=label)
+                lower, upper = scale * line["lower"].values, scale * line["upper"].values
+                ax.fill_between(load, lower, upper, color=colour, alpha=0.25, linewidth=0)
+        for ax in axes[:, column]:
             ax.set_xscale("log")
-            if (areas["contact_area"].isel(amplitude=row) > 0).any():
+            if (areas["contact_area"] > 0).any():
                 ax.set_yscale("log")
-            else:
+            if not (areas["contact_area"].isel(amplitude=column) > 0).any():
                 ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
-        axes[row, 0].set_ylabel("true contact area $A$ (µm²)")
-        axes[row, 1].set_ylabel("$A / F_N$ (µm²/mN)")
-        if rows > 1:
-            axes[row, 0].set_title(f"amplitude {1000 * amplitude:g} nm", loc="left")
-    for ax in axes[-1]:
-        ax.set_xlabel("normal load $F_N$ (mN)")
+        if amplitudes.size > 1:
+            axes[0, column].set_title(f"{1000 * amplitude:g} nm")
+    axes[0, 0].set_ylabel("true contact area $A$ (µm²)")
+    axes[1, 0].set_ylabel("$A / F_N$ (µm²/mN)")
+    axes[1, amplitudes.size // 2].set_xlabel("normal load $F_N$ (mN)")
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(),
-        title=f"{_dimension_label(dataset)}\n$\\mu_0$ = {mu0:g}\n$\\tau_0$ = {tau0.text}\nshaded: 95 %\n"
-        "dotted: more than half of\nthe load on overlaps $> R/10$",
-        loc="outside right center",
+        title=f"{_dimension_label(dataset)}, at $\\mu_0$ = {mu0:g}, $\\tau_0$ = {tau0.text}; shaded: 95 %;\n"
+        "dotted: more than half of the load on overlaps $> R/10$",
+        loc="outside lower center",
+        ncols=4,
     )
     return figure
 

@@ -1,0 +1,84 @@
+"""A rough surface: heights on a uniform grid over an area."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats, float_array, number, read_only, whole_number
+from stiction.surfaces.profile import Profile
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Heights of a surface on a uniform grid that starts at x = y = 0: x along the columns, y along the rows.
+
+    Parameters
+    ----------
+    heights : (rows, columns) array_like of float, µm
+        At least 2 by 2 finite heights; copied, and read-only afterwards.
+    spacing : (float, float), µm
+        Distances between neighbouring rows and between neighbouring columns (Δy, Δx), above 0; one number for both.
+
+    Raises
+    ------
+    ValueError
+        If heights are not such an array, or a spacing is not above 0.
+
+    Examples
+    --------
+    >>> from stiction import Surface
+    >>> surface = Surface([[0.0, 1.0, 0.0, 1.0], [1.0, 2.0, 1.0, 2.0]], spacing=(0.5, 0.25))
+    >>> surface.extent
+    (1.0, 1.0)
+    >>> surface.row(1).heights
+    array([1., 2., 1., 2.])
+    """
+
+    heights: Floats
+    spacing: tuple[float, float] = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        heights = float_array("heights", self.heights, ndim=2)
+        if min(heights.shape) < 2:
+            raise ValueError(f"heights must have at least 2 rows and 2 columns, got shape {heights.shape}")
+        if heights.flags.writeable or not heights.flags.owndata:  # somebody else may still change it
+            heights = read_only(heights.copy())
+        object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "spacing", lengths("spacing", self.spacing))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(Surface, spacing=self.spacing), (self.heights,)  # read-only on the other side as well
+
+    @property
+    def x(self) -> Floats:
+        """(columns,) positions of the columns, µm."""
+        return np.arange(self.heights.shape[1], dtype=np.float64) * self.spacing[1]
+
+    @property
+    def y(self) -> Floats:
+        """(rows,) positions of the rows, µm."""
+        return np.arange(self.heights.shape[0], dtype=np.float64) * self.spacing[0]
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Points times spacing along y and x, µm."""
+        rows, columns = self.heights.shape
+        return rows * self.spacing[0], columns * self.spacing[1]
+
+    def row(self, index: int) -> Profile:
+        """Return one row as a profile along x."""
+        return Profile(self.heights[whole_number("index", index, least=0, most=self.heights.shape[0] - 1)],
+                       spacing=self.spacing[1])  # fmt: skip
+
+
+def lengths(name: str, value: Any) -> tuple[float, float]:
+    """A length for y and one for x, both above 0, from a pair or from one number for both."""
+    pair = value if isinstance(value, (tuple, list, np.ndarray)) else (value, value)
+    if len(pair) != 2:
+        raise ValueError(f"{name} must be a number or a pair (y, x), got {value!r}")
+    along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)
+    return along_y, along_x

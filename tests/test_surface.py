@@ -1,0 +1,47 @@
+import pickle
+
+import numpy as np
+import pytest
+from stiction import Surface
+
+
+def test_rows_are_along_x_and_columns_along_y():
+    surface = Surface(np.arange(12.0).reshape(3, 4), spacing=(0.5, 0.25))
+    assert surface.x.tolist() == [0, 0.25, 0.5, 0.75]
+    assert surface.y.tolist() == [0, 0.5, 1]
+    assert surface.extent == (1.5, 1.0)
+    profile = surface.row(2)
+    assert profile.heights.tolist() == [8, 9, 10, 11]
+    assert profile.spacing == 0.25
+    assert Surface(np.zeros((2, 2)), spacing=0.1).spacing == (0.1, 0.1)
+
+
+def test_heights_cannot_change_behind_its_back():
+    heights = np.zeros((4, 4))
+    surface = Surface(heights, spacing=1.0)
+    heights[0, 0] = 1
+    assert surface.heights[0, 0] == 0
+    copy = pickle.loads(pickle.dumps(surface))
+    assert not copy.heights.flags.writeable
+    assert copy.spacing == surface.spacing
+
+
+@pytest.mark.parametrize(
+    ("heights", "spacing", "match"),
+    [
+        ([1.0, 2.0], 1.0, "heights"),
+        ([[1.0, 2.0]], 1.0, "rows"),
+        ([[1.0, np.nan], [0.0, 1.0]], 1.0, "finite"),
+        (np.zeros((3, 3)), 0.0, "spacing"),
+        (np.zeros((3, 3)), (1.0, -1.0), "spacing"),
+        (np.zeros((3, 3)), (1.0,), "spacing"),
+    ],
+)
+def test_what_is_no_surface_is_refused(heights, spacing, match):
+    with pytest.raises(ValueError, match=match):
+        Surface(heights, spacing=spacing)
+
+
+def test_a_row_must_exist():
+    with pytest.raises(ValueError, match="index"):
+        Surface(np.zeros((3, 5)), spacing=1.0).row(3)
