@@ -73,6 +73,18 @@ def test_plot_draws_again(ran):
     assert (where / "quick" / "area.png").exists()
 
 
+def test_claims_judges_every_claim_and_leaves_its_figures_and_tables(tmp_path):
+    small = ["surfaces.points=4000", "surfaces.extent=2 um", "contact.approach.count=6", "ensemble.repetitions=6"]
+    settings = [argument for setting in small for argument in ("--set", setting)]
+    done = stiction_command("claims", *settings, "--output", "judged", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    verdicts = [line.rsplit(maxsplit=1)[1] for line in done.stdout.splitlines() if line[:1].isdigit()]
+    assert len(verdicts) == 8
+    assert set(verdicts) <= {"TRUE", "FALSE", "UNDECIDED", "UNDEFINED"}
+    for name in ("claims.md", "variants.md", "figure2/profiles.png", "figure8/area.png", "variants/Ra/result.zarr"):
+        assert (tmp_path / "judged" / name).exists(), name
+
+
 def test_a_study_file_runs_as_the_study_it_is(tmp_path):
     study = Study().with_changes(
         {

@@ -25,6 +25,14 @@ app = typer.Typer(
 
 RESULT = "result.zarr"
 
+Workers = Annotated[
+    int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as in ensemble.repetitions=10. Repeatable."),
+]
+
 
 def _print_version(wanted: bool) -> None:
     if wanted:
@@ -47,30 +55,46 @@ def run_command(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.", show_default="./NAME")
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as in ensemble.repetitions=10. Repeatable."),
-    ] = None,
+    workers: Workers = None,
+    changes: Changes = None,
 ) -> None:
     """Compute a study, and draw it."""
-    from stiction.studies import store
-
     what = _study(study).with_changes(_changes(changes or []))
     directory = output if output is not None else Path(Path(study).stem)
-    if directory.is_file():
-        raise StudyError(f"{directory} is a file; say where the results shall go with --output DIR")
-    path = directory / RESULT
-    if path.exists() and store.holds(path, what):
-        typer.echo(f"{path} holds this study already; drawing it again")
-        dataset = store.read(path)
-    else:
-        with ThreadPoolExecutor(max_workers=workers or available_cores()) as pool:
-            dataset = run(what, executor=pool, store=path, progress=sys.stderr.isatty())
-        typer.echo(f"wrote {path}")
-    _draw(dataset, directory)
+    _draw(_result(what, directory, workers), directory)
+
+
+@app.command("claims")
+def claims_command(
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
+        "claims"
+    ),
+    workers: Workers = None,
+    changes: Changes = None,
+) -> None:
+    """Judge what the paper claims by its own studies, and by other choices where it leaves them open."""
+    from stiction.studies import claims
+    from stiction.views import tables
+
+    replaced = _changes(changes or [])
+    for name in (name for name in study_names() if name.startswith("figure")):
+        dataset = _result(Study.named(name).with_changes(replaced), output / name, workers)
+        _draw(dataset, output / name)
+        if Study.named(name) == claims.claims_study():
+            outcomes = claims.judge(dataset)
+    others = {}
+    for name in claims.VARIANTS:
+        dataset = _result(claims.variant_study(name).with_changes(replaced), output / "variants" / name, workers)
+        others[name] = claims.judge(dataset)
+        if name == "default":
+            others["amplitude 0.05 µm"] = claims.judge(dataset, amplitude=claims.FLATTER)
+    for file, text in (
+        ("claims.md", tables.claims_markdown(outcomes)),
+        ("variants.md", tables.variants_markdown(others)),
+    ):
+        (output / file).write_text(text, encoding="utf-8")
+        typer.echo(f"wrote {output / file}")
+    typer.echo(tables.claims_text(outcomes), nl=False)
 
 
 @app.command()
@@ -91,6 +115,22 @@ def studies(
         return
     for each in study_names():
         typer.echo(each)
+
+
+def _result(study: Study, directory: Path, workers: int | None) -> Any:
+    """The result of a study in a directory, computed unless it is there already."""
+    from stiction.studies import store
+
+    if directory.is_file():
+        raise StudyError(f"{directory} is a file; say where the results shall go with --output DIR")
+    path = directory / RESULT
+    if path.exists() and store.holds(path, study):
+        typer.echo(f"{path} holds this study already; drawing it again")
+        return store.read(path)
+    with ThreadPoolExecutor(max_workers=workers or available_cores()) as pool:
+        dataset = run(study, executor=pool, store=path, progress=sys.stderr.isatty())
+    typer.echo(f"wrote {path}")
+    return dataset
 
 
 def _draw(dataset: Any, directory: Path) -> None:

@@ -36,7 +36,7 @@ _DIMS = ("fractal_dimension", "amplitude", "repetition", "approach")
 
 
 @dataclass(frozen=True)
-class _Crossing:
+class Crossing:
     """Where curves (c, k) first reach loads (l,): between approaches index - 1 and index, at a fraction of the step."""
 
     index: NDArray[np.intp]  # (c, l)
@@ -45,7 +45,8 @@ class _Crossing:
     below: NDArray[np.bool_]  # (c, l): the load is less than that of the first approach
 
     @classmethod
-    def of(cls, normal: Floats, loads: Floats) -> _Crossing:
+    def of(cls, normal: Floats, loads: Floats) -> Crossing:
+        """First upward crossings of loads (l,) by curves (c, k)."""
         at_least = normal[:, :, np.newaxis] >= loads  # (c, k, l)
         reaches = np.concatenate([normal[:, :1, np.newaxis] == loads, ~at_least[:, :-1] & at_least[:, 1:]], axis=1)
         reached: NDArray[np.bool_] = np.any(reaches, axis=1)
@@ -70,7 +71,7 @@ class _Crossing:
         return np.divide(rise, run, out=np.zeros_like(rise), where=run > 0)
 
 
-def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, _Crossing]:
+def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, Crossing]:
     """Mean of values (r, k) at loads (l,), read off along mean normal loads (r, k), and its interval.
 
     Few repetitions that carry load make an interval too narrow: 5 lognormal ones cover 81 to 94 % of the time, 24 and
@@ -82,7 +83,7 @@ def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Fl
     repetitions = normal.shape[0]
     mean_normal = normal.mean(axis=0, keepdims=True)
     mean_values = values.mean(axis=0, keepdims=True)
-    crossing = _Crossing.of(mean_normal, loads)
+    crossing = Crossing.of(mean_normal, loads)
     mean = np.where(crossing.reached, crossing.at(mean_values), np.nan)[0]
     carrying = np.count_nonzero(normal.any(axis=1))
     if carrying < 2:
@@ -90,13 +91,13 @@ def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Fl
 
     others_normal = (normal.sum(axis=0) - normal) / (repetitions - 1)
     others_values = (values.sum(axis=0) - values) / (repetitions - 1)
-    others = _Crossing.of(others_normal, loads)
+    others = Crossing.of(others_normal, loads)
     left_out = others.at(others_values)
     with np.errstate(divide="ignore", invalid="ignore"):
         logarithms = np.log(left_out)
         if not (others.reached | ~crossing.reached).all():
             # Where the mean of the others does not reach the load, to first order in what was left out.
-            each = _Crossing(*(np.repeat(part, repetitions, axis=0) for part in vars(crossing).values()))
+            each = Crossing(*(np.repeat(part, repetitions, axis=0) for part in vars(crossing).values()))
             influence = each.at(values) - mean - crossing.slope(mean_values, mean_normal) * (each.at(normal) - loads)
             first_order = np.log(mean) - influence / mean / (repetitions - 1)
             logarithms = np.where(others.reached, logarithms, first_order)
@@ -281,7 +282,7 @@ class _Sums:
     def at(self, dimension: int, amplitude: int) -> _Sums:
         return _Sums({name: array[dimension, amplitude] for name, array in self.__dict__.items()})
 
-    def at_crossing(self, crossing: _Crossing) -> _Sums:
+    def at_crossing(self, crossing: Crossing) -> _Sums:
         """Means over the repetitions where the loads are reached."""
         return _Sums({name: crossing.at(array.mean(axis=0)[None])[0] for name, array in self.__dict__.items()})
 
@@ -312,7 +313,7 @@ def _locked(pair: _Sums, normal: Floats) -> bool:
     return bool(pair.contact_count[:, -1].any() and normal[:, -1].mean() <= 0)
 
 
-def _status(touched: bool, locked: bool, crossing: _Crossing) -> NDArray[np.str_]:
+def _status(touched: bool, locked: bool, crossing: Crossing) -> NDArray[np.str_]:
     if not touched:
         return np.full(crossing.reached.shape[1], friction.STATUS_NO_CONTACT)
     missed = friction.STATUS_SELF_LOCKED if locked else STATUS_NOT_REACHED

@@ -1,0 +1,417 @@
+"""What the paper says of its own results, each claim as numbers with intervals and a verdict by a fixed rule.
+
+Hanaor, Gan & Einav, Tribology International 93 (2016) 229. A claim has one or more parts, and a part is a number that
+the claim wants within a range. A part is true where the number's 95 % interval lies within that range, false where it
+lies outside, and undecided where an end of the range lies in the interval. A claim is true if all of its parts are,
+false if one of them is, and undecided otherwise. The numbers and ranges were written down before any was computed.
+
+Intervals are percentiles over resampled ensembles (bootstrap over the repetitions). A fractal dimension at which a
+quantity has no value, or has none in more than one of forty resampled ensembles, because friction locks itself or the
+load is not reached, is left out of the number, and the outcome says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stiction._checks import Floats, number
+from stiction.mechanics import friction
+from stiction.mechanics.contact import SUMS
+from stiction.studies.ensemble import Crossing
+from stiction.studies.study import Study, study_of
+
+if TYPE_CHECKING:
+    import xarray
+
+_Quantity = Literal["friction", "area", "stiffness"]
+Verdict = Literal["true", "false", "undecided", "undefined"]
+
+RESAMPLES = 400
+FLATTER, STEEPER = 0.05, 0.2
+"""Amplitudes (µm) of the claim about amplitudes."""
+
+CLAIMS = {
+    1: "The true contact area is linear in the load, for every D.",
+    2: "Friction grows with D, most for D > 1.5, and mu0 amplifies it.",
+    3: "tau0 raises friction everywhere, most at low D and low load; up to 1 MPa it cannot be told from none.",
+    4: "At high tau0 friction has a minimum at an intermediate D, about 1.3 to 1.5.",
+    5: "At high D, friction is higher at low load.",
+    6: "Friction can be lower than mu0.",
+    7: "A larger amplitude lowers A/F_N, and at tau0 = 200 MPa friction; flatter surfaces show the rise at high D "
+    "less, and the adhesion at low D more.",
+    8: "mu0 and tau0 hardly change the area at a load, and the normal stiffness.",
+}
+
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
+    "default": {},
+    "Ra": {"surfaces.amplitude_measure": "Ra"},
+    "signed": {"contact.curvature": "signed"},
+    "gap-minimum": {"contact.detection": "gap-minimum"},
+    "band-limited": {"surfaces.band_limit": "nyquist"},
+}
+"""Choices that the paper leaves open, each as a change of the default ones."""
+
+
+def claims_study() -> Study:
+    """The study that the claims are judged on: 50 fractal dimensions, three amplitudes, 100 repetitions."""
+    return Study.named("figure7")
+
+
+def variant_study(name: str) -> Study:
+    """The same with another choice, at 15 fractal dimensions."""
+    return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
+
+
+# ---- Resampled ensembles --------------------------------------------------------------------------------------------
+
+
+class Resampled:
+    """Ensemble means of a result and of ensembles drawn from its repetitions, (resample, D) at one amplitude at a time.
+
+    The first resample is the ensemble itself.
+    """
+
+    def __init__(self, dataset: xarray.Dataset, amplitude: float) -> None:
+        data = dataset.transpose("repetition", "fractal_dimension", "amplitude", "approach", ...)
+        repetitions = data.sizes["repetition"]
+        random = np.random.default_rng(study_of(dataset).ensemble.seed)
+        drawn = random.multinomial(repetitions, np.full(repetitions, 1 / repetitions), RESAMPLES)
+        weights = np.vstack([np.ones(repetitions), drawn]) / repetitions
+        self._means = {name: np.tensordot(weights, data[name].values, axes=1) for name in SUMS}
+        self.dimensions = data["fractal_dimension"].values
+        self.approaches = data["approach"].values
+        self._amplitudes = data["amplitude"].values
+        self.amplitude = amplitude
+        self.left_out: set[float] = set()
+        lowest, highest = self._reached([amplitude])
+        self.light, self.middle, self.heavy = (
+            _between(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
+        )
+
+    def _reached(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
+        """(D,) ends of the range of elastic loads that 99 % of the ensembles reach at every one of some amplitudes."""
+        elastic = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
+        lowest = np.quantile(elastic[..., 0], 0.99, axis=1).max(axis=0)
+        return lowest, np.quantile(elastic.max(axis=-1), 0.01, axis=1).min(axis=0)
+
+    def sums(self, name: str, amplitude: float) -> Floats:
+        """(resample, D, approach)."""
+        at = int(np.argmin(np.abs(self._amplitudes - amplitude)))
+        if not math.isclose(self._amplitudes[at], amplitude, rel_tol=1e-9):
+            raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
+        return np.asarray(self._means[name][:, :, at])
+
+    def middle_of_all_amplitudes(self) -> Floats:
+        """(D,) loads in the middle, in ratio, of those that all amplitudes reach at a fractal dimension."""
+        return _between(*self._reached(self._amplitudes), 0.5)
+
+    def usable(self, values: Floats, where: Any) -> Any:
+        """Which fractal dimensions of some have a value (resample, D); the others are noted as left out."""
+        usable = np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
+        self.left_out.update(float(dimension) for dimension in self.dimensions[where & ~usable])
+        return where & usable
+
+    def at(
+        self,
+        what: _Quantity,
+        load: float | Floats,
+        *,
+        mu0: float = 0.4,
+        tau0: float = 0.0,
+        amplitude: float | None = None,
+    ) -> Floats:
+        """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
+        pair = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in SUMS})
+        normal = friction.normal_load(pair, mu0, tau0)
+        match what:
+            case "friction":
+                values = friction.tangential_load(pair, mu0, tau0)
+            case "area":
+                values = pair.contact_area
+            case "stiffness":
+                values = np.gradient(normal, self.approaches, axis=-1, edge_order=2)
+        loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
+        result = np.full(normal.shape[:2], np.nan)
+        for d in np.flatnonzero(np.isfinite(loads)):
+            crossing = Crossing.of(normal[:, d], loads[d : d + 1])
+            result[:, d] = np.where(crossing.reached, crossing.at(values[:, d]), np.nan)[:, 0]
+        return result / loads if what == "friction" else result
+
+    def within(self, start: float, stop: float) -> Any:
+        """Which fractal dimensions lie in a range, both ends included."""
+        return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
+
+
+def _between(lowest: Any, highest: Any, part: float) -> Floats:
+    """A load at some part, in ratio, of the way from the lowest to the highest; NaN where that is none."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
+
+
+# ---- Parts ----------------------------------------------------------------------------------------------------------
+
+_Measure = Callable[[Resampled], Floats]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One number of a claim, and the range that the claim wants it in."""
+
+    name: str
+    statement: str
+    least: float
+    most: float
+    measure: _Measure
+
+    @property
+    def claim(self) -> int:
+        """Number of the claim that it is a part of."""
+        return int(self.name.rstrip("abcd"))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A part as it came out.
+
+    Attributes
+    ----------
+    part : Part
+    value, lower, upper : float
+        The number and its 95 % interval; NaN where there is none.
+    verdict : {"true", "false", "undecided", "undefined"}
+    left_out : tuple of float
+        Fractal dimensions without a value.
+    """
+
+    part: Part
+    value: float
+    lower: float
+    upper: float
+    verdict: Verdict
+    left_out: tuple[float, ...]
+
+    @classmethod
+    def of(cls, part: Part, resampled: Resampled) -> Outcome:
+        """Measure a part; it is undefined where the ensemble itself has no number."""
+        resampled.left_out.clear()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = part.measure(resampled)
+        left_out = tuple(sorted(resampled.left_out))
+        value, others = float(values[0]), values[1:]
+        if not math.isfinite(value):
+            return cls(part, math.nan, math.nan, math.nan, "undefined", left_out)
+        lower, upper = (float(end) for end in np.nanquantile(others, [0.025, 0.975]))
+        inside = part.least < lower and upper < part.most
+        outside = upper < part.least or lower > part.most
+        return cls(part, value, lower, upper, "true" if inside else "false" if outside else "undecided", left_out)
+
+
+def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+    """Mean over fractal dimensions in a range."""
+    kept = values[:, r.usable(values, r.within(start, stop))]
+    return np.asarray(np.nansum(kept, axis=1) / np.isfinite(kept).sum(axis=1))
+
+
+def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats:
+    """The largest (fmax) or smallest (fmin) of several quantities over all fractal dimensions."""
+    usable = [values[:, r.usable(values, r.within(*_ALL))] for values in arrays]
+    return np.asarray(pick.reduce(np.concatenate(usable, axis=1), axis=1, initial=np.nan))
+
+
+def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+    """Least-squares slope over fractal dimensions in a range."""
+    kept = r.usable(values, r.within(start, stop))
+    if kept.sum() < 2:
+        return np.full(values.shape[0], np.nan)
+    x = r.dimensions[kept] - r.dimensions[kept].mean()
+    return np.asarray((values[:, kept] * x).sum(axis=1) / (x * x).sum())
+
+
+# Ranges of fractal dimensions.
+_LOW, _MIDDLE, _UPPER, _HIGH = (1.0, 1.2), (1.3, 1.5), (1.4, 1.5), (1.6, 1.7)
+_ALL = (1.0, 1.7)
+
+
+def _linearity(r: Resampled) -> Floats:
+    load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
+    factor = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
+    residual = ((area - factor * load) ** 2).sum(axis=2)
+    return _extreme(r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin)
+
+
+def _exponent(r: Resampled) -> Floats:
+    load, area = np.log(r.sums("normal_elastic", r.amplitude)), np.log(r.sums("contact_area", r.amplitude))
+    load, area = (np.where(np.isfinite(load + area), values, np.nan) for values in (load, area))
+    load -= np.nanmean(load, axis=2, keepdims=True)
+    exponents = np.nansum(area * load, axis=2) / np.nansum(load * load, axis=2)
+    farthest = np.argmax(np.abs(exponents[0] - 1))  # where the ensemble itself is farthest from linear
+    return np.asarray(exponents[:, farthest])
+
+
+def _growth(r: Resampled) -> Floats:
+    logarithm = np.log(r.at("friction", r.middle))
+    return np.exp(_mean(r, logarithm, *_UPPER) - _mean(r, logarithm, *_LOW))
+
+
+def _steepening(r: Resampled) -> Floats:
+    logarithm = np.log(r.at("friction", r.middle))
+    return _slope(r, logarithm, 1.5, 1.7) - _slope(r, logarithm, 1.0, 1.5)
+
+
+def _amplification(r: Resampled) -> Floats:
+    def rise(mu0: float) -> Floats:
+        values = r.at("friction", r.middle, mu0=mu0)
+        return _mean(r, values, *_UPPER) - _mean(r, values, *_LOW)
+
+    return rise(1.0) / rise(0.1)
+
+
+def _by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = None) -> Floats:
+    return r.at("friction", load, tau0=0.2, amplitude=amplitude) - r.at("friction", load, amplitude=amplitude)
+
+
+def _ratios(r: Resampled, tau0: float) -> list[Floats]:
+    """Friction with adhesion over that without, at three loads."""
+    return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
+
+
+def _raised(r: Resampled) -> Floats:
+    return _extreme(r, _ratios(r, 0.2), np.fmin)
+
+
+def _raised_at_low_dimensions(r: Resampled) -> Floats:
+    raised = _by_adhesion(r, r.middle)
+    return _mean(r, raised, *_LOW) - _mean(r, raised, *_HIGH)
+
+
+def _raised_at_low_load(r: Resampled) -> Floats:
+    return _mean(r, _by_adhesion(r, r.light) - _by_adhesion(r, r.heavy), *_ALL)
+
+
+def _of_weak_adhesion(r: Resampled) -> Floats:
+    return _extreme(r, [np.abs(ratio - 1) for ratio in _ratios(r, 0.001)], np.fmax)
+
+
+def _dip_from(start: float, stop: float) -> _Measure:
+    def measure(r: Resampled) -> Floats:
+        logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
+        return np.exp(_mean(r, logarithm, start, stop) - _mean(r, logarithm, *_MIDDLE))
+
+    return measure
+
+
+def _minimum(r: Resampled) -> Floats:
+    values = r.at("friction", r.middle, tau0=0.2)
+    kept = r.usable(values, r.within(*_ALL))
+    if not kept.any():
+        return np.full(values.shape[0], np.nan)
+    least = np.argmin(np.where(np.isfinite(values[:, kept]), values[:, kept], np.inf), axis=1)
+    return np.asarray(r.dimensions[kept][least])
+
+
+def _light_over_heavy(r: Resampled) -> Floats:
+    logarithm = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
+    return np.exp(_mean(r, logarithm, 1.5, 1.7))
+
+
+def _below_mu0(r: Resampled) -> Floats:
+    return _extreme(r, [r.at("friction", r.middle) / 0.4], np.fmin)
+
+
+def _steeper_over_flatter(what: _Quantity, tau0: float) -> _Measure:
+    def measure(r: Resampled) -> Floats:
+        loads = r.middle_of_all_amplitudes()
+        steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (STEEPER, FLATTER))
+        return np.exp(_mean(r, np.log(steeper / flatter), *_ALL))
+
+    return measure
+
+
+def _rise_of_flatter(r: Resampled) -> Floats:
+    def rise(amplitude: float) -> Floats:
+        logarithm = np.log(r.at("friction", r.middle_of_all_amplitudes(), amplitude=amplitude))
+        return _mean(r, logarithm, 1.5, 1.6) - _mean(r, logarithm, *_LOW)
+
+    return np.exp(rise(FLATTER) - rise(STEEPER))
+
+
+def _adhesion_of_flatter(r: Resampled) -> Floats:
+    loads = r.middle_of_all_amplitudes()
+    return _mean(r, _by_adhesion(r, loads, FLATTER) - _by_adhesion(r, loads, STEEPER), *_LOW)
+
+
+def _change(what: _Quantity, one: dict[str, float], other: dict[str, float]) -> _Measure:
+    def measure(r: Resampled) -> Floats:
+        return _extreme(r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax)
+
+    return measure
+
+
+_BY_MU0 = ({"mu0": 1.0}, {"mu0": 0.1})
+_BY_TAU0 = ({"tau0": 0.2}, {"tau0": 0.0})
+_SAME = "largest change over D by"
+
+PARTS = (
+    Part("1a", "smallest R² over D of a line A = c F_N", 0.95, math.inf, _linearity),
+    Part("1b", "exponent of A ∝ F_N^p, at the D where it is farthest from 1", 0.9, 1.1, _exponent),
+    Part("2a", "friction at D = 1.4 to 1.5 over that at D = 1 to 1.2", 1.0, math.inf, _growth),
+    Part("2b", "d ln mu_s/dD above D = 1.5, less that below", 0.0, math.inf, _steepening),
+    Part(
+        "2c", "rise of mu_s from D = 1 to 1.2 to D = 1.4 to 1.5: at mu0 = 1 over at 0.1", 1.0, math.inf, _amplification
+    ),
+    Part("3a", "least friction at 200 MPa over that at 0, of all D and three loads", 1.0, math.inf, _raised),
+    Part("3b", "rise of mu_s by 200 MPa: D up to 1.2, less D from 1.6", 0.0, math.inf, _raised_at_low_dimensions),
+    Part("3c", "rise of mu_s by 200 MPa: light load, less heavy load", 0.0, math.inf, _raised_at_low_load),
+    Part(
+        "3d", "largest relative change of mu_s by 1 MPa, of all D and three loads", -math.inf, 0.05, _of_weak_adhesion
+    ),
+    Part("4a", "friction at 200 MPa: D = 1 to 1.2 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_LOW)),
+    Part("4b", "friction at 200 MPa: D = 1.6 to 1.7 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_HIGH)),
+    Part("4c", "D of least friction at 200 MPa", 1.25, 1.55, _minimum),
+    Part("5", "friction at light over that at heavy load, D from 1.5", 1.0, math.inf, _light_over_heavy),
+    Part("6", "least mu_s/mu0 over D, mu0 = 0.4", -math.inf, 1.0, _below_mu0),
+    Part("7a", "A/F_N at 0.2 µm over that at 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("area", 0.0)),
+    Part("7b", "friction at 200 MPa: 0.2 µm over 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("friction", 0.2)),
+    Part("7c", "rise of friction to D = 1.5 to 1.6: 0.05 µm over 0.2 µm", -math.inf, 1.0, _rise_of_flatter),
+    Part("7d", "rise of mu_s by 200 MPa at D up to 1.2: 0.05 µm, less 0.2 µm", 0.0, math.inf, _adhesion_of_flatter),
+    Part("8a", f"{_SAME} mu0 0.1 → 1 of the area", -math.inf, 0.1, _change("area", *_BY_MU0)),
+    Part("8b", f"{_SAME} tau0 0 → 200 MPa of the area", -math.inf, 0.1, _change("area", *_BY_TAU0)),
+    Part("8c", f"{_SAME} mu0 0.1 → 1 of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_MU0)),
+    Part("8d", f"{_SAME} tau0 0 → 200 MPa of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_TAU0)),
+)
+"""At mu0 = 0.4, tau0 = 0 and the middle load unless a part says otherwise."""
+
+
+def judge(dataset: xarray.Dataset, *, amplitude: float = 0.1) -> list[Outcome]:
+    """Judge every part of every claim by a result.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a study such as `claims_study()`: fractal dimensions from 1 to 1.7, amplitudes 0.05, 0.1 and 0.2 µm.
+    amplitude : float, µm
+        The one that the claims which are not about amplitudes are judged at.
+
+    Raises
+    ------
+    ValueError
+        If the result lacks an amplitude that is needed.
+    """
+    resampled = Resampled(dataset, number("amplitude", amplitude, unit="µm", above=0))
+    return [Outcome.of(part, resampled) for part in PARTS]
+
+
+def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
+    """True if all parts of a claim are, false if one is, undefined if one is and none is false; else undecided."""
+    verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
+    for verdict in ("false", "undefined", "undecided"):
+        if verdict in verdicts:
+            return verdict
+    return "true"

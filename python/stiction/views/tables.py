@@ -1,0 +1,76 @@
+"""The claims and their verdicts as text: for the terminal, and as Markdown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from stiction.studies.claims import CLAIMS, Outcome, Part, verdict_of
+
+Outcomes = list[Outcome]
+
+
+def claims_text(outcomes: Outcomes) -> str:
+    """Every claim with its verdict, and its parts below it."""
+    lines = []
+    for claim, statement in CLAIMS.items():
+        lines.append(f"{claim}. {statement}  {verdict_of(claim, outcomes).upper()}")
+        lines += [
+            f"   {outcome.part.name:<3} {_value(outcome):<27} wanted {_wanted(outcome.part):<14} "
+            f"{outcome.verdict:<10} {outcome.part.statement}{_left_out(outcome)}"
+            for outcome in _parts(claim, outcomes)
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def claims_markdown(outcomes: Outcomes) -> str:
+    """A table with a row for each part."""
+    lines = ["| | claim, and its numbers | value [95 %] | wanted | verdict |", "|---|---|---|---|---|"]
+    for claim, statement in CLAIMS.items():
+        lines.append(f"| **{claim}** | **{statement}** | | | **{verdict_of(claim, outcomes)}** |")
+        for outcome in _parts(claim, outcomes):
+            part = outcome.part
+            lines.append(
+                f"| {part.name} | {part.statement}{_left_out(outcome)} | {_value(outcome)} | {_wanted(part)} "
+                f"| {outcome.verdict} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def variants_markdown(variants: Mapping[str, Outcomes]) -> str:
+    """A table with a row for each part and a column for each variant."""
+    first = next(iter(variants.values()))
+    lines = [f"| | {' | '.join(variants)} |", "|" + "---|" * (len(variants) + 1)]
+    for claim in CLAIMS:
+        verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in variants.values()]
+        lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
+        for row in [index for index, outcome in enumerate(first) if outcome in _parts(claim, first)]:
+            cells = [f"{_number(outcomes[row].value)}, {outcomes[row].verdict}" for outcomes in variants.values()]
+            lines.append(f"| {first[row].part.name} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _parts(claim: int, outcomes: Outcomes) -> Outcomes:
+    return [outcome for outcome in outcomes if outcome.part.claim == claim]
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "none"
+
+
+def _value(outcome: Outcome) -> str:
+    if not math.isfinite(outcome.value):
+        return "none"
+    return f"{_number(outcome.value)} [{_number(outcome.lower)}, {_number(outcome.upper)}]"
+
+
+def _wanted(part: Part) -> str:
+    if math.isinf(part.most):
+        return f"above {part.least:g}"
+    return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
+
+
+def _left_out(outcome: Outcome) -> str:
+    if not outcome.left_out:
+        return ""
+    return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.left_out)})"
