@@ -132,25 +132,25 @@ STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
     Pack<Width> d[count][packs];
     for (std::size_t h = 0; h < count; ++h) {
       for (std::size_t p = 0; p < packs; ++p) {
-        z[h][p] = pack<Width>(harmonics[h].z.data() + lane + p * Width);
-        d[h][p] = pack<Width>(harmonics[h].d.data() + lane + p * Width);
+        z[h][p] = load<Width>(harmonics[h].z.data() + lane + p * Width);
+        d[h][p] = load<Width>(harmonics[h].d.data() + lane + p * Width);
       }
     }
     for (std::size_t j = lane; j < block; j += lanes) {
       for (std::size_t p = 0; p < packs; ++p) {
-        Pack<Width> value = pack<Width>(values + j + p * Width);
+        Pack<Width> value = load<Width>(values + j + p * Width);
         for (std::size_t h = 0; h < count; ++h) {
           value -= z[h][p];
           d[h][p] -= harmonics[h].rate * z[h][p];
           z[h][p] += d[h][p];
         }
-        pack<Width>(values + j + p * Width) = value;
+        store<Width>(value, values + j + p * Width);
       }
     }
     for (std::size_t h = 0; h < count; ++h) {
       for (std::size_t p = 0; p < packs; ++p) {
-        pack<Width>(harmonics[h].z.data() + lane + p * Width) = z[h][p];
-        pack<Width>(harmonics[h].d.data() + lane + p * Width) = d[h][p];
+        store<Width>(z[h][p], harmonics[h].z.data() + lane + p * Width);
+        store<Width>(d[h][p], harmonics[h].d.data() + lane + p * Width);
       }
     }
   }
@@ -197,13 +197,13 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
     for (std::size_t n = 0; n < frequencies; ++n) {
       for (std::size_t row = 0; row < rows; ++row) {
         for (std::size_t p = 0; p < packs; ++p) {
-          tile[row][p] += weights[row * frequencies + n] * pack<Width>(values + n * block + j + p * Width);
+          tile[row][p] += weights[row * frequencies + n] * load<Width>(values + n * block + j + p * Width);
         }
       }
     }
     for (std::size_t row = 0; row < rows; ++row) {
       for (std::size_t p = 0; p < packs; ++p) {
-        pack<Width>(sums + row * stride + j + p * Width) = tile[row][p];
+        store<Width>(tile[row][p], sums + row * stride + j + p * Width);
       }
     }
   }
@@ -278,6 +278,9 @@ void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid
   require(profiles.rows() == weights.rows() && profiles.cols() == grid.points,
           "profiles must have a row for each row of weights and a column for each point");
 
+  if (weights.rows() == 0) {
+    return;
+  }
   std::vector<Group> all = groups(phases, grid);
   const Matrix packed_weights = weights;
   std::vector<double> values(all.size() * block);

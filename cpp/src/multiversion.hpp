@@ -31,33 +31,45 @@
 
 namespace stiction {
 
-// Vector types of GCC and Clang; written out, because GCC drops the attributes of a type that depends on a template.
+// Vector types of GCC and Clang, and the same at any address; written out, because attributes of a type that depends on
+// a template are dropped.
 template <std::size_t Width>
 struct PackOf;
 template <>
 struct PackOf<2> {
-  using Type = double __attribute__((vector_size(16), aligned(8), may_alias));
+  using Type = double __attribute__((vector_size(16)));
+  struct __attribute__((packed, may_alias)) Anywhere {
+    Type pack;
+  };
 };
 template <>
 struct PackOf<4> {
-  using Type = double __attribute__((vector_size(32), aligned(8), may_alias));
+  using Type = double __attribute__((vector_size(32)));
+  struct __attribute__((packed, may_alias)) Anywhere {
+    Type pack;
+  };
 };
 template <>
 struct PackOf<8> {
-  using Type = double __attribute__((vector_size(64), aligned(8), may_alias));
+  using Type = double __attribute__((vector_size(64)));
+  struct __attribute__((packed, may_alias)) Anywhere {
+    Type pack;
+  };
 };
 
 /// Numbers that one instruction works on.
 template <std::size_t Width>
 using Pack = typename PackOf<Width>::Type;
 
+// Not by memcpy, which GCC takes to pieces before it knows the instruction set.
 template <std::size_t Width>
-STICTION_INLINE Pack<Width>& pack(double* values) {
-  return *reinterpret_cast<Pack<Width>*>(values);
+STICTION_INLINE Pack<Width> load(const double* values) {
+  return reinterpret_cast<const typename PackOf<Width>::Anywhere*>(values)->pack;
 }
+
 template <std::size_t Width>
-STICTION_INLINE const Pack<Width>& pack(const double* values) {
-  return *reinterpret_cast<const Pack<Width>*>(values);
+STICTION_INLINE void store(const Pack<Width>& pack, double* values) {
+  reinterpret_cast<typename PackOf<Width>::Anywhere*>(values)->pack = pack;
 }
 
 }  // namespace stiction

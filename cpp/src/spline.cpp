@@ -95,16 +95,16 @@ STICTION_INLINE void superpose_kernel(const double* values, const double* kernel
   for (std::size_t i = 0; i < size; i += packs * Width) {
     Pack<Width> sum[packs];
     for (std::size_t p = 0; p < packs; ++p) {
-      sum[p] = kernel[0] * pack<Width>(values + i + p * Width);
+      sum[p] = kernel[0] * load<Width>(values + i + p * Width);
     }
     for (std::size_t k = 1; k <= reach; ++k) {
       for (std::size_t p = 0; p < packs; ++p) {
         const double* at = values + i + p * Width;
-        sum[p] += kernel[k] * (pack<Width>(at - k) + pack<Width>(at + k));
+        sum[p] += kernel[k] * (load<Width>(at - k) + load<Width>(at + k));
       }
     }
     for (std::size_t p = 0; p < packs; ++p) {
-      pack<Width>(result + i + p * Width) = sum[p];
+      store<Width>(sum[p], result + i + p * Width);
     }
   }
 }

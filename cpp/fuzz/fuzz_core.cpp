@@ -1,0 +1,175 @@
+// Any numbers at all into the entry points of the core: they either refuse with std::invalid_argument, or what they
+// return keeps the promises below. The sanitizers watch the rest.
+#include "stiction/amplitude.hpp"
+#include "stiction/asperity.hpp"
+#include "stiction/contact.hpp"
+#include "stiction/harmonics.hpp"
+#include "stiction/spline.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <vector>
+
+namespace {
+
+void require(bool condition, const char* what) {
+  if (!condition) {
+    std::fprintf(stderr, "broken promise: %s\n", what);
+    std::abort();
+  }
+}
+
+// Numbers out of bytes: mostly tame ones, sometimes any double there is.
+class Source {
+ public:
+  Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+
+  std::uint8_t byte() {
+    if (size_ == 0) {
+      return 0;
+    }
+    --size_;
+    return *data_++;
+  }
+
+  std::size_t below(std::size_t limit) { return (byte() + 256U * byte()) % limit; }
+
+  double number() {
+    const std::uint8_t kind = byte();
+    if (kind < 16) {
+      std::uint64_t bits = 0;
+      for (int i = 0; i < 8; ++i) {
+        bits = bits << 8 | byte();
+      }
+      return std::bit_cast<double>(bits);
+    }
+    const double mantissa = (byte() - 128 + byte() / 256.0) / 128.0;
+    return kind < 32 ? std::ldexp(mantissa, byte() - 128) : mantissa;
+  }
+
+  double positive() {
+    const double value = number();
+    return value < 0.0 ? -value : value;
+  }
+
+  std::vector<double> numbers(std::size_t count) {
+    std::vector<double> values(count);
+    for (double& value : values) {
+      value = number();
+    }
+    return values;
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_;
+};
+
+stiction::ContactModel model(Source& source) {
+  stiction::Law law = stiction::HertzSphere{source.positive()};
+  switch (source.byte() % 3) {
+    case 1:
+      law = stiction::HertzCylinder{source.positive(), source.positive()};
+      break;
+    case 2:
+      law = stiction::JacksonGreen{source.positive(), source.positive(), source.number()};
+      break;
+    default:
+      break;
+  }
+  const std::uint8_t choices = source.byte();
+  return {law, (choices & 1U) != 0 ? stiction::Detection::cell : stiction::Detection::gap_minimum,
+          (choices & 2U) != 0 ? stiction::Curvature::convex : stiction::Curvature::any, (choices & 4U) != 0 ? 1 : -1};
+}
+
+void fuzz_contact(Source& source) {
+  const std::size_t points = source.below(400);
+  const std::vector<double> upper = source.numbers(points);
+  const std::vector<double> lower = source.numbers(points + (source.byte() == 1 ? 1 : 0));
+  std::vector<double> approaches = source.numbers(source.below(6));
+  for (double& approach : approaches) {
+    approach = std::abs(approach);
+  }
+  std::sort(approaches.begin(), approaches.end());
+  const double spacing = source.positive();
+  const stiction::ContactModel how = model(source);
+  const stiction::LoadSums sums = stiction::press(upper, lower, spacing, approaches, how);
+  for (std::size_t k = 0; k < approaches.size(); ++k) {
+    require(sums.contact_count[k] >= 0 && sums.contact_count[k] <= static_cast<stiction::Index>(points),
+            "no more contacts than points");
+    require(!(sums.contact_area[k] < 0.0), "no negative area");
+    const std::vector<stiction::Contact> table = stiction::contacts(upper, lower, spacing, approaches[k], how);
+    // Another largest approach is another set of stretches, but not another set of contacts.
+    require(static_cast<stiction::Index>(table.size()) == sums.contact_count[k], "contacts and press agree");
+    for (const stiction::Contact& contact : table) {
+      require(contact.overlap > 0.0 && contact.radius > 0.0, "contacts overlap and are convex together");
+      require(contact.normal.y() > 0.0, "normals point upwards");
+    }
+  }
+}
+
+void fuzz_spline(Source& source) {
+  const std::vector<double> heights = source.numbers(source.below(300));
+  const double spacing = source.positive();
+  std::vector<double> slope(heights.size());
+  std::vector<double> curvature(heights.size());
+  stiction::natural_spline(heights, spacing, slope, curvature);
+  const std::size_t count = source.below(heights.size() + 2);
+  std::vector<double> part_slope(count);
+  std::vector<double> part_curvature(count);
+  stiction::natural_spline_from(heights, spacing, static_cast<stiction::Index>(source.below(300)) - 2, part_slope,
+                                part_curvature);
+  stiction::asperities(heights, spacing, stiction::Side::upper);
+}
+
+void fuzz_harmonics(Source& source) {
+  const auto directions = static_cast<stiction::Index>(source.below(6));
+  const auto frequencies = static_cast<stiction::Index>(source.below(6));
+  const auto rows = static_cast<stiction::Index>(source.below(7));
+  const std::vector<double> phases = source.numbers(static_cast<std::size_t>(directions * frequencies));
+  const std::vector<double> weights = source.numbers(static_cast<std::size_t>(rows * frequencies));
+  const auto points = static_cast<stiction::Index>(source.below(3000));
+  const stiction::HarmonicGrid grid{source.positive(), points, source.positive(), 1.0 + source.positive(),
+                                    source.byte() % 2 == 0};
+  const stiction::Matrix profiles = stiction::harmonic_profiles(
+      Eigen::Map<const stiction::Matrix>(phases.data(), directions, frequencies),
+      Eigen::Map<const stiction::Matrix>(weights.data(), rows, frequencies), grid);
+  require(profiles.rows() == rows && profiles.cols() == points, "a row for each weight, a column for each point");
+  stiction::frequency_weights(source.number(), frequencies, 1.0 + source.positive(), source.positive());
+}
+
+void fuzz_amplitude(Source& source) {
+  const std::vector<double> heights = source.numbers(source.below(200));
+  std::vector<double> scaled(heights.size());
+  stiction::scale_to_amplitude(heights, source.number(), static_cast<stiction::AmplitudeMeasure>(source.byte() % 3),
+                               scaled);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Source source(data, size);
+  try {
+    switch (source.byte() % 6) {
+      case 0:
+        fuzz_spline(source);
+        break;
+      case 1:
+        fuzz_harmonics(source);
+        break;
+      case 2:
+        fuzz_amplitude(source);
+        break;
+      default:
+        fuzz_contact(source);
+        break;
+    }
+  } catch (const std::invalid_argument&) {
+  }
+  return 0;
+}
