@@ -1,0 +1,283 @@
+"""What neglecting the interaction of asperities costs: writes images/boundary_elements*.png and the table here.
+
+Takes about three minutes on two cores.
+"""
+
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.stats import t as student
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+
+from reference.boundary_elements import (  # noqa: E402  the tests repeat points of this page
+    EFFECTIVE_MODULUS,
+    PERIOD,
+    RMS_SLOPE,
+    TOLERANCE,
+    Asperities,
+    HalfSpace,
+    band_limited_profile,
+)
+
+HURST = (0.5, 0.75, 1.0)
+BANDWIDTHS = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
+"""Longest over shortest wave: points per shortest wave, repetitions. Light contacts of few waves need more of both."""
+LOADS = np.geomspace(0.002, 0.2, 9)
+"""p̄ / (E* h'rms)."""
+SHOWN = (0, 4, 8)
+SEED = 2016
+CHECKED = 3  # repetitions
+
+COLOURS, MARKERS = ("#0072B2", "#D55E00", "#009E73"), "os^"  # Okabe & Ito
+FRACTION, COUNT, STIFFNESS = range(3)
+THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
+
+
+def measured(bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = TOLERANCE) -> np.ndarray:
+    """Contact fraction, contacts and stiffness (GPa/µm): (load, boundary elements | model | interacting, quantity)."""
+    points, _ = BANDWIDTHS[bandwidth]
+    random = np.random.default_rng([SEED, repetition])
+    heights = band_limited_profile(random, hurst, bandwidth, finer * points)
+    solid, asperities = HalfSpace(heights, PERIOD, tolerance=tolerance), Asperities(heights, PERIOD)
+    pressures = LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
+    return np.array([(solid.at(p), asperities.at(p), asperities.interacting(p)) for p in pressures])
+
+
+def with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Geometric mean of ratios over axis 0, and the ends of its 95 % interval by Student's t; NaNs are left out."""
+    logs = np.log(ratios)
+    n = np.isfinite(logs).sum(axis=0)
+    mean = np.nanmean(logs, axis=0)
+    half = student.ppf(0.975, n - 1) * np.nanstd(logs, axis=0, ddof=1) / np.sqrt(n)
+    return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
+
+
+def written(ratios: np.ndarray) -> str:
+    mean, low, high = (float(value) for value in with_interval(ratios))
+    return f"{mean:.2f} ({low:.2f} to {high:.2f})"
+
+
+def ratio_figure(results: dict, quantity: int, label: str, name: str, wave, *, log: bool) -> None:
+    figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
+    axes = figure.subplots(3, 1, sharex=True, sharey=True)
+    for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
+        for h, hurst in enumerate(HURST):
+            values = results[bandwidth, hurst]
+            for way, style in ((1, "-"), (2, ":")):
+                mean, low, high = with_interval(values[:, :, way, quantity] / values[:, :, 0, quantity])
+                ax.errorbar(
+                    LOADS * 1.06 ** (h - 1),
+                    mean,
+                    (mean - low, high - mean),
+                    ls=style,
+                    lw=0.9,
+                    elinewidth=0.7,
+                    marker=MARKERS[h],
+                    ms=2.8,
+                    mfc=COLOURS[h] if way == 1 else "white",
+                    mew=0.6,
+                    color=COLOURS[h],
+                    label=f"$H$ = {hurst:g}" if way == 1 else None,
+                )
+        fine = np.geomspace(LOADS[0] / 1.1, LOADS[-1] * 1.1, 100)
+        ax.plot(fine, wave(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="one wave, exact")
+        ax.axhline(1, color="0.7", lw=0.6, zorder=0)
+        ax.set_title(f"longest / shortest wave {bandwidth}", fontsize=7, pad=2)
+        ax.set_xscale("log")
+        ax.tick_params(labelsize=6.5)
+    if log:
+        ax.set_yscale("log")
+        ax.yaxis.set_ticks((0.2, 0.5, 1, 2, 5), labels=["0.2", "0.5", "1", "2", "5"])
+        ax.set_ylim(0.15, 6)
+    else:
+        ax.set_ylim(0.25, 1.1)
+    ax.xaxis.set_ticks((0.002, 0.01, 0.05, 0.2), labels=["0.002", "0.01", "0.05", "0.2"])
+    for axis in (axis for ax in axes for axis in (ax.xaxis, ax.yaxis)):
+        axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
+    axes[1].set_ylabel(label, fontsize=7)
+    ax.set_xlabel(r"$\bar p\,/\,E^* h'_{\mathrm{rms}}$", fontsize=7)
+    handles, labels = ax.get_legend_handles_labels()
+    (dotted,) = ax.plot([], [], ":", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
+    figure.legend(
+        [*handles[1:], dotted, handles[0]],
+        [*labels[1:], "with interaction", labels[0]],
+        loc="outside lower center",
+        ncols=3,
+        fontsize=6.5,
+        frameon=False,
+        columnspacing=1,
+        handlelength=2.2,
+    )
+    figure.savefig(HERE / "images" / name)
+
+
+def kappa_figure(results: dict) -> None:
+    figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
+    axes = figure.subplots(3, 1, sharex=True, sharey=True)
+    for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
+        for h, hurst in enumerate(HURST):
+            for way, style in ((0, "--"), (1, "-")):
+                mean, low, high = with_interval(results[bandwidth, hurst][:, :, way, FRACTION] / LOADS)
+                ax.errorbar(
+                    LOADS * 1.06 ** (h - 1),
+                    mean,
+                    (mean - low, high - mean),
+                    ls=style,
+                    lw=0.9,
+                    elinewidth=0.7,
+                    marker=MARKERS[h],
+                    ms=2.8,
+                    mfc=COLOURS[h] if way else "white",
+                    mew=0.6,
+                    color=COLOURS[h],
+                    label=f"$H$ = {hurst:g}" if way else None,
+                )
+        for (theory, value), style in zip(THEORIES.items(), ("-", "-."), strict=True):
+            ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
+        ax.set_title(f"longest / shortest wave {bandwidth}", fontsize=7, pad=2)
+        ax.set_xscale("log")
+        ax.tick_params(labelsize=6.5)
+    ax.set_ylim(0, 6)
+    ax.xaxis.set_ticks((0.002, 0.01, 0.05, 0.2), labels=["0.002", "0.01", "0.05", "0.2"])
+    for ax in axes:
+        ax.xaxis.set_tick_params(which="minor", labelbottom=False)
+    axes[1].set_ylabel(r"$\kappa = (A/A_0)\, E^* h'_{\mathrm{rms}}\,/\,\bar p$", fontsize=7)
+    axes[2].set_xlabel(r"$\bar p\,/\,E^* h'_{\mathrm{rms}}$", fontsize=7)
+    handles, labels = axes[2].get_legend_handles_labels()
+    (dashed,) = axes[2].plot([], [], "--", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
+    figure.legend(
+        [*handles[2:], dashed, *handles[:2]],
+        [*labels[2:], "boundary elements", *labels[:2]],
+        loc="outside lower center",
+        ncols=2,
+        fontsize=6.5,
+        frameon=False,
+        columnspacing=1,
+    )
+    figure.savefig(HERE / "images/boundary_elements_kappa.png")
+
+
+def load_rows(results: dict) -> list[str]:
+    rows = [
+        "| longest / shortest wave | H | p̄ / (E* h'rms) | contact fraction | contacts: boundary elements, model "
+        "| model: area | model: stiffness | with interaction: area | with interaction: stiffness |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for (bandwidth, hurst), values in results.items():
+        for k in SHOWN:
+            solid, model, interacting = (values[:, k, way] for way in range(3))
+            cells = [
+                f"{bandwidth}",
+                f"{hurst:g}",
+                f"{LOADS[k]:g}",
+                f"{solid[:, FRACTION].mean():.3f}",
+                f"{solid[:, COUNT].mean():.3g}, {model[:, COUNT].mean():.3g}",
+                *(
+                    written(way[:, quantity] / solid[:, quantity])
+                    for way in (model, interacting)
+                    for quantity in (FRACTION, STIFFNESS)
+                ),
+            ]
+            rows.append(f"| {' | '.join(cells)} |")
+    return rows
+
+
+def count_rows(results: dict) -> list[str]:
+    """Ratios of area by the number of contacts of the half-space; a repetition counts once in a row, over all H."""
+    groups = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
+    rows = [
+        "| contacts per period, boundary elements | "
+        + " | ".join(f"{way}, {bandwidth}" for way in ("model", "with interaction") for bandwidth in BANDWIDTHS)
+        + " |",
+        "|---" * (2 * len(BANDWIDTHS) + 1) + "|",
+    ]
+    for least, most in groups:
+        cells = []
+        for way, (bandwidth, (_, repetitions)) in product((1, 2), BANDWIDTHS.items()):
+            ratios = []
+            for k in range(repetitions):
+                points = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST])
+                points = points[(points[:, 0, COUNT] >= least) & (points[:, 0, COUNT] <= most)]
+                if len(points):
+                    ratios.append(np.exp(np.log(points[:, way, FRACTION] / points[:, 0, FRACTION]).mean()))
+            cells.append(written(np.array(ratios)) if len(ratios) >= 6 else "")
+        name = f"{most:g}" if most <= 2 else f"{np.ceil(least):g} to {most:g}" if most < 1000 else f"above {least:.0f}"
+        rows.append(f"| {name} | {' | '.join(cells)} |")
+    return rows
+
+
+def check_rows(results: dict, checks: dict) -> list[str]:
+    rows = [
+        "| longest / shortest wave | points per shortest wave | area, at any load | area, from 0.02 on "
+        "| stiffness, at any load | area and stiffness, tolerance 1e-10 to 1e-12 |",
+        "|---|---|---|---|---|---|",
+    ]
+    for bandwidth, (points, _) in BANDWIDTHS.items():
+        finer, tighter = np.zeros((LOADS.size, 3)), np.zeros((LOADS.size, 3))
+        for name, changes in (("finer", finer), ("tighter", tighter)):
+            for hurst in HURST:
+                pair = results[bandwidth, hurst][:CHECKED], checks[name, bandwidth, hurst]
+                before, after = (np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in pair)
+                np.maximum(changes, np.abs(after - before), out=changes)
+        heavy = finer[SHOWN[1] :, FRACTION]
+        rows.append(
+            f"| {bandwidth} | {points} to {2 * points} | {100 * finer[:, FRACTION].max():.1f} % "
+            f"| {100 * heavy.max():.1f} % | {100 * finer[:, STIFFNESS].max():.1f} % "
+            f"| {100 * tighter[:, [FRACTION, STIFFNESS]].max():.0g} % |"
+        )
+    return rows
+
+
+def main() -> None:
+    pairs = list(product(BANDWIDTHS, HURST))
+    with ProcessPoolExecutor(2) as pool:
+        jobs = {
+            (bandwidth, hurst): [pool.submit(measured, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])]
+            for bandwidth, hurst in reversed(pairs)
+        }
+        options = {"finer": {"finer": 2}, "tighter": {"tolerance": 1e-12}}
+        check_jobs = {
+            (check, *pair): [pool.submit(measured, *pair, k, **arguments) for k in range(CHECKED)]
+            for check, arguments in options.items()
+            for pair in pairs
+        }
+        results = {pair: np.array([job.result() for job in jobs[pair]]) for pair in pairs}
+        checks = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
+    # Westergaard against cylinders, with r = p̄/p* and p* = E* h'rms / √2.
+    ratio_figure(
+        results,
+        FRACTION,
+        "true contact area / boundary elements",
+        "boundary_elements_area.png",
+        lambda r: np.sqrt(r) / np.arcsin(np.sqrt(r)),
+        log=False,
+    )
+    ratio_figure(
+        results,
+        STIFFNESS,
+        "normal stiffness / boundary elements",
+        "boundary_elements_stiffness.png",
+        lambda r: -np.log(r) / 4,
+        log=True,
+    )
+    kappa_figure(results)
+    tables = (load_rows(results), count_rows(results), check_rows(results, checks))
+    headings = (
+        "Model, and model with interaction, over boundary elements, with 95 % intervals. Contact fraction by boundary "
+        "elements; contacts per period of four longest waves.",
+        "The same ratios of area by the number of contacts, over all H and loads, by longest / shortest wave; blank "
+        "below 6 repetitions.",
+        f"How far the grid and the solver matter: largest change of a mean ratio of {CHECKED} profiles, over all H.",
+    )
+    text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
+    (HERE / "boundary_elements_table.md").write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
