@@ -136,9 +136,9 @@ void fuzz_harmonics(Source& source) {
   const auto points = static_cast<stiction::Index>(source.below(3000));
   const stiction::HarmonicGrid grid{source.positive(), points, source.positive(), 1.0 + source.positive(),
                                     source.byte() % 2 == 0};
-  const stiction::Matrix profiles = stiction::harmonic_profiles(
-      Eigen::Map<const stiction::Matrix>(phases.data(), directions, frequencies),
-      Eigen::Map<const stiction::Matrix>(weights.data(), rows, frequencies), grid);
+  const stiction::Matrix profiles =
+      stiction::harmonic_profiles(Eigen::Map<const stiction::Matrix>(phases.data(), directions, frequencies),
+                                  Eigen::Map<const stiction::Matrix>(weights.data(), rows, frequencies), grid);
   require(profiles.rows() == rows && profiles.cols() == points, "a row for each weight, a column for each point");
   stiction::frequency_weights(source.number(), frequencies, 1.0 + source.positive(), source.positive());
 }
