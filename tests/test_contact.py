@@ -151,6 +151,37 @@ class TestExact:
         # Sheared the other way nothing opposes.
         assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
 
+    @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
+    @pytest.mark.parametrize("below", [True, False])
+    @pytest.mark.parametrize("slope", [0.0, 1e-3, 0.1, 0.3])
+    def test_a_ball_on_a_tilted_plane_carries_what_hertz_says(self, circular_arc, slope, below, detection):
+        radius, spacing, points = 12.0, 0.01, 2001
+        ball = circular_arc(10.003, radius, spacing, points, "lower" if below else "upper")
+        plane = Profile(1.0 + slope * ball.x, spacing=spacing)
+        upper, lower = (plane, ball) if below else (ball, plane)
+        touch = (upper.heights - lower.heights).min()
+        # The distance of the ball's centre, at height -R or R of its own profile, from the plane moved by the approach.
+        height = 1.0 + slope * 10.003 + (-touch - 1e-3) * (1 if below else 0)
+        centre = -radius if below else radius - touch - 1e-3
+        overlap = radius - abs(height - centre) / math.hypot(1, slope)
+        table = contacts(upper, lower, 1e-3, detection=detection)
+        assert len(table) == 1
+        assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE)
+        assert np.allclose(table.normal[0], np.array([-slope, 1]) / math.hypot(1, slope), atol=1e-12)
+
+    @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
+    def test_a_nearly_flat_body_is_as_good_as_a_flat_one(self, circular_arc, detection):
+        # The radius goes from 5e7 to 5e13 µm: a difference of such lengths would lose an overlap of 10 pm.
+        ball = circular_arc(10.003, 12.0, 0.01, 2001, "lower")
+        approaches = [1e-5, 1e-4, 1e-3]
+        flat = press(Profile(np.ones(2001), spacing=0.01), ball, approaches, detection=detection)
+        assert flat.contact_count.tolist() == [1, 1, 1]
+        for bow in (1e-12, 1e-10, 1e-8, 1e-6):
+            bowed = Profile(1 + bow * ((ball.x - 10) / 10) ** 2, spacing=0.01)
+            curve = press(bowed, ball, approaches, detection=detection)
+            assert curve.contact_count.tolist() == [1, 1, 1]
+            assert_close(curve.normal_elastic, flat.normal_elastic, 1e-9 + 0.3 * bow)
+
     def test_two_flats_have_no_asperities(self):
         flat = Profile(np.zeros(20), spacing=0.1)
         curve = press(flat, flat, [0.0, 0.1])

@@ -26,35 +26,49 @@ struct Touch {
   double overlap;  // [µm]
 };
 
-// Two spheres, at most one of them concave (Eq. 4).
+// Two spheres, at most one of them concave (Eq. 4). With p = δ - gap, by how much the points of the profiles have
+// passed each other, X = (0, -p) + R_l n_l - R_u n_u. The overlap, R_u + R_l less the signed length of X, is written
+// without the difference of two large numbers that it is where a body is nearly flat, as
+// ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), and the centre is measured from the smaller sphere.
 struct SpherePair {
-  Vector2 lower_centre;  // O_l
-  Vector2 apart;         // X = O_u - O_l at zero approach
-  double reach;          // |R_u + R_l|
-  double half_excess;    // (R_u - R_l) / 2
-  double sign;           // of R_u R_l
-  double radius;         // effective, 1/R = 1/R_u + 1/R_l
+  Vector2 apart;   // X at p = 0
+  double gap;      // of the two points, at zero approach
+  double reach;    // |R_u + R_l|
+  double sign;     // of R_u R_l
+  double lateral;  // R_u R_l |n_u + n_l|², which is zero where the slopes are equal
+  double radius;   // effective, 1/R = 1/R_u + 1/R_l
+  Vector2 pole;    // centre of the smaller sphere, relative to its own point
+  double pole_radius;
+  bool pole_below;  // the smaller sphere is the lower one
 
   Touch at(double approach) const {
-    const Vector2 x = apart - Vector2(0.0, approach);
+    const double passed = approach - gap;
+    const Vector2 x = apart - Vector2(0.0, passed);
     const double distance = x.norm();
     const Vector2 normal = sign / distance * x;
-    return {normal, lower_centre + 0.5 * x - half_excess * normal, sign * (reach - distance)};
+    const double overlap = sign * (lateral + passed * (2.0 * apart.y() - passed)) / (reach + distance);
+    const double depth = pole_radius - 0.5 * overlap;
+    const Vector2 centre =
+        pole_below ? Vector2(pole + depth * normal) : Vector2(pole - depth * normal - Vector2(0.0, passed));
+    return {normal, centre, overlap};
   }
 };
 
-// A sphere and a flat: the limit of an infinite radius, in which the normal is the flat's own.
-struct SphereOnFlat {
-  Vector2 centre;        // contact centre at zero overlap: the pole of the sphere
-  double side;           // +1 the sphere is below the flat, -1 above
-  double first_overlap;  // at zero approach
+// A sphere and a straight body: the limit of an infinite radius, in which the normal is the straight one's own.
+struct SphereOnStraight {
+  Vector2 normal;  // of the straight body, pointing upwards
+  Vector2 centre;  // of the sphere, relative to its own point
+  bool below;      // the sphere is below the straight body
+  double gap;      // of the two points, at zero approach
   double radius;
 
   Touch at(double approach) const {
-    const double overlap = first_overlap + approach;
-    // An upper sphere comes down with the approach; a lower one stays where it is.
-    const double shift = side > 0.0 ? 0.0 : approach;
-    return {Vector2(0.0, 1.0), centre - Vector2(0.0, shift + side * 0.5 * overlap), overlap};
+    const double passed = approach - gap;
+    // How far the sphere's pole rises above its own point, and the points have passed each other, along the normal.
+    const double overlap = radius + (below ? 1.0 : -1.0) * centre.dot(normal) + passed * normal.y();
+    const double depth = radius - 0.5 * overlap;
+    return {normal, below ? Vector2(centre + depth * normal) : Vector2(centre - depth * normal - Vector2(0.0, passed)),
+            overlap};
   }
 };
 
@@ -68,24 +82,27 @@ std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& low
   if (!std::isfinite(radius)) {
     return std::nullopt;
   }
-  return SpherePair{lower.centre_offset(),
-                    Vector2(0.0, gap) + upper.centre_offset() - lower.centre_offset(),
+  const bool lower_is_smaller = std::abs(lower.radius) <= std::abs(upper.radius);
+  const Asperity& smaller = lower_is_smaller ? lower : upper;
+  return SpherePair{upper.centre_offset() - lower.centre_offset(),
+                    gap,
                     std::abs(upper.radius + lower.radius),
-                    0.5 * (upper.radius - lower.radius),
                     both_convex ? 1.0 : -1.0,
-                    radius};
+                    upper.radius * lower.radius * (upper.normal + lower.normal).squaredNorm(),
+                    radius,
+                    smaller.centre_offset(),
+                    smaller.radius,
+                    lower_is_smaller};
 }
 
-std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side side_of_sphere, double gap) {
+std::optional<SphereOnStraight> sphere_on_straight(const Asperity& sphere, Side side_of_sphere,
+                                                   const Asperity& straight, double gap) {
   if (!(sphere.radius > 0.0) || !std::isfinite(sphere.radius)) {
     return std::nullopt;
   }
   const bool below = side_of_sphere == Side::lower;
-  const double side = below ? 1.0 : -1.0;
-  const Vector2 point(0.0, below ? 0.0 : gap);
-  const Vector2 pole = point + sphere.centre_offset() + Vector2(0.0, side * sphere.radius);
-  // What the pole rises above the profile point, less the gap at that point.
-  return SphereOnFlat{pole, side, sphere.radius * (1.0 - side * sphere.normal.y()) - gap, sphere.radius};
+  return SphereOnStraight{below ? Vector2(-straight.normal) : straight.normal, sphere.centre_offset(), below, gap,
+                          sphere.radius};
 }
 
 // Rules 1, 2 and 4: the contact lies in its own cell, the bodies overlap, their centres have not crossed.
@@ -108,12 +125,16 @@ struct Screening {
   std::vector<double> block_gap;                         // the lowest of each `block` points
   bool upper_finite = true;                              // no height is NaN or infinite
   bool lower_finite = true;
+  double upper_largest = 0.0;  // of |height|
+  double lower_largest = 0.0;
 };
 
 struct BlockScreening {
   double gap;
   double upper_zero;  // 0, or NaN where a height is not finite
   double lower_zero;
+  double upper_largest;
+  double lower_largest;
 };
 
 STICTION_MULTIVERSION
@@ -122,12 +143,16 @@ BlockScreening screen_block(const double* upper, const double* lower, std::size_
   double lowest[lanes];
   double upper_zero[lanes] = {};
   double lower_zero[lanes] = {};
+  double upper_largest[lanes] = {};
+  double lower_largest[lanes] = {};
   std::fill_n(lowest, lanes, std::numeric_limits<double>::infinity());
   const auto take = [&](std::size_t i, std::size_t lane) {
     const double gap = upper[i] - lower[i];
     lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
     upper_zero[lane] += upper[i] - upper[i];
     lower_zero[lane] += lower[i] - lower[i];
+    upper_largest[lane] = std::max(upper_largest[lane], std::abs(upper[i]));
+    lower_largest[lane] = std::max(lower_largest[lane], std::abs(lower[i]));
   };
   std::size_t i = 0;
   for (; i + lanes <= size; i += lanes) {
@@ -139,19 +164,22 @@ BlockScreening screen_block(const double* upper, const double* lower, std::size_
     take(i, 0);
   }
   return {*std::min_element(lowest, lowest + lanes), std::accumulate(upper_zero, upper_zero + lanes, 0.0),
-          std::accumulate(lower_zero, lower_zero + lanes, 0.0)};
+          std::accumulate(lower_zero, lower_zero + lanes, 0.0), *std::max_element(upper_largest, upper_largest + lanes),
+          *std::max_element(lower_largest, lower_largest + lanes)};
 }
 
 Screening screen(Values upper, Values lower) {
   Screening result;
   result.block_gap.reserve(upper.size() / Screening::block + 1);
   for (std::size_t begin = 0; begin < upper.size(); begin += Screening::block) {
-    const auto [gap, upper_zero, lower_zero] =
+    const BlockScreening block =
         screen_block(upper.data() + begin, lower.data() + begin, std::min(Screening::block, upper.size() - begin));
-    result.block_gap.push_back(gap);
-    result.gap = std::min(result.gap, gap);
-    result.upper_finite = result.upper_finite && upper_zero == 0.0;
-    result.lower_finite = result.lower_finite && lower_zero == 0.0;
+    result.block_gap.push_back(block.gap);
+    result.gap = std::min(result.gap, block.gap);
+    result.upper_finite = result.upper_finite && block.upper_zero == 0.0;
+    result.lower_finite = result.lower_finite && block.lower_zero == 0.0;
+    result.upper_largest = std::max(result.upper_largest, block.upper_largest);
+    result.lower_largest = std::max(result.lower_largest, block.lower_largest);
   }
   return result;
 }
@@ -211,22 +239,31 @@ double largest_second_difference(const double* upper, const double* lower, std::
   return *std::max_element(largest, largest + lanes);
 }
 
+// Whether the points of a profile lie on a line, to the round-off of the largest height: such a body has no radius.
+bool is_straight(Values heights, double largest) {
+  const double round_off = 4.0 * std::numeric_limits<double>::epsilon() * largest;
+  for (std::size_t i = 1; i + 1 < heights.size(); ++i) {
+    if (std::abs((heights[i + 1] - heights[i]) - (heights[i] - heights[i - 1])) > round_off) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // A profile and, of a stretch of it, the slopes and curvatures that the spline through the whole has.
 class Body {
  public:
-  Body(Values heights, double spacing, Side side)
-      : heights_(heights),
-        spacing_(spacing),
-        side_(side),
-        flat_(std::all_of(heights.begin(), heights.end(), [&](double height) { return height == heights.front(); })) {}
+  Body(Values heights, double largest, double spacing, Side side)
+      : heights_(heights), spacing_(spacing), side_(side), straight_(is_straight(heights, largest)) {}
 
-  bool flat() const { return flat_; }
+  bool straight() const { return straight_; }
 
   void spline(std::size_t begin, std::size_t end) {
     begin_ = begin;
-    slope_.resize(end - begin);
-    curvature_.resize(end - begin);
-    if (!flat_) {
+    const auto last = static_cast<double>(heights_.size() - 1);
+    slope_.assign(end - begin, (heights_.back() - heights_.front()) / (last * spacing_));
+    curvature_.assign(end - begin, 0.0);
+    if (!straight_) {
       natural_spline_from(heights_, spacing_, static_cast<Index>(begin), slope_, curvature_);
     }
   }
@@ -255,7 +292,7 @@ class Body {
   Values heights_;
   double spacing_;
   Side side_;
-  bool flat_;
+  bool straight_;
   std::size_t begin_ = 0;
   std::vector<double> slope_;
   std::vector<double> curvature_;
@@ -373,13 +410,13 @@ void visit_contacts(const Pair& pair, const Screening& screening, Values approac
   const std::size_t size = pair.upper.size();
   const double zero = screening.gap;
   const double largest = approaches.back();
-  Body upper(pair.upper, pair.spacing, Side::upper);
-  Body lower(pair.lower, pair.spacing, Side::lower);
-  if (upper.flat() && lower.flat()) {
+  Body upper(pair.upper, screening.upper_largest, pair.spacing, Side::upper);
+  Body lower(pair.lower, screening.lower_largest, pair.spacing, Side::lower);
+  if (upper.straight() && lower.straight()) {
     return;  // no asperities: 1/R = 0 everywhere
   }
   const bool by_cell = model.detection == Detection::cell;
-  const bool two_convex_spheres = model.curvature == Curvature::convex && !upper.flat() && !lower.flat();
+  const bool two_convex_spheres = model.curvature == Curvature::convex && !upper.straight() && !lower.straight();
   const double half_cell = by_cell ? 0.5 * pair.spacing : std::numeric_limits<double>::infinity();
 
   const auto site_at = [&](std::size_t i) -> std::optional<Site> {
@@ -407,13 +444,14 @@ void visit_contacts(const Pair& pair, const Screening& screening, Values approac
     }
   };
   const auto visit_site = [&](const Site& site) {
-    if (upper.flat()) {
-      visit_encounter(site, sphere_on_flat(lower.asperity(site.index, site.offset), Side::lower, site.gap));
-    } else if (lower.flat()) {
-      visit_encounter(site, sphere_on_flat(upper.asperity(site.index, site.offset), Side::upper, site.gap));
+    const Asperity above = upper.asperity(site.index, site.offset);
+    const Asperity below = lower.asperity(site.index, site.offset);
+    if (upper.straight()) {
+      visit_encounter(site, sphere_on_straight(below, Side::lower, above, site.gap));
+    } else if (lower.straight()) {
+      visit_encounter(site, sphere_on_straight(above, Side::upper, below, site.gap));
     } else {
-      visit_encounter(site, sphere_pair(upper.asperity(site.index, site.offset),
-                                        lower.asperity(site.index, site.offset), site.gap, model.curvature));
+      visit_encounter(site, sphere_pair(above, below, site.gap, model.curvature));
     }
   };
 

@@ -1,8 +1,8 @@
 // Two rough profiles pressed together: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
 //
 // Both profiles share one grid. The approach is the displacement of the upper body towards the lower one, measured from
-// the first touch of grid points. A profile whose heights are all equal is a flat, rigid in shape: a convex body of
-// infinite radius.
+// the first touch of grid points. A profile whose points lie on a line, to the round-off of their heights, is a convex
+// body of infinite radius, with the line's normal.
 #pragma once
 
 #include "stiction/array.hpp"

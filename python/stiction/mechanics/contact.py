@@ -227,7 +227,7 @@ def contacts(
     Parameters
     ----------
     upper, lower : Profile
-        On the same grid. A profile whose heights are all equal is a flat body.
+        On the same grid. A profile whose points lie on a line, to round-off, is a straight body.
     approach : float, µm
         Displacement of the upper body since first touch of the grid points, at least 0.
     effective_modulus : float, GPa
@@ -287,7 +287,7 @@ def press(
     Parameters
     ----------
     upper, lower : Profile
-        On the same grid. A profile whose heights are all equal is a flat body.
+        On the same grid. A profile whose points lie on a line, to round-off, is a straight body.
     approaches : (k,) array_like of float, µm
         At least 0 and strictly increasing.
     effective_modulus, law, detection, curvature, shear
