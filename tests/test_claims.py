@@ -109,46 +109,110 @@ def test_every_claim_has_parts_with_names_of_their_own():
     assert all(part.least < part.most for part in PARTS)
 
 
-def made_up(area_exponent=1.0, friction=lambda dimension, load: 0.3 + 0 * dimension * load):
-    """A result whose loads rise alike at every dimension, with a given A(F) and mu_s(D, F)."""
-    study = SMALL.with_changes({"ensemble.repetitions": 20})
+def made_up(**worlds):
+    """A result whose loads rise alike at every dimension D and amplitude a, with given sums over (D, a, load)."""
+    study = SMALL.with_changes({"ensemble.repetitions": 40})
     result = empty_dataset(study)
-    factor = np.random.default_rng(3).lognormal(0, 0.02, size=20)[:, np.newaxis]
-    load = 1e3 * study.contact.approaches() ** 1.5 * factor
+    factor = np.random.default_rng(3).lognormal(0, 0.02, size=40)[:, np.newaxis]
+    load = np.broadcast_to(1e3 * study.contact.approaches() ** 1.5 * factor, result["normal_elastic"].shape)
     dimension = study.surfaces.fractal_dimensions()[:, np.newaxis, np.newaxis, np.newaxis]
+    amplitude = study.surfaces.amplitudes()[:, np.newaxis, np.newaxis]
+    usual = {"contact_area": lambda d, a, f: f, "tangential_elastic": lambda d, a, f: 0.3 * f}
     result["normal_elastic"].values[...] = load
-    result["contact_area"].values[...] = load**area_exponent
-    result["tangential_elastic"].values[...] = friction(dimension, load) * load
     result["contact_count"].values[...] = 1
+    for name, world in (usual | worlds).items():
+        result[name].values[...] = world(dimension, amplitude, load)
     return result
 
 
-def verdicts(result):
-    return {outcome.part.name: outcome.verdict for outcome in judge(result)}
+def friction(coefficient):
+    return {"tangential_elastic": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-def test_a_world_in_which_a_claim_holds_is_told_from_one_in_which_it_does_not():
-    proportional = verdicts(made_up())
-    assert proportional["1a"] == proportional["1b"] == "true"
-    curved = judge(made_up(area_exponent=0.7))
-    assert curved[1].part.name == "1b"
-    assert curved[1].value == pytest.approx(0.7, abs=0.01)
-    assert curved[1].verdict == "false"
+def adhesion(coefficient):
+    """What tau0 = 1 GPa adds to the coefficient."""
+    return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
-    rising = made_up(friction=lambda d, load: 0.3 * np.exp(np.where(d > 1.5, 4 * (d - 1.5) + 0.5, d - 1)) + 0 * load)
-    assert verdicts(rising)["2a"] == verdicts(rising)["2b"] == "true"
-    falling = made_up(friction=lambda d, load: 0.3 * np.exp(1 - d) + 0 * load)
-    assert verdicts(falling)["2a"] == "false"
-    assert verdicts(falling)["2b"] != "true"
 
-    by_load = {sign: verdicts(made_up(friction=lambda d, load, s=sign: 0.3 * load ** (-0.1 * s))) for sign in (1, -1)}
-    assert (by_load[1]["5"], by_load[-1]["5"]) == ("true", "false")
-    assert proportional["6"] == "true"
-    assert verdicts(made_up(friction=lambda d, load: 0.5 + 0 * d * load))["6"] == "false"
+# Of each part: a world in which it is true and one in which it is false.
+WORLDS = {
+    "1a": ({}, {"contact_area": lambda d, a, f: np.sqrt(f)}),
+    "1b": ({}, {"contact_area": lambda d, a, f: f**0.7}),
+    "2a": (friction(lambda d, a, f: 0.3 * d), friction(lambda d, a, f: 0.3 / d)),
+    "2b": (
+        friction(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
+        friction(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
+    ),
+    "2c": (
+        {"tangential_frictional": lambda d, a, f: 0.2 * d * f},
+        {"tangential_frictional": lambda d, a, f: 0.4 / d * f},
+    ),
+    "3a": (adhesion(lambda d, a, f: 0.5), adhesion(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5))),
+    "3b": (adhesion(lambda d, a, f: 2 - d), adhesion(lambda d, a, f: d)),
+    "3c": (adhesion(lambda d, a, f: f**-0.2), adhesion(lambda d, a, f: f**0.2)),
+    "3d": (adhesion(lambda d, a, f: 1), adhesion(lambda d, a, f: 30)),
+    "4a": (adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesion(lambda d, a, f: 2 + d)),
+    "4b": (adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesion(lambda d, a, f: 4 - d)),
+    "4c": (adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesion(lambda d, a, f: 2 + (d - 1.2) ** 2)),
+    "5": (friction(lambda d, a, f: 0.3 * f**-0.1), friction(lambda d, a, f: 0.3 * f**0.1)),
+    "6": (friction(lambda d, a, f: 0.3), friction(lambda d, a, f: 0.5)),
+    "7a": ({"contact_area": lambda d, a, f: f / a}, {"contact_area": lambda d, a, f: f * a}),
+    "7b": (adhesion(lambda d, a, f: 0.1 / a), adhesion(lambda d, a, f: 10 * a)),
+    "7c": (friction(lambda d, a, f: 0.3 * np.exp(10 * a * d)), friction(lambda d, a, f: 0.3 * np.exp(0.1 * d / a))),
+    "7d": (adhesion(lambda d, a, f: 0.1 / a), adhesion(lambda d, a, f: 10 * a)),
+    "8a": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
+    "8b": ({}, {"normal_adhesive": lambda d, a, f: -2 * f}),
+    "8c": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
+    "8d": ({}, {"normal_adhesive": lambda d, a, f: -2 * f}),
+}
 
-    dip = made_up(friction=lambda d, load: 0.3 + (d - 1.4) ** 2 + 0 * load)
-    assert {verdicts(dip)[name] for name in ("4a", "4b", "4c")} == {"true"}
-    assert verdicts(falling)["4c"] == "false"
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_a_world_in_which_a_part_is_true_is_told_from_one_in_which_it_is_not(name):
+    found = []
+    for world in WORLDS[name]:
+        (outcome,) = (outcome for outcome in judge(made_up(**world)) if outcome.part.name == name)
+        found.append(outcome.verdict)
+        assert outcome.left_out == ()
+    assert found == ["true", "false"]
+
+
+def test_numbers_are_those_of_the_world():
+    def number(name, **world):
+        (outcome,) = (outcome for outcome in judge(made_up(**world)) if outcome.part.name == name)
+        return outcome.value
+
+    assert number("1b", contact_area=lambda d, a, f: f**0.7) == pytest.approx(0.7, abs=1e-3)
+    assert number("2b", **WORLDS["2b"][0]) == pytest.approx(4, rel=1e-6)
+    # 200 MPa add 0.2 (2 - D): at D = 1, 1.1, 1.2 and at 1.6, 1.7.
+    assert number("3b", **WORLDS["3b"][0]) == pytest.approx(0.2 * (0.9 - 0.35), rel=1e-9)
+    assert number("3d", **WORLDS["3d"][0]) == pytest.approx(0.001 / 0.3, rel=1e-9)
+    assert number("7a", **WORLDS["7a"][0]) == pytest.approx(0.25, rel=1e-9)
+    assert number("7d", **WORLDS["7d"][0]) == pytest.approx(0.2 * (2 - 0.5), rel=1e-9)
+    assert number("8d", **WORLDS["8d"][1]) > 0.25
+
+
+def test_every_part_has_its_worlds():
+    assert list(WORLDS) == [part.name for part in PARTS]
+
+
+def test_a_number_over_less_than_half_of_its_range_is_none():
+    # Friction locks where the normal load is negative: at all D above 1.45.
+    world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
+    found = {outcome.part.name: outcome for outcome in judge(made_up(**world))}
+    assert found["5"].verdict == "undefined"
+    assert found["2a"].left_out == pytest.approx((1.5,))
+    assert found["2a"].verdict != "undefined"
+
+
+def test_claims_need_enough_to_be_judged_on():
+    for change, match in (
+        ({"ensemble.repetitions": 19}, "20 ensemble.repetitions"),
+        ({"contact.approach": ["1 nm", "2 nm"]}, "3 values of contact.approach"),
+        ({"surfaces.amplitude": ["0.1 um"]}, "amplitude of 0.05 µm"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            claims.check(SMALL.with_changes(change))
 
 
 def test_tables_have_every_part(result):

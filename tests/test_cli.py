@@ -74,7 +74,7 @@ def test_plot_draws_again(ran):
 
 
 def test_claims_judges_every_claim_and_leaves_its_figures_and_tables(tmp_path):
-    small = ["surfaces.points=4000", "surfaces.extent=2 um", "contact.approach.count=6", "ensemble.repetitions=6"]
+    small = ["surfaces.points=4000", "surfaces.extent=2 um", "contact.approach.count=6", "ensemble.repetitions=20"]
     settings = [argument for setting in small for argument in ("--set", setting)]
     done = stiction_command("claims", *settings, "--output", "judged", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

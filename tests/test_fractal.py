@@ -184,6 +184,18 @@ class TestSurface:
         assert row.spacing == profile.spacing
         assert np.abs(row.heights - profile.heights).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
 
+    def test_a_band_limit_makes_unresolvable_frequencies_harmless(self):
+        phases = random_phases(8, frequencies=100)
+        limited = weierstrass_mandelbrot_surface(phases, 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
+        fewer = weierstrass_mandelbrot_surface(phases[:, :20], 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
+        assert np.allclose(limited.heights, fewer.heights, rtol=0, atol=1e-12)
+
+    def test_a_long_strip_is_made_in_parts(self):
+        phases = random_phases(8)
+        strip = weierstrass_mandelbrot_surface(phases, 1.5, shape=(2, 50_000), extent=(0.1, 4.0))
+        profile = weierstrass_mandelbrot(phases, 1.5, points=50_000, extent=4.0)
+        assert np.abs(strip.heights[0] - profile.heights).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
+
     @pytest.mark.parametrize(
         ("bad", "match"),
         [
@@ -196,6 +208,7 @@ class TestSurface:
             ({"fractal_dimension": 2.0}, "fractal_dimension"),
             ({"band_limit": "low"}, "band_limit"),
             ({"phases": [1.0]}, "phases"),
+            ({"phases": np.empty((0, 3))}, "phases"),
         ],
     )
     def test_bad_arguments_are_named(self, bad, match):

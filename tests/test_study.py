@@ -80,6 +80,8 @@ class TestLibrary:
     def test_an_unknown_figure_is_refused(self):
         with pytest.raises(StudyError, match=r"figures.draw"):
             Study().with_changes({"figures.draw": ["heights"]})
+        with pytest.raises(StudyError, match=r"figures.draw: must name each figure once"):
+            Study().with_changes({"figures.draw": ["area", "area"]})
 
     def test_figure6_is_the_default(self):
         assert Study.named("figure6") == Study()

@@ -35,6 +35,7 @@ def test_heights_cannot_change_behind_its_back():
         (np.zeros((3, 3)), 0.0, "spacing"),
         (np.zeros((3, 3)), (1.0, -1.0), "spacing"),
         (np.zeros((3, 3)), (1.0,), "spacing"),
+        (np.zeros((3, 3)), np.array("1"), "spacing"),
     ],
 )
 def test_what_is_no_surface_is_refused(heights, spacing, match):

@@ -77,6 +77,8 @@ def claims_command(
     from stiction.views import tables
 
     replaced = _changes(changes or [])
+    for name in claims.VARIANTS:
+        claims.check(claims.variant_study(name).with_changes(replaced))
     for name in (name for name in study_names() if name.startswith("figure")):
         dataset = _result(Study.named(name).with_changes(replaced), output / name, workers)
         _draw(dataset, output / name)

@@ -274,10 +274,17 @@ class Ensemble(_Table):
 FigureName = Literal["profiles", "length-scales", "friction", "area"]
 
 
+def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"must name each figure once, but {name!r} is there {names.count(name)} times")
+    return names
+
+
 class Figures(_Table):
     """What is drawn of the result."""
 
-    draw: Annotated[tuple[FigureName, ...], _as_tuple] = ("friction", "area")
+    draw: Annotated[tuple[FigureName, ...], _as_tuple, AfterValidator(_distinct)] = ("friction", "area")
 
 
 class Study(_Table):

@@ -227,7 +227,9 @@ def weierstrass_mandelbrot_surface(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Surface:
-    r"""Surface of Eq. 1 over an area, unscaled, y(0, 0) = 0; its first row is the profile of the same phases.
+    r"""Surface of Eq. 1 over an area, unscaled, y(0, 0) = 0.
+
+    Without a band limit its first row is the profile of the same phases.
 
     Parameters
     ----------
@@ -262,6 +264,8 @@ def weierstrass_mandelbrot_surface(
     ((64, 128), (0.03125, 0.03125))
     """
     phase_array = float_array("phases", phases, ndim=2)
+    if not phase_array.size:
+        raise ValueError(f"phases must have at least one direction and one frequency, got shape {phase_array.shape}")
     directions, frequencies = phase_array.shape
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {shape!r}")
@@ -281,24 +285,32 @@ def weierstrass_mandelbrot_surface(
     waves = np.longdouble(gamma) ** np.arange(frequencies) / np.longdouble(length_scale)
     along_y = np.sin(angle) * waves * np.longdouble(extents[0] / rows)
     along_x = np.cos(angle) * waves * np.longdouble(extents[1] / columns)
-    if max(np.abs(along_y).max() * rows, np.abs(along_x).max() * columns) > _MOST_TURNS:
-        raise ValueError(
-            "gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the highest frequencies "
-            "cannot be resolved; take a smaller gamma, fewer frequencies or a smaller extent"
-        )
     kept = np.full(along_x.shape, True)
     if band_limit == "nyquist":
         kept = (np.abs(along_y) <= 0.5) & (np.abs(along_x) <= 0.5)
+    if (kept & (np.maximum(np.abs(along_y) * rows, np.abs(along_x) * columns) > _MOST_TURNS)).any():
+        raise ValueError(
+            "gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the highest frequencies "
+            "cannot be resolved; take a smaller gamma, fewer frequencies, a smaller extent or a band limit"
+        )
 
-    # cos(a + b) = cos a cos b - sin a sin b: every harmonic is two products of a column and a row, all of them together
+    # cos(a + b) = cos a cos b - sin a sin b: every harmonic is two products of a column and a row, many of them together
     # a matrix product.
     phase, weight = phase_array[kept], np.broadcast_to(weights, kept.shape)[kept]
-    of_y = _angles(along_y[kept], rows) + phase
-    of_x = _angles(along_x[kept], columns)
-    heights = (weight * np.cos(phase)).sum() - (weight * np.cos(of_y)) @ np.cos(of_x).T
-    heights += (weight * np.sin(of_y)) @ np.sin(of_x).T
+    along_y, along_x = along_y[kept], along_x[kept]
+    heights = np.full((rows, columns), (weight * np.cos(phase)).sum())
+    together = max(1, _ANGLES // max(rows, columns))
+    for first in range(0, phase.size, together):
+        some = slice(first, first + together)
+        of_y = _angles(along_y[some], rows) + phase[some]
+        of_x = _angles(along_x[some], columns)
+        heights -= (weight[some] * np.cos(of_y)) @ np.cos(of_x).T
+        heights += (weight[some] * np.sin(of_y)) @ np.sin(of_x).T
     return Surface(read_only(heights), spacing=(extents[0] / rows, extents[1] / columns))
 
+
+_ANGLES = 2**20
+"""Of one axis, which are held at a time."""
 
 _MOST_TURNS = 2**44
 """Beyond this many turns the fraction of a turn is no longer known to 1e-6."""

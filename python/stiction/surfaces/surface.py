@@ -77,7 +77,7 @@ class Surface:
 
 def lengths(name: str, value: Any) -> tuple[float, float]:
     """A length for y and one for x, both above 0, from a pair or from one number for both."""
-    pair = value if isinstance(value, (tuple, list, np.ndarray)) else (value, value)
+    pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {value!r}")
     along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)

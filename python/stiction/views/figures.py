@@ -67,7 +67,7 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
                     paths.append(_save(length_scales_figure(study), directory / "length_scales.png"))
                 case "friction":
                     paths += [
-                        _save(friction_figure(dataset, mu0), directory / f"friction_mu0_{mu0:g}.png")
+                        _save(friction_figure(dataset, mu0), directory / f"friction_mu0_{mu0:.12g}.png")
                         for mu0 in study.friction.mu0
                     ]
                 case "area":
@@ -123,7 +123,7 @@ def profiles_figure(study: Study) -> Figure:
 
 
 def length_scales_figure(study: Study) -> Figure:
-    """Eq. 1, unscaled, for three length scales and the same phases: profiles, and the surfaces whose edges they are."""
+    """Eq. 1, unscaled, for three length scales and the same phases: profiles, and surfaces without aliases."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
@@ -200,6 +200,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     A panel for each tau0; with several amplitudes a row for each tau0 and a column for each amplitude.
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     study = study_of(dataset)
     maps = friction_map(dataset, reached_loads(dataset), mu0=[mu0]).isel(mu0=0)
@@ -227,6 +228,8 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
         ax.set_xlabel(_dimension_label(dataset))
     for ax in axes[:, 0]:
         ax.set_ylabel("$F_N$ (mN)")
+    if columns > 2:
+        axes[0, 0].xaxis.set_major_locator(MaxNLocator(2))
     if len(amplitudes) > 1:
         for column, amplitude in enumerate(amplitudes):
             axes[0, column].set_title(f"{1000 * amplitude:g} nm\n{panels[0][1]}", pad=2)

@@ -38,14 +38,14 @@ def claims_markdown(outcomes: Outcomes) -> str:
 
 
 def variants_markdown(variants: Mapping[str, Outcomes]) -> str:
-    """A table with a row for each part and a column for each variant."""
+    """A table with a row for each part and a column for each variant; a star where some D are left out."""
     first = next(iter(variants.values()))
     lines = [f"| | {' | '.join(variants)} |", "|" + "---|" * (len(variants) + 1)]
     for claim in CLAIMS:
         verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in variants.values()]
         lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
         for row in [index for index, outcome in enumerate(first) if outcome in _parts(claim, first)]:
-            cells = [f"{_number(outcomes[row].value)}, {outcomes[row].verdict}" for outcomes in variants.values()]
+            cells = [f"{_starred(outcomes[row])}, {outcomes[row].verdict}" for outcomes in variants.values()]
             lines.append(f"| {first[row].part.name} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
@@ -56,6 +56,10 @@ def _parts(claim: int, outcomes: Outcomes) -> Outcomes:
 
 def _number(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "none"
+
+
+def _starred(outcome: Outcome) -> str:
+    return _number(outcome.value) + (r"\*" if outcome.left_out else "")
 
 
 def _value(outcome: Outcome) -> str:

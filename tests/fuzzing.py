@@ -1,0 +1,269 @@
+"""Inputs of any kind, to see what becomes of them: each is taken, or refused with a `ValueError` or exit status 2.
+
+Whoever calls gives a NumPy generator, so that a seed repeats a run. A finding is an exception that escapes.
+"""
+
+import contextlib
+import io
+import math
+import os
+import shutil
+import sys
+import warnings
+from unittest import mock
+
+import numpy as np
+import stiction
+from stiction import Profile, Study, Surface, cli
+
+# ---- Study files ----------------------------------------------------------------------------------------------------
+
+_VALUES = [
+    "0", "1", "-1", "3", "1e308", "1e-308", "nan", "inf", "-inf", "true", '""', '"1 um"', '"1e400 um"', '"-1 nm"',
+    '"0 um"', '"200 MPa"', '"200 mPa"', '"10 GPa "', "[]", "[1.0]", "[1.0, 1.7]", "[1.7, 1.0]", '["1 um", "2 um"]',
+    "{}",
+    "{ start = 1.0, stop = 1.7, count = 3 }", '{ start = "0 nm", stop = "1 nm", count = 2 }', "1979-05-27", "0x10",
+    '"cell"', '"gap-minimum"', '"hertz-cylinder"', '{ name = "jackson-green" }', "9" * 400, '"é"', "'''x'''",
+]  # fmt: skip
+# Small, so that a file that is taken is soon computed.
+_SMALL = {
+    "surfaces.points": "64",
+    "surfaces.directions": "3",
+    "surfaces.frequencies": "4",
+    "contact.approach.count": "3",
+    "surfaces.fractal_dimension.count": "2",
+    "ensemble.repetitions": "2",
+    "figures.draw": "[]",
+}
+
+
+def study_text(random):
+    """The text of a study with some of its lines, values or bytes changed."""
+    lines = Study().with_changes({key: _toml(value) for key, value in _SMALL.items()}).to_toml().splitlines()
+    for _ in range(random.integers(1, 4)):
+        at = int(random.integers(len(lines)))
+        key, _, _ = lines[at].partition(" = ")
+        match random.integers(7):
+            case 0 | 1 | 2 if " = " in lines[at]:
+                lines[at] = f"{key} = {random.choice(_VALUES)}"
+            case 3:
+                lines.insert(at, str(random.choice(lines)))
+            case 4:
+                del lines[at]
+            case 5 if lines[at]:
+                where = int(random.integers(len(lines[at])))
+                lines[at] = lines[at][:where] + chr(int(random.integers(1, 300))) + lines[at][where + 1 :]
+            case _:
+                lines[at] = lines[at][: int(random.integers(len(lines[at]) + 1))]
+    text = "\n".join(lines).encode("utf-8", "surrogatepass")
+    if random.random() < 0.1:
+        noise = bytearray(text)
+        for _ in range(5):
+            noise[int(random.integers(len(noise)))] = int(random.integers(256))
+        text = bytes(noise)
+    return text
+
+
+def _toml(text):
+    return [] if text == "[]" else int(text)
+
+
+def command(*arguments):
+    """Run the command in this process; its status, and what it said."""
+    said = io.StringIO()
+    with (
+        mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
+        contextlib.redirect_stdout(said),
+        contextlib.redirect_stderr(said),
+        warnings.catch_warnings(action="ignore"),
+    ):
+        try:
+            cli.main()
+            status = 0
+        except SystemExit as end:
+            status = end.code or 0
+    return status, said.getvalue()
+
+
+def fuzz_study_file(random, folder):
+    """One file through `stiction run`; returns its status."""
+    path = folder / "study.toml"
+    text = study_text(random)
+    path.write_bytes(text)
+    try:
+        study = Study.from_toml(path)
+    except ValueError:
+        study = None
+    if study is not None and study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6:
+        return None  # too much to compute
+    output = folder / "output"
+    status, said = command("run", path, "--output", output, "--workers", "1")
+    assert status in (0, 2), (text, status, said)
+    assert status == 0 or said.startswith("stiction: "), (text, said)
+    assert "Traceback" not in said, (text, said)
+    assert (status == 0) <= (study is not None), (text, said)
+    shutil.rmtree(output, ignore_errors=True)
+    return status
+
+
+# ---- Stores ---------------------------------------------------------------------------------------------------------
+
+
+def small_study():
+    """A study whose store is small."""
+    return Study().with_changes({key: _toml(value) for key, value in _SMALL.items()})
+
+
+def fuzz_store(random, pristine, folder):
+    """A damaged copy of a result through `stiction info`, `export` and `run`; returns the status of the first."""
+    copy = folder / "copy"
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(pristine, copy)
+    files = sorted(path for path in copy.rglob("*") if path.is_file())
+    for _ in range(random.integers(1, 3)):
+        damage(random, files[int(random.integers(len(files)))])
+    (folder / "out.nc").unlink(missing_ok=True)
+    statuses = []
+    for arguments in (("info", copy), ("export", copy, folder / "out.nc"), ("plot", copy)):
+        status, said = command(*arguments)
+        assert status in (0, 2), (arguments, status, said)
+        assert status == 0 or said.startswith("stiction: "), (arguments, said)
+        assert "Traceback" not in said, (arguments, said)
+        statuses.append(status)
+    return statuses[0]
+
+
+def damage(random, path):
+    """Change a file as disks, copies and people do."""
+    if not path.exists():
+        return
+    data = bytearray(path.read_bytes())
+    match random.integers(6):
+        case 0:
+            path.unlink()
+        case 1:
+            path.write_bytes(data[: int(random.integers(len(data) + 1))])
+        case 2:
+            path.write_bytes(random.bytes(int(random.integers(200))))
+        case 3 if data:
+            data[int(random.integers(len(data)))] ^= 1 << int(random.integers(8))
+            path.write_bytes(data)
+        case 4:
+            words = [b"null", b"[]", b"{}", b"0", b"-1", b'"x"', b"1e999", b"[" * 2000]
+            at = int(random.integers(len(data) + 1))
+            path.write_bytes(data[:at] + words[int(random.integers(len(words)))] + data[at + 3 :])
+        case _:
+            os.truncate(path, len(data) + 7)
+
+
+# ---- Arrays and numbers ---------------------------------------------------------------------------------------------
+
+_NUMBERS = [
+    0, 1, -1, 0.5, 1e-300, 1e300, 5e-324, -0.0, math.nan, math.inf, -math.inf, 10**400, True, None, "1", 1j, [], [1.0],
+    np.float32(0.3), np.int8(3), np.array(0.2), np.array([1.0]), object(),
+]  # fmt: skip
+_CHOICES = ["cell", "gap-minimum", "convex", "signed", "+x", "-x", "hertz-sphere", "hertz-cylinder", "x", "", None, 3]
+
+
+def any_number(random, usual):
+    """Mostly a usual value, sometimes anything."""
+    return usual if random.random() < 0.9 else _NUMBERS[int(random.integers(len(_NUMBERS)))]
+
+
+def any_choice(random, usual):
+    """Mostly a usual string, sometimes anything."""
+    return usual if random.random() < 0.95 else _CHOICES[int(random.integers(len(_CHOICES)))]
+
+
+def any_array(random, size):
+    """Heights of many kinds."""
+    values = random.normal(size=size) * 10.0 ** random.integers(-12, 4)
+    match random.integers(30):
+        case 0:
+            values = values * 10.0 ** random.integers(-300, 300)
+        case 1 if size:
+            values[int(random.integers(size))] = random.choice([math.nan, math.inf, 1e308, -1e308])
+        case 2:
+            values = np.round(values, 1)
+        case 3:
+            values = np.full(size, values[0] if size else 0.0)
+        case 4:
+            return values.astype(random.choice(["f4", "i2", "c16", "U3", "O", "M8[s]", "?"]), casting="unsafe")
+        case 5:
+            return values.reshape(1, -1)
+        case 6:
+            return values[::-1][::2]
+        case 7:
+            return list(values)
+        case 8:
+            return np.ma.masked_less(values, 0)
+        case _:
+            pass
+    return values
+
+
+def fuzz_arrays(random):
+    """One call of the numeric interface; returns the error it refused with, or None."""
+    size = int(random.integers(0, 120))
+    try:
+        with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
+            _call(random, size)
+    except ValueError as error:
+        refused = error
+    else:
+        return None
+    assert str(refused), "an error must say what is wrong"
+    return refused
+
+
+def _call(random, size):
+    spacing = any_number(random, 0.01)
+    match random.integers(9):
+        case 0 | 1 | 2:
+            upper = Profile(any_array(random, size), spacing=spacing)
+            lower = Profile(any_array(random, size if random.random() < 0.9 else size + 1), spacing=spacing)
+            how = {
+                "effective_modulus": any_number(random, 10.0),
+                "law": any_choice(random, "hertz-sphere"),
+                "detection": any_choice(random, str(random.choice(["cell", "gap-minimum"]))),
+                "curvature": any_choice(random, str(random.choice(["convex", "signed"]))),
+                "shear": any_choice(random, "+x"),
+            }
+            approaches = np.sort(random.random(int(random.integers(1, 4)))) * 10.0 ** random.integers(-9, 2)
+            curve = stiction.press(upper, lower, approaches if random.random() < 0.9 else any_array(random, 2), **how)
+            curve.friction_coefficient(mu0=any_number(random, 0.4), tau0=any_number(random, 0.0))
+            status = curve.status(mu0=0.4)
+            assert set(status.ravel()) <= {"ok", "no-contact", "self-locked"}
+            table = stiction.contacts(upper, lower, curve.approach[-1], **how)
+            assert len(table.force) == curve.contact_count[-1]
+        case 3:
+            stiction.asperities(Profile(any_array(random, size), spacing=spacing), any_choice(random, "upper"))
+        case 4:
+            Profile(any_array(random, size), spacing=spacing).with_amplitude(
+                any_number(random, 0.1), any_choice(random, str(random.choice(["height", "Ra", "Rq"])))
+            )
+        case 5:
+            phases = any_array(random, 12)
+            phases = phases.reshape(3, 4) if isinstance(phases, np.ndarray) and phases.size == 12 else phases
+            heights = stiction.weierstrass_mandelbrot_family(
+                phases, any_array(random, int(random.integers(3))) if random.random() < 0.5 else [1.0, 1.6],
+                length_scale=any_number(random, 1.0), gamma=any_number(random, 1.5), extent=any_number(random, 2.0),
+                points=any_number(random, size), convention=any_choice(random, "paper"),
+                band_limit=random.choice([None, "nyquist"]),
+            )  # fmt: skip
+            assert heights.ndim == 2
+        case 6:
+            stiction.weierstrass_mandelbrot_surface(
+                np.ones((2, 3)), any_number(random, 1.3), shape=(any_number(random, 5), any_number(random, 6)),
+                extent=any_number(random, 2.0), gamma=any_number(random, 1.5), length_scale=any_number(random, 1.0),
+            )  # fmt: skip
+        case 7:
+            heights = any_array(random, 2 * size)
+            Surface(np.reshape(heights, (2, -1)) if np.size(heights) == 2 * size else heights, spacing=spacing)
+        case _:
+            stiction.force_and_area(
+                any_choice(random, "hertz-sphere"), overlap=any_number(random, 0.1), radius=any_number(random, 1.0),
+                effective_modulus=any_number(random, 10.0),
+            )  # fmt: skip
+            stiction.hertz_sphere(any_array(random, size), any_number(random, 1.0), any_number(random, 10.0))
+            stiction.slope_friction(any_number(random, 0.3), mu0=any_number(random, 0.4))

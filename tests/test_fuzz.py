@@ -1,0 +1,32 @@
+"""A few of the inputs that `./dev soak` tries by the thousand."""
+
+from collections import Counter
+
+import fuzzing
+import numpy as np
+import pytest
+from stiction import run
+
+
+def test_any_arrays_and_numbers_are_taken_or_refused_with_a_reason():
+    outcomes = Counter(type(fuzzing.fuzz_arrays(np.random.default_rng([1, i]))) for i in range(2000))
+    assert set(outcomes) == {type(None), ValueError}
+    assert min(outcomes.values()) > 500  # neither kind is rare, or this would test little
+
+
+def test_any_study_file_runs_or_is_refused_in_one_message(tmp_path):
+    outcomes = Counter(fuzzing.fuzz_study_file(np.random.default_rng([2, i]), tmp_path) for i in range(60))
+    assert outcomes[2] > 20
+    assert outcomes[0] > 2
+
+
+@pytest.fixture(scope="module")
+def pristine(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pristine")
+    run(fuzzing.small_study(), store=folder / "result.zarr")
+    return folder
+
+
+def test_any_damage_to_a_store_is_noticed_or_harmless(tmp_path, pristine):
+    outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), pristine, tmp_path) for i in range(30))
+    assert outcomes[2] > 5
