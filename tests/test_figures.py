@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 from stiction import Study, run
-from stiction.studies.store import empty_dataset
+from stiction.studies.dataset import empty_dataset
 from stiction.views.figures import area_figure, friction_figure, reached_loads, save_figures
 
 SMALL = Study.named("quick").with_changes(

@@ -10,7 +10,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.ensemble import area_map, friction_map
-from stiction.studies.study import study_of
+from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
     import xarray
@@ -57,6 +57,12 @@ def _save(figure: Figure, path: Path) -> Path:
     return path
 
 
+def _say_if_unfinished(figure: Figure, dataset: xarray.Dataset, study: Study) -> None:
+    done, total = dataset.sizes["repetition"], study.ensemble.repetitions
+    if done < total:
+        figure.suptitle(f"unfinished: {done} of {total} repetitions", fontsize=8)
+
+
 def reached_loads(dataset: xarray.Dataset, steps: int = LOAD_STEPS) -> Floats:
     """Loads in equal ratios (mN), from what the lightest approach carries to the most that any ensemble reaches.
 
@@ -97,6 +103,7 @@ def friction_figure(dataset: xarray.Dataset, amplitude: float) -> Figure:
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         bar.ax.minorticks_off()
     axes[-1, columns // 2].set_xlabel(_dimension_label(dataset))
+    _say_if_unfinished(figure, dataset, study)
     _friction_legend(figure, locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()), columns=min(columns, 2))
     return figure
 
@@ -217,6 +224,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
             axes[row, 0].set_title(f"amplitude {1000 * amplitude:g} nm", loc="left")
     for ax in axes[-1]:
         ax.set_xlabel("normal load $F_N$ (mN)")
+    _say_if_unfinished(figure, dataset, study)
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(),
         title=f"{_dimension_label(dataset)}\n$\\mu_0$ = {mu0:g}\n$\\tau_0$ = {tau0.text}\nshaded: 95 %\n"
