@@ -215,6 +215,14 @@ def test_another_study_is_refused_by_what_differs(unfinished, no_computing):
     assert all(len(line) < 200 for line in str(refusal.value).splitlines())
 
 
+def test_where_nothing_is_finished_another_study_is_begun(tmp_path, undisturbed):
+    with pytest.raises(ValueError, match="gamma"):
+        run(SMALL.with_changes({"surfaces.gamma": 100.0}), store=tmp_path / "r.zarr")
+    assert_same_bits(run(SMALL, store=tmp_path / "r.zarr"), undisturbed)
+    assert_same_bits(store.read(tmp_path / "r.zarr"), undisturbed)
+    assert os.listdir(tmp_path) == ["r.zarr"]
+
+
 def test_the_same_study_in_other_words_is_not_refused(unfinished):
     same = SMALL.with_changes({"surfaces.amplitude": ["0.05 um", "0.1 um"]})
     assert run(same, store=unfinished).attrs["study"] == store.read(unfinished).attrs["study"] == same.to_toml()
@@ -568,7 +576,7 @@ for file in sys.argv[1:]:
     study = Study.from_toml(file)
     undisturbed = run(study, executor=Inline())
     before = store.info("before.zarr").finished if Path("before.zarr").exists() else 0
-    for step in itertools.count(1, 5):  # an odd stride: writing and renaming take turns
+    for step in itertools.count(1, 9):  # an odd stride: writing and renaming take turns
         shutil.rmtree("r.zarr", ignore_errors=True)
         if before:
             shutil.copytree("before.zarr", "r.zarr")
@@ -578,7 +586,7 @@ for file in sys.argv[1:]:
         assert status == -signal.SIGKILL
         assert (store.info("r.zarr").finished if Path("r.zarr").exists() else 0) >= before
         assert in_child(finish, study) == 0, step
-    print(step // 5)
+    print(step // 9)
     shutil.rmtree("before.zarr", ignore_errors=True)
     os.rename("r.zarr", "before.zarr")
 """
@@ -594,7 +602,7 @@ def test_killed_before_any_change_of_the_disk(tmp_path):
         cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert all(int(kills) > 7 for kills in done.stdout.split()), done.stdout
+    assert all(int(kills) > 3 for kills in done.stdout.split()), done.stdout
 
 
 def test_a_forked_worker_does_not_hold_the_lock_of_its_parent(tmp_path):

@@ -21,7 +21,7 @@ from stiction.mechanics.contact import SUMS
 from stiction.studies import store
 
 KILLS = 25
-SHORTEST = 20.0
+SHORTEST = 25.0
 """Seconds that the undisturbed run takes at least, so that a kill seldom finds it done."""
 
 # Many repetitions of a few milliseconds, so that most kills fall into or between writes.
@@ -52,9 +52,12 @@ def soaked(directory: Path, chance: random.Random) -> str:
     path = directory / "out" / "result.zarr"
     finished, seen, in_writing = 0, {}, 0
     for kill in range(1, KILLS + 1):
-        # Most of the time after the start, which takes about a second; some kills fall into the start itself.
         process = start(directory)
-        time.sleep(chance.uniform(0.2, 2.2))
+        if chance.random() < 0.2:
+            time.sleep(chance.uniform(0, 1))  # mostly while it starts, with the lock that the last one left
+        else:
+            wait_until_it_writes(path, process)
+            time.sleep(chance.uniform(0, 1.2 * seconds / KILLS))  # so that half of the run is left at the last
         assert process.poll() is None, f"kill {kill}: the run ended by itself, status {process.returncode}"
         process.send_signal(signal.SIGKILL)
         assert process.wait() == -signal.SIGKILL, f"kill {kill}: status {process.returncode}"
@@ -90,6 +93,13 @@ def long_study(directory: Path) -> tuple[Study, xarray.Dataset, float]:
         if seconds >= SHORTEST:
             return study, result, seconds
         repetitions = int(repetitions * max(1.5, 1.3 * SHORTEST / seconds))
+
+
+def wait_until_it_writes(path: Path, process: subprocess.Popen[bytes]) -> None:
+    lock = path.with_name(f"{path.name}.lock")
+    lock.unlink(missing_ok=True)
+    while not lock.exists() and process.poll() is None:
+        time.sleep(0.001)
 
 
 def start(directory: Path) -> subprocess.Popen[bytes]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 _held: set[int] = set()
@@ -37,7 +37,9 @@ def locked(path: Path) -> Iterator[None]:
         yield
     finally:
         if file in _held:  # not in a forked child, which has closed it
-            path.unlink(missing_ok=True)  # before it is released, so that nobody holds a lock on a file that is gone
+            with suppress(OSError):
+                if _is_at(file, path):
+                    path.unlink()  # before it is released, so that nobody holds a lock on a file that is gone
             _held.remove(file)
             os.close(file)
 

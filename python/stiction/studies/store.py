@@ -324,8 +324,8 @@ def opened(path: str | Path, study: Study) -> Iterator[Store]:
     Raises
     ------
     StoreError
-        If it cannot be written; if another process writes it; if it is no store, a damaged one or that of another
-        study; or if other repetitions are missing than this version of stiction began it with would give bit for bit.
+        If it cannot be written; if somebody else writes it; if it is no store, or a damaged one; if it holds something
+        of another study; or if it lacks repetitions and was begun by another version, whose bits may differ.
     """
     shown = Path(path)
     with _written(shown):
@@ -333,12 +333,7 @@ def opened(path: str | Path, study: Study) -> Iterator[Store]:
         real.parent.mkdir(parents=True, exist_ok=True)
     with _lock(real, shown):
         with _written(shown):
-            if os.path.lexists(real):
-                store = _continued(real, shown, study)
-            else:
-                result = empty_dataset(study)
-                _begin(real, result)
-                store = Store(real, shown, result, ())
+            store = _opened(real, shown, study)
         yield store
         store.check_is_there()
 
@@ -365,11 +360,24 @@ def _written(shown: Path) -> Iterator[None]:
         raise StoreError(f"{shown}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _begin(path: Path, dataset: xarray.Dataset) -> None:
-    """A store without any repetition, which appears at its path when it is whole."""
+def _opened(path: Path, shown: Path, study: Study) -> Store:
     partial = path.with_name(f"{path.name}{_PARTIAL}")
     if os.path.lexists(partial):
         shutil.rmtree(partial)
+    if os.path.lexists(path):
+        root = _Root.of(path, shown)
+        finished = _finished(path, shown, root.study)
+        if finished:
+            return _continued(path, shown, root, finished, study)
+        path.rename(partial)  # whatever it was to be: there is nothing in it
+        shutil.rmtree(partial)
+    result = empty_dataset(study)
+    _begin(path, partial, result)
+    return Store(path, shown, result, ())
+
+
+def _begin(path: Path, partial: Path, dataset: xarray.Dataset) -> None:
+    """A store without any repetition, which appears at its path when it is whole."""
     try:
         for name, content in _layout(dataset).items():
             (partial / name).parent.mkdir(parents=True, exist_ok=True)
@@ -380,12 +388,10 @@ def _begin(path: Path, dataset: xarray.Dataset) -> None:
         raise
 
 
-def _continued(path: Path, shown: Path, study: Study) -> Store:
-    root = _Root.of(path, shown)
+def _continued(path: Path, shown: Path, root: _Root, finished: list[int], study: Study) -> Store:
     _check_study(shown, root.study, study)
-    finished = _finished(path, shown, root.study)
     total = study.ensemble.repetitions
-    if finished and finished[-1] >= total:
+    if finished[-1] >= total:
         raise StoreError(
             f"{shown}: repetition {finished[-1]} is finished, and ensemble.repetitions = {total} would drop it; "
             f"ask for at least {finished[-1] + 1}, or choose another place"
