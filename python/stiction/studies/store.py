@@ -4,9 +4,6 @@ A repetition is a chunk of each variable, and a flag in `complete` that is writt
 when it is whole, by a rename. Only what carries its flag counts, and it is never written again. All metadata follow
 from the study, which stands in the root and is written last when repetitions are added: what was interrupted is put
 right by writing the metadata again.
-
-Zarr itself lays the store out. Chunks are written and read here: Zarr takes thirty times as long over small ones, reads
-a chunk that is missing as fill values, and not all of its versions rename.
 """
 
 from __future__ import annotations
@@ -16,40 +13,37 @@ import os
 import re
 import shutil
 import warnings
-import zlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numcodecs
 import numpy as np
 import xarray
-import zarr
 from numpy.typing import NDArray
-from zarr.codecs import ZstdCodec
 
 from stiction._core import __version__
 from stiction.mechanics.contact import SUMS
 from stiction.studies.dataset import empty_dataset
+from stiction.studies.files import (
+    COMPLETE,
+    METADATA,
+    PARTIAL,
+    SCHEMA,
+    DecodingError,
+    checksum,
+    chunk,
+    decoded,
+    encoded,
+    layout,
+    replace,
+)
 from stiction.studies.lock import locked
 from stiction.studies.study import Study, StudyError, differences, study_of
 
-SCHEMA = 1
-"""Of the layout of a store; what a newer one means is not known here."""
-
-_COMPLETE = "complete"
-_METADATA = "zarr.json"
-_PARTIAL = ".partial"
-_REPETITIONS_IN_CHUNK = 4096
-"""Of the coordinate, whose chunks must not depend on how many there are."""
-
 _CHECKED = ("data_type", "chunk_grid", "chunk_key_encoding", "fill_value", "dimension_names", "attributes")
 """Of an array's metadata; codecs may be spelt differently by other versions of Zarr, and the shape may have grown."""
-
-_LEVEL = 0
-_zstd = numcodecs.Zstd(level=_LEVEL, checksum=True)  # without the checksum a flipped bit is a wrong number
 
 
 class StoreError(ValueError):
@@ -96,7 +90,9 @@ def read(path: str | Path) -> xarray.Dataset:
     if not finished:
         raise StoreError(f"{path}: none of its {total} repetitions is finished yet")
     if len(finished) < total:
-        warnings.warn(f"{path}: {len(finished)} of {total} repetitions are finished; it has only those", stacklevel=2)
+        warnings.warn(
+            f"{path}: {len(finished)} of {total} repetitions are finished; the result has only those", stacklevel=2
+        )
     return _loaded(path, path, root, finished, finished)
 
 
@@ -138,41 +134,33 @@ class _Root:
     def of(cls, path: Path, shown: Path) -> _Root:
         """Of a store that messages call by the name it was given."""
         try:
-            metadata = json.loads((path / _METADATA).read_bytes())
+            metadata = json.loads((path / METADATA).read_bytes())
         except (FileNotFoundError, NotADirectoryError):
-            raise StoreError(f"{shown}: is not a result of stiction: there is no {_METADATA} in it") from None
+            raise StoreError(f"{shown}: is not a result of stiction: there is no {METADATA} in it") from None
         except OSError as error:
             raise StoreError(f"{shown}: cannot be read: {error.strerror or error}") from None
         except (ValueError, RecursionError):
-            raise StoreError(f"{shown}: is not a result of stiction, or is damaged: {_METADATA}") from None
+            raise StoreError(f"{shown}: is not a result of stiction, or is damaged: {METADATA}") from None
         attributes = metadata.get("attributes") if isinstance(metadata, dict) else None
         if not isinstance(attributes, dict) or "stiction_schema" not in attributes:
-            raise StoreError(
-                f"{shown}: is not a result of stiction, or is damaged: {_METADATA} does not say what it is"
-            )
+            raise StoreError(f"{shown}: is not a result of stiction, or is damaged: {METADATA} does not say what it is")
         schema, version = attributes["stiction_schema"], attributes.get("stiction_version")
         if isinstance(schema, int) and schema > SCHEMA:
             raise StoreError(
                 f"{shown}: has schema {schema}, written by stiction {version}; "
                 f"this is stiction {__version__}, which knows schemas up to {SCHEMA}"
             )
-        if attributes.get("checksum") != _checksum(attributes):
-            raise StoreError(f"{shown}: is damaged: {_METADATA} is not what was written")
+        if attributes.get("checksum") != checksum(attributes):
+            raise StoreError(f"{shown}: is damaged: {METADATA} is not what was written")
         try:
             return cls(attributes, study_of(xarray.Dataset(attrs=attributes)), str(version))
         except StudyError as error:
             raise StoreError(f"{shown}: its study, of stiction {version}, cannot be read: {error}") from None
 
 
-def _checksum(attributes: Mapping[str, Any]) -> str:
-    """Of what a result is of: metadata have no checksum of their own, and a flipped bit would be another seed."""
-    said = [attributes.get(name) for name in ("study", "stiction_version", "stiction_schema")]
-    return f"{zlib.crc32(json.dumps(said).encode()):08x}"
-
-
 def _check_metadata(path: Path, study: Study) -> None:
-    for name, expected in _layout(empty_dataset(study, [])).items():
-        if not name.endswith(f"/{_METADATA}"):
+    for name, expected in layout(empty_dataset(study, [])).items():
+        if not name.endswith(f"/{METADATA}"):
             continue
         try:
             stored = json.loads((path / name).read_bytes())
@@ -186,9 +174,9 @@ def _check_metadata(path: Path, study: Study) -> None:
 def _finished(path: Path, shown: Path, study: Study) -> list[int]:
     """Repetitions that carry their flag, in order."""
     try:
-        files = os.listdir(path / _COMPLETE)
+        files = os.listdir(path / COMPLETE)
     except OSError as error:
-        raise StoreError(f"{shown}: is damaged: {_COMPLETE}: {error.strerror or error}") from None
+        raise StoreError(f"{shown}: is damaged: {COMPLETE}: {error.strerror or error}") from None
     numbers = sorted(int(match[1]) for file in files if (match := re.fullmatch(r"c\.(0|[1-9][0-9]{0,17})", file)))
     return [
         repetition
@@ -198,10 +186,10 @@ def _finished(path: Path, shown: Path, study: Study) -> list[int]:
 
 
 def _flag(path: Path, shown: Path, repetition: int) -> bool:
-    name = f"{_COMPLETE}/c.{repetition}"
+    name = f"{COMPLETE}/c.{repetition}"
     try:
-        return bool(_decoded(path / name, np.dtype(np.bool_), (1,))[0])
-    except (OSError, _DecodingError) as error:
+        return bool(decoded(path / name, np.dtype(np.bool_), (1,))[0])
+    except (OSError, DecodingError) as error:
         raise _damage(shown, name, repetition, error) from None
 
 
@@ -219,10 +207,10 @@ def _loaded(
     for index, repetition in enumerate(repetitions):
         if repetition in finished:
             for name, array in arrays.items():
-                file = f"{name}/{_chunk(repetition)}"
+                file = f"{name}/{chunk(repetition)}"
                 try:
-                    array[:, :, index] = _decoded(path / file, array.dtype, array[:, :, index].shape)
-                except (OSError, _DecodingError) as error:
+                    array[:, :, index] = decoded(path / file, array.dtype, array[:, :, index].shape)
+                except (OSError, DecodingError) as error:
                     raise _damage(shown, file, repetition, error) from None
     return dataset
 
@@ -230,8 +218,8 @@ def _loaded(
 def _coordinate(path: Path, name: str, expected: xarray.Variable) -> NDArray[Any]:
     """As written, which another kind of machine may not repeat to the last digit; as expected if that is damaged."""
     try:
-        return _decoded(path / name / "c.0", expected.dtype, expected.shape)
-    except (OSError, _DecodingError):
+        return decoded(path / name / "c.0", expected.dtype, expected.shape)
+    except (OSError, DecodingError):
         return expected.values
 
 
@@ -239,28 +227,9 @@ def _damage(shown: Path, file: str, repetition: int, error: Exception) -> StoreE
     reason = error.strerror if isinstance(error, OSError) else error
     return StoreError(
         f"{shown}: is damaged: {file}: {reason}\n"
-        f"to have repetition {repetition} computed again, remove {shown / _COMPLETE / f'c.{repetition}'} and run its "
+        f"to have repetition {repetition} computed again, remove {shown / COMPLETE / f'c.{repetition}'} and run its "
         "study on it again"
     )
-
-
-def _chunk(repetition: int) -> str:
-    return f"c.0.0.{repetition}.0"
-
-
-class _DecodingError(Exception):
-    pass
-
-
-def _decoded(file: Path, dtype: np.dtype[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    content = file.read_bytes()
-    try:
-        values = _zstd.decode(content)
-    except (RuntimeError, ValueError, MemoryError):
-        raise _DecodingError("not what was written") from None
-    if len(values) != dtype.itemsize * int(np.prod(shape)):
-        raise _DecodingError("not of the size that its study says")
-    return np.frombuffer(values, dtype.newbyteorder("<")).reshape(shape)
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -296,8 +265,8 @@ class Store:
         self.check_is_there()
         try:
             for name in SUMS:
-                _replace(self._path / name / _chunk(repetition), _encoded(sums[name]))
-            _replace(self._path / _COMPLETE / f"c.{repetition}", _encoded(np.ones(1, np.bool_)))
+                replace(self._path / name / chunk(repetition), encoded(sums[name]))
+            replace(self._path / COMPLETE / f"c.{repetition}", encoded(np.ones(1, np.bool_)))
         except OSError as error:
             self.check_is_there()
             raise StoreError(
@@ -310,7 +279,7 @@ class Store:
     def check_is_there(self) -> None:
         """Raise a StoreError if somebody has removed the store, or put something else in its place."""
         try:
-            if os.path.samestat(self._path.stat(), self._identity) and (self._path / _METADATA).exists():
+            if os.path.samestat(self._path.stat(), self._identity) and (self._path / METADATA).exists():
                 return
         except OSError:
             pass
@@ -361,7 +330,7 @@ def _written(shown: Path) -> Iterator[None]:
 
 
 def _opened(path: Path, shown: Path, study: Study) -> Store:
-    partial = path.with_name(f"{path.name}{_PARTIAL}")
+    partial = path.with_name(f"{path.name}{PARTIAL}")
     if os.path.lexists(partial):
         shutil.rmtree(partial)
     if os.path.lexists(path):
@@ -379,7 +348,7 @@ def _opened(path: Path, shown: Path, study: Study) -> Store:
 def _begin(path: Path, partial: Path, dataset: xarray.Dataset) -> None:
     """A store without any repetition, which appears at its path when it is whole."""
     try:
-        for name, content in _layout(dataset).items():
+        for name, content in layout(dataset).items():
             (partial / name).parent.mkdir(parents=True, exist_ok=True)
             (partial / name).write_bytes(content)
         partial.rename(path)
@@ -400,20 +369,20 @@ def _continued(path: Path, shown: Path, root: _Root, finished: list[int], study:
     result = _loaded(path, shown, new, frozenset(finished), range(total))
     if len(finished) < total:
         _check_same_bits(shown, new, result)
-    _lay_out_again(path, _layout(result, root.attributes))
+    _lay_out_again(path, layout(result, root.attributes))
     return Store(path, shown, result, finished)
 
 
 def _lay_out_again(path: Path, layout: Mapping[str, bytes]) -> None:
     """Bring a store to its layout, in the layout's order, and remove what a killed writer left half-written."""
     for folder in (path, *(each for each in path.iterdir() if each.is_dir())):
-        for file in folder.glob(f"*{_PARTIAL}"):
+        for file in folder.glob(f"*{PARTIAL}"):
             file.unlink()
     for name, content in layout.items():
         file = path / name
         if not (file.exists() and file.read_bytes() == content):
             file.parent.mkdir(exist_ok=True)
-            _replace(file, content)
+            replace(file, content)
 
 
 def _check_study(shown: Path, stored: Study, asked: Study) -> None:
@@ -443,51 +412,3 @@ def _check_same_bits(shown: Path, root: _Root, result: xarray.Dataset) -> None:
                 f"{shown}: was begun on a machine or with a NumPy whose {name} differs in the last digits; "
                 "finish it there, or choose another place"
             )
-
-
-def _layout(dataset: xarray.Dataset, attributes: Mapping[str, Any] | None = None) -> dict[str, bytes]:
-    """Every file of a store but the repetitions themselves, the root's metadata last."""
-    identity = {"stiction_schema": SCHEMA, "numpy_version": np.__version__, "zarr_version": zarr.__version__}
-    # What an existing root says stays: the versions it was begun with, and what others added to it.
-    root = dataset.attrs | identity | dict(attributes or {}) | {"study": dataset.attrs["study"]}
-    files: dict[str, Any] = {}
-    group = zarr.create_group(
-        zarr.storage.MemoryStore(files), zarr_format=3, attributes=root | {"checksum": _checksum(root)}
-    )
-    repetitions = dataset.sizes["repetition"]
-    complete = xarray.Variable("repetition", np.zeros(repetitions, np.bool_), {"long_name": "whether it is finished"})
-    for name, variable in {**dataset.variables, _COMPLETE: complete}.items():
-        chunks = {"repetition": _REPETITIONS_IN_CHUNK} if name == "repetition" else {"repetition": 1}
-        array = group.create_array(
-            str(name),
-            shape=variable.shape,
-            dtype=variable.dtype,
-            chunks=tuple(chunks.get(str(dim), size) for dim, size in variable.sizes.items()),
-            # Whoever opens an unfinished store with something else sees no zeros that look like results.
-            fill_value={"f": np.nan, "i": -1, "b": False}[variable.dtype.kind],
-            compressors=ZstdCodec(level=_LEVEL, checksum=True),
-            chunk_key_encoding={"name": "default", "separator": "."},  # a file, not a directory, of each repetition
-            dimension_names=[str(dim) for dim in variable.dims],
-            attributes=variable.attrs,
-        )
-        if name in dataset.coords:
-            array[...] = variable.values
-    contents = {name: buffer.to_bytes() for name, buffer in files.items()}
-    last = (f"{_COMPLETE}/{_METADATA}", _METADATA)
-    return dict(sorted(contents.items(), key=lambda item: last.index(item[0]) if item[0] in last else -1))
-
-
-def _encoded(values: NDArray[Any]) -> bytes:
-    return bytes(_zstd.encode(np.ascontiguousarray(values, values.dtype.newbyteorder("<"))))
-
-
-def _replace(file: Path, content: bytes) -> None:
-    """Write a file that appears under its name when it is whole."""
-    partial = file.with_name(f"{file.name}{_PARTIAL}")
-    try:
-        partial.write_bytes(content)
-        partial.replace(file)
-    except OSError:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)
-        raise
