@@ -24,12 +24,12 @@ KILLS = 25
 SHORTEST = 25.0
 """Seconds that the undisturbed run takes at least, so that a kill seldom finds it done."""
 
-# Many repetitions of a few milliseconds, so that most kills fall into or between writes.
+# Many repetitions of a few hundredths of a second, so that many kills fall into writes.
 STUDY = Study().with_changes(
     {
-        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 10},
-        "surfaces.points": 10_000,
-        "surfaces.extent": "3 um",
+        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 20},
+        "surfaces.points": 20_000,
+        "surfaces.extent": "6 um",
         "contact.approach.count": 20,
     }
 )
@@ -50,7 +50,7 @@ def soaked(directory: Path, chance: random.Random) -> str:
     study, undisturbed, seconds = long_study(directory)
     (directory / "study.toml").write_text(study.to_toml(), encoding="utf-8")
     path = directory / "out" / "result.zarr"
-    finished, seen, in_writing = 0, {}, 0
+    finished, seen, in_writing, half_written = 0, {}, 0, set()
     for kill in range(1, KILLS + 1):
         process = start(directory)
         if chance.random() < 0.2:
@@ -61,7 +61,8 @@ def soaked(directory: Path, chance: random.Random) -> str:
         assert process.poll() is None, f"kill {kill}: the run ended by itself, status {process.returncode}"
         process.send_signal(signal.SIGKILL)
         assert process.wait() == -signal.SIGKILL, f"kill {kill}: status {process.returncode}"
-        in_writing += any(path.rglob("*.partial")) or bool(unflagged(path))
+        in_writing += bool(unflagged(path) - half_written)  # what an earlier kill left does not count again
+        half_written = unflagged(path)
         now = store.info(path).finished if path.exists() else 0
         assert now >= finished, f"kill {kill}: {finished} repetitions were finished, and now {now}"
         finished = now
@@ -84,7 +85,7 @@ def soaked(directory: Path, chance: random.Random) -> str:
 
 def long_study(directory: Path) -> tuple[Study, xarray.Dataset, float]:
     """A study whose undisturbed run takes long enough on this machine, and that run."""
-    repetitions = 300
+    repetitions = 200
     while True:
         study = STUDY.with_changes({"ensemble.repetitions": repetitions})
         began = time.perf_counter()
@@ -96,10 +97,16 @@ def long_study(directory: Path) -> tuple[Study, xarray.Dataset, float]:
 
 
 def wait_until_it_writes(path: Path, process: subprocess.Popen[bytes]) -> None:
-    lock = path.with_name(f"{path.name}.lock")
-    lock.unlink(missing_ok=True)
-    while not lock.exists() and process.poll() is None:
+    before = flagged_at(path)
+    while flagged_at(path) == before and process.poll() is None:
         time.sleep(0.001)
+
+
+def flagged_at(path: Path) -> int:
+    try:
+        return (path / "complete").stat().st_mtime_ns
+    except FileNotFoundError:
+        return 0
 
 
 def start(directory: Path) -> subprocess.Popen[bytes]:
