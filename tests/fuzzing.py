@@ -115,7 +115,7 @@ def small_study():
 
 
 def fuzz_store(random, pristine, folder):
-    """A damaged copy of a result through `stiction info`, `export` and `run`; returns the status of the first."""
+    """A damaged copy of a result through `stiction info`, `export` and `plot`; returns the status of the last."""
     copy = folder / "copy"
     shutil.rmtree(copy, ignore_errors=True)
     shutil.copytree(pristine, copy)
@@ -127,10 +127,10 @@ def fuzz_store(random, pristine, folder):
     for arguments in (("info", copy), ("export", copy, folder / "out.nc"), ("plot", copy)):
         status, said = command(*arguments)
         assert status in (0, 2), (arguments, status, said)
-        assert status == 0 or said.startswith("stiction: "), (arguments, said)
+        assert status == 0 or "stiction: " in said, (arguments, said)
         assert "Traceback" not in said, (arguments, said)
         statuses.append(status)
-    return statuses[0]
+    return statuses[-1]
 
 
 def damage(random, path):

@@ -1,10 +1,12 @@
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import stiction
+import xarray
 from stiction import Study, study_names
 from stiction.studies import store
 
@@ -62,7 +64,49 @@ def test_run_again_does_not_compute_again(ran):
 
 def test_run_does_not_overwrite_another_study(ran):
     where, _ = ran
-    assert_refused(stiction_command("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=where), "exists already")
+    assert_refused(
+        stiction_command("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=where),
+        "another study",
+        "2_016 there, 1 here",
+    )
+
+
+def test_more_repetitions_are_added(ran, tmp_path):
+    shutil.copytree(ran[0] / "quick", tmp_path / "quick")
+    done = stiction_command("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "3 of its 5 repetitions were there already" in done.stdout
+    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions = 3", "at least 5")
+
+
+def test_info_shows_study_progress_size_versions_and_validity(ran, tmp_path):
+    shutil.copytree(ran[0] / "quick", tmp_path / "quick")
+    (tmp_path / "quick" / "result.zarr" / "complete" / "c.1").unlink()
+    done = stiction_command("info", "quick", cwd=tmp_path)
+    assert done.returncode == 0
+    for words in (
+        "surfaces.points = 4_000",
+        'surfaces.extent = "2 um"',
+        "2 of 3 finished",
+        "MiB",
+        f"stiction {stiction.__version__}, schema 1",
+        "share beyond hertz",
+        "at 40 nm",
+    ):
+        assert words in done.stdout, done.stdout
+    assert "gamma" not in done.stdout
+    done = stiction_command("plot", "quick", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "2 of 3 repetitions are finished" in done.stderr
+
+
+def test_export_writes_a_file_once(ran):
+    where, _ = ran
+    done = stiction_command("export", "quick", "quick.nc", cwd=where)
+    assert done.returncode == 0, done.stderr
+    with xarray.open_dataset(where / "quick.nc", engine="h5netcdf") as exported:
+        xarray.testing.assert_identical(exported.load(), store.read(where / "quick" / "result.zarr"))
+    assert_refused(stiction_command("export", "quick", "quick.nc", cwd=where), "quick.nc: exists already")
 
 
 def test_plot_draws_again(ran):
@@ -98,7 +142,7 @@ def test_a_study_file_runs_as_the_study_it_is(tmp_path):
     (tmp_path / "mine.toml").write_text(study.to_toml(), encoding="utf-8")
     done = stiction_command("run", "mine.toml", "--output", "there", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert store.holds(tmp_path / "there" / "result.zarr", study)
+    assert store.info(tmp_path / "there" / "result.zarr").study == study
 
 
 def test_studies_lists_and_prints(tmp_path):
@@ -110,7 +154,7 @@ def test_studies_lists_and_prints(tmp_path):
 
 def test_version_and_help(tmp_path):
     assert stiction_command("--version", cwd=tmp_path).stdout.strip() == f"stiction {stiction.__version__}"
-    for command in ([], ["run"], ["plot"], ["studies"]):
+    for command in ([], ["run"], ["plot"], ["info"], ["export"], ["studies"]):
         done = stiction_command(*command, "--help", cwd=tmp_path)
         assert done.returncode == 0
         assert "Usage" in done.stdout
@@ -133,6 +177,8 @@ def test_version_and_help(tmp_path):
         (["run", "quick", "--output", "file/deeper"], ["cannot be written"]),
         (["run", "quick", "--output", "/proc/stiction"], ["cannot be written"]),
         (["plot", "nowhere"], ["is not a result"]),
+        (["info", "nowhere"], ["is not a result"]),
+        (["export", "nowhere", "a.nc"], ["is not a result"]),
         (["studies", "figure7b"], ["no built-in study"]),
         (["juggle"], ["juggle"]),
     ],

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 from stiction import Study, run
-from stiction.studies.store import empty_dataset
+from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views.figures import area_figure, friction_figure, reached_loads, save_figures
 
@@ -76,3 +76,10 @@ def test_loads_are_those_that_every_ensemble_starts_below_and_some_reach(result)
 def test_nothing_to_draw_is_said_so():
     with pytest.raises(ValueError, match="nothing to draw"):
         save_figures(empty_dataset(SMALL), ".")
+
+
+def test_figures_of_an_unfinished_study_say_so(result):
+    part = result.isel(repetition=[0, 1, 4])
+    for figure in (friction_figure(part, 0.1), area_figure(part)):
+        assert figure.get_suptitle() == "unfinished: 3 of 6 repetitions"
+    assert not area_figure(result).get_suptitle()

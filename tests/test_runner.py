@@ -1,15 +1,12 @@
 import multiprocessing
-import shutil
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 import stiction
-import xarray
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.contact import SUMS
-from stiction.studies import runner, store
-from stiction.studies.store import StoreError
+from stiction.studies import runner
 from stiction.studies.study import study_of
 
 SMALL = Study().with_changes(
@@ -108,50 +105,6 @@ def test_the_result_says_what_it_is(result):
     assert study_of(result) == SMALL
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
     assert result["approach"].attrs["units"] == "um"
-
-
-class TestStore:
-    def test_gives_back_what_was_written(self, tmp_path):
-        written = run(SMALL, store=tmp_path / "deep" / "result.zarr")
-        read = store.read(tmp_path / "deep" / "result.zarr")
-        xarray.testing.assert_identical(read, written)
-        assert store.holds(tmp_path / "deep" / "result.zarr", SMALL)
-        assert not store.holds(tmp_path / "deep" / "result.zarr", Study())
-        assert [p.name for p in (tmp_path / "deep").iterdir()] == ["result.zarr"]
-
-    def test_is_never_overwritten(self, tmp_path):
-        (tmp_path / "mine").mkdir()
-        with pytest.raises(StoreError, match="exists already"):
-            run(SMALL, store=tmp_path / "mine")
-        assert list((tmp_path / "mine").iterdir()) == []
-
-    def test_that_cannot_be_is_refused_before_anything_is_computed(self, tmp_path, monkeypatch):
-        monkeypatch.setattr("stiction.studies.runner.repetition_sums", lambda *_: pytest.fail("computed"))
-        (tmp_path / "file").write_text("")
-        with pytest.raises(StoreError, match="cannot be written"):
-            run(SMALL, store=tmp_path / "file" / "result.zarr")
-
-    def test_damage_is_said_so(self, tmp_path):
-        whole = tmp_path / "whole"
-        run(SMALL.with_changes({"ensemble.repetitions": 1}), store=whole)
-        for number, (file, content) in enumerate(
-            {"zarr.json": b"[]", "normal_elastic/c/0/0/0/0": b"junk", "contact_area/zarr.json": b""}.items()
-        ):
-            damaged = tmp_path / f"damaged{number}"
-            shutil.copytree(whole, damaged)
-            (damaged / file).write_bytes(content)
-            with pytest.raises(StoreError, match="damaged"):
-                store.read(damaged)
-        shutil.rmtree(whole / "crossed_count")
-        with pytest.raises(StoreError, match="crossed_count"):
-            store.read(whole)
-
-    def test_foreign_things_are_no_results(self, tmp_path):
-        (tmp_path / "empty").mkdir()
-        xarray.Dataset({"a": ("x", [1.0])}).to_zarr(tmp_path / "other", zarr_format=3, consolidated=False)
-        for path in (tmp_path / "none", tmp_path / "empty", tmp_path / "other"):
-            with pytest.raises(StoreError, match="is not a result of stiction"):
-                store.read(path)
 
 
 def test_a_study_that_cannot_be_computed_is_a_value_error():

@@ -9,11 +9,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from stiction import __version__
+from stiction.mechanics.contact import Validity
 from stiction.studies.runner import available_cores, run
-from stiction.studies.study import Study, StudyError, study_names
+from stiction.studies.study import Study, StudyError, differences, study_names
 
 app = typer.Typer(
     name="stiction",
@@ -24,6 +26,7 @@ app = typer.Typer(
 )
 
 RESULT = "result.zarr"
+INTERRUPTED = 130
 
 Workers = Annotated[
     int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
@@ -58,7 +61,7 @@ def run_command(
     workers: Workers = None,
     changes: Changes = None,
 ) -> None:
-    """Compute a study, and draw it."""
+    """Compute a study, or what is missing of it, and draw it."""
     what = _study(study).with_changes(_changes(changes or []))
     directory = output if output is not None else Path(Path(study).stem)
     _draw(_result(what, directory, workers), directory)
@@ -101,10 +104,59 @@ def claims_command(
 
 @app.command()
 def plot(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
-    """Draw the results of a study again."""
+    """Draw the results of a study again, or what is finished of them."""
     from stiction.studies import store
 
     _draw(store.read(directory / RESULT), directory)
+
+
+@app.command()
+def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
+    """Show what a study is, how far it has come, and how far its results are to be trusted."""
+    from stiction.studies import store
+
+    kept = store.info(directory / RESULT)
+    changes = [f"{key} = {value}" for key, _, value in differences(Study(), kept.study)]
+    typer.echo(
+        "study        " + "\n             ".join(["the defaults, but", *changes] if changes else ["the defaults"])
+    )
+    typer.echo(f"repetitions  {kept.finished} of {kept.study.ensemble.repetitions} finished")
+    typer.echo(f"size         {kept.size / 2**20:.1f} MiB")
+    typer.echo("versions     " + ", ".join(f"{name} {version}" for name, version in kept.versions.items()))
+    if kept.finished:
+        with warnings.catch_warnings(action="ignore"):  # that it is not finished stands above
+            dataset = store.read(directory / RESULT)
+        _show_validity(dataset)
+
+
+def _show_validity(dataset: Any) -> None:
+    """Of the mean over the repetitions: from the least to the most over fractal dimensions and amplitudes."""
+    figures = vars(Validity.of(dataset.mean("repetition")))
+    approaches = dataset["approach"].values
+    shown = sorted({0, approaches.size // 2, approaches.size - 1})
+    titles = [f"at {1000 * approaches[index]:.3g} nm" for index in shown]
+    typer.echo(f"{'validity':<24}" + "".join(f"{title:>18}" for title in titles))
+    for name, figure in figures.items():
+        columns = (figure.isel(approach=index).values for index in shown)
+        ranges = "".join(f"{_range(column[~np.isnan(column)]):>18}" for column in columns)
+        typer.echo(f"  {name.replace('_', ' '):<22}{ranges}")
+
+
+def _range(values: Any) -> str:
+    return f"{values.min():.2g} to {values.max():.2g}" if values.size else "no contact"
+
+
+@app.command()
+def export(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="The file to write; it must not exist yet.")],
+) -> None:
+    """Write the results of a study, or what is finished of them, to one netCDF file."""
+    from stiction.studies import export as exports
+    from stiction.studies import store
+
+    exports.export(store.read(directory / RESULT), file)
+    typer.echo(f"wrote {file}")
 
 
 @app.command()
@@ -120,19 +172,38 @@ def studies(
 
 
 def _result(study: Study, directory: Path, workers: int | None) -> Any:
-    """The result of a study in a directory, computed unless it is there already."""
+    """The result of a study in a directory, of which what is there already is not computed again."""
     from stiction.studies import store
 
     if directory.is_file():
         raise StudyError(f"{directory} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
-    if path.exists() and store.holds(path, study):
-        typer.echo(f"{path} holds this study already; drawing it again")
-        return store.read(path)
+    stored = store.info(path).finished if path.exists() else 0
     with ThreadPoolExecutor(max_workers=workers or available_cores()) as pool:
-        dataset = run(study, executor=pool, store=path, progress=sys.stderr.isatty())
-    typer.echo(f"wrote {path}")
+        try:
+            dataset = run(study, executor=pool, store=path, progress=sys.stderr.isatty())
+        except KeyboardInterrupt:
+            # Said at once; the repetitions that are being computed come to their end first.
+            _say(f"interrupted{_how_to_go_on(path)}")
+            raise typer.Exit(INTERRUPTED) from None
+    total = study.ensemble.repetitions
+    if stored < total:
+        typer.echo(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
+    else:
+        computed_by = dataset.attrs["stiction_version"]
+        by = "" if computed_by == __version__ else f", computed by stiction {computed_by}"
+        typer.echo(f"{path} holds this study already{by}; drawing it again")
     return dataset
+
+
+def _how_to_go_on(path: Path) -> str:
+    from stiction.studies import store
+
+    if not path.exists():
+        return ""
+    kept = store.info(path)
+    total = kept.study.ensemble.repetitions
+    return f"; {kept.finished} of {total} repetitions are finished and kept: the same command goes on from there"
 
 
 def _draw(dataset: Any, directory: Path) -> None:
@@ -174,15 +245,18 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     print(f"stiction: warning: {message}", file=sys.stderr)
 
 
+def _say(text: str) -> None:
+    print("\n".join(f"stiction: {line}" for line in text.splitlines()), file=sys.stderr)
+
+
 def main() -> None:
     """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
     warnings.showwarning = _show_warning
     try:
         app()
     except (ValueError, OSError, MemoryError) as error:
-        text = str(error) or type(error).__name__
-        print("\n".join(f"stiction: {line}" for line in text.splitlines()), file=sys.stderr)
+        _say(str(error) or type(error).__name__)
         sys.exit(2)
     except KeyboardInterrupt:
-        print("stiction: interrupted", file=sys.stderr)
-        sys.exit(130)
+        _say("interrupted")
+        sys.exit(INTERRUPTED)

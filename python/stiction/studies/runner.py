@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +113,8 @@ def run(
     executor : concurrent.futures.Executor, optional
         Where repetitions are computed; a thread for each core by default. Any executor gives the same bits.
     store : path, optional
-        Zarr store that the result is written to as well; it must not exist yet.
+        Zarr store that every repetition is written to as soon as it is computed. One that holds repetitions of the
+        same study already is continued: what it holds is not computed again, and more repetitions may be asked for.
     progress : bool
         Whether to draw a progress bar on the terminal.
 
@@ -126,24 +127,28 @@ def run(
     Raises
     ------
     ValueError
-        If the study cannot be computed, or the store exists already.
+        If the study cannot be computed, or the store cannot be written, is another study's, is damaged, is being
+        written by somebody else, or lacks repetitions and was begun by another version of stiction.
     """
-    from stiction.studies import store as stores
+    from stiction.studies.dataset import empty_dataset
+    from stiction.studies.store import opened
 
-    if store is not None:
-        stores.reserve(store)
-    result = stores.empty_dataset(study)
-    with _executor(executor) as pool, _progress_bar(study.ensemble.repetitions, progress) as advance:
-        for repetition, sums in _computed(study, pool):
+    with contextlib.ExitStack() as stack:
+        kept = None if store is None else stack.enter_context(opened(store, study))
+        result = empty_dataset(study) if kept is None else kept.result
+        finished = frozenset() if kept is None else kept.finished
+        pool = stack.enter_context(_executor(executor))
+        advance = stack.enter_context(_progress_bar(study.ensemble.repetitions, len(finished), progress))
+        for repetition, sums in _computed(study, finished, pool):
+            if kept is not None:
+                kept.save(repetition, sums)
             for name, values in sums.items():
                 result[name].values[:, :, repetition, :] = values
             advance()
-    if store is not None:
-        stores.write(result, store)
     return result
 
 
-@contextmanager
+@contextlib.contextmanager
 def _executor(given: Executor | None) -> Iterator[Executor]:
     if given is not None:
         yield given  # its owner shuts it down
@@ -157,9 +162,9 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _computed(study: Study, pool: Executor) -> Iterator[tuple[int, Sums]]:
-    """Repetitions as they are done; of however many, so many are submitted at a time."""
-    repetitions = iter(range(study.ensemble.repetitions))
+def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Iterator[tuple[int, Sums]]:
+    """Other repetitions as they are done; of however many, so many are submitted at a time."""
+    repetitions = (each for each in range(study.ensemble.repetitions) if each not in finished)
     waiting: dict[Future[Sums], int] = {}
     try:
         while True:
@@ -175,8 +180,8 @@ def _computed(study: Study, pool: Executor) -> Iterator[tuple[int, Sums]]:
             future.cancel()
 
 
-@contextmanager
-def _progress_bar(total: int, wanted: bool) -> Iterator[Callable[[], None]]:
+@contextlib.contextmanager
+def _progress_bar(total: int, finished: int, wanted: bool) -> Iterator[Callable[[], None]]:
     if not wanted:
         yield lambda: None
         return
@@ -200,5 +205,5 @@ def _progress_bar(total: int, wanted: bool) -> Iterator[Callable[[], None]]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("", total=total)
+        task = bar.add_task("", total=total, completed=finished)
         yield lambda: bar.advance(task)

@@ -6,7 +6,7 @@ import difflib
 import itertools
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -408,6 +408,23 @@ def study_of(dataset: xarray.Dataset) -> Study:
             "the dataset does not say what study it is of (attribute 'study'), so mu0 and tau0 must be given"
         )
     return _from_toml_text(dataset.attrs["study"], "the dataset's study")
+
+
+def differences(one: Study, other: Study) -> list[tuple[str, str, str]]:
+    """Every value that differs, in the order of a study file: its dotted key, and what it is in either, as TOML."""
+    return list(_differences(one, other, ""))
+
+
+def _differences(one: _Table, other: _Table, prefix: str) -> Iterator[tuple[str, str, str]]:
+    texts = one.model_dump(), other.model_dump()
+    for name in type(one).model_fields:
+        values = getattr(one, name), getattr(other, name)
+        if values[0] == values[1]:
+            continue
+        if isinstance(values[0], _Table) and type(values[0]) is type(values[1]):
+            yield from _differences(*values, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", _toml(texts[0][name]), _toml(texts[1][name])
 
 
 # ---- Text -----------------------------------------------------------------------------------------------------------

@@ -294,8 +294,8 @@ def weierstrass_mandelbrot_surface(
             "cannot be resolved; take a smaller gamma, fewer frequencies, a smaller extent or a band limit"
         )
 
-    # cos(a + b) = cos a cos b - sin a sin b: every harmonic is two products of a column and a row, many of them together
-    # a matrix product.
+    # cos(a + b) = cos a cos b - sin a sin b: every harmonic is two products of a column and a row, many of them
+    # together a matrix product.
     phase, weight = phase_array[kept], np.broadcast_to(weights, kept.shape)[kept]
     along_y, along_x = along_y[kept], along_x[kept]
     heights = np.full((rows, columns), (weight * np.cos(phase)).sum())

@@ -80,6 +80,12 @@ def _save(figure: Figure, path: Path) -> Path:
     return path
 
 
+def _say_if_unfinished(figure: Figure, dataset: xarray.Dataset, study: Study) -> None:
+    done, total = dataset.sizes["repetition"], study.ensemble.repetitions
+    if done < total:
+        figure.suptitle(f"unfinished: {done} of {total} repetitions", fontsize=8)
+
+
 def reached_loads(dataset: xarray.Dataset, steps: int = LOAD_STEPS) -> Floats:
     """Loads in equal ratios (mN), from what the lightest approach carries to the most that any ensemble reaches.
 
@@ -238,6 +244,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     ticks = _ticks(norm)
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
+    _say_if_unfinished(figure, dataset, study)
     _friction_legend(figure, locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()))
     return figure
 
@@ -356,6 +363,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     axes[0, 0].set_ylabel("true contact area $A$ (µm²)")
     axes[1, 0].set_ylabel("$A / F_N$ (µm²/mN)")
     axes[1, amplitudes.size // 2].set_xlabel("normal load $F_N$ (mN)")
+    _say_if_unfinished(figure, dataset, study)
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(),
         title=f"{_dimension_label(dataset)}, at $\\mu_0$ = {mu0:g}, $\\tau_0$ = {tau0.text}; shaded: 95 %;\n"
