@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import tomllib
 import warnings
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,6 +31,13 @@ INTERRUPTED = 130
 
 Workers = Annotated[
     int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
+]
+Cluster = Annotated[
+    int | None,
+    typer.Option("--cluster", metavar="N", min=1, help="Worker processes of a local Dask cluster.", show_default=False),
+]
+Scheduler = Annotated[
+    str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, as in tcp://host:8786.")
 ]
 Changes = Annotated[
     list[str] | None,
@@ -59,12 +67,16 @@ def run_command(
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.", show_default="./NAME")
     ] = None,
     workers: Workers = None,
+    cluster: Cluster = None,
+    scheduler: Scheduler = None,
     changes: Changes = None,
 ) -> None:
     """Compute a study, or what is missing of it, and draw it."""
     what = _study(study).with_changes(_changes(changes or []))
     directory = output if output is not None else Path(Path(study).stem)
-    _draw(_result(what, directory, workers), directory)
+    with _executor(workers, cluster, scheduler) as executor:
+        dataset = _result(what, directory, executor)
+    _draw(dataset, directory)
 
 
 @app.command("claims")
@@ -82,17 +94,19 @@ def claims_command(
     replaced = _changes(changes or [])
     for name in claims.VARIANTS:
         claims.check(claims.variant_study(name).with_changes(replaced))
-    for name in (name for name in study_names() if name.startswith("figure")):
-        dataset = _result(Study.named(name).with_changes(replaced), output / name, workers)
-        _draw(dataset, output / name)
-        if Study.named(name) == claims.claims_study():
-            outcomes = claims.judge(dataset)
     others = {}
-    for name in claims.VARIANTS:
-        dataset = _result(claims.variant_study(name).with_changes(replaced), output / "variants" / name, workers)
-        others[name] = claims.judge(dataset)
-        if name == "default":
-            others["amplitude 0.05 µm"] = claims.judge(dataset, amplitude=claims.FLATTER)
+    with _executor(workers, None, None) as executor:
+        for name in (name for name in study_names() if name.startswith("figure")):
+            dataset = _result(Study.named(name).with_changes(replaced), output / name, executor)
+            _draw(dataset, output / name)
+            if Study.named(name) == claims.claims_study():
+                outcomes = claims.judge(dataset)
+        for name in claims.VARIANTS:
+            study = claims.variant_study(name).with_changes(replaced)
+            dataset = _result(study, output / "variants" / name, executor)
+            others[name] = claims.judge(dataset)
+            if name == "default":
+                others["amplitude 0.05 µm"] = claims.judge(dataset, amplitude=claims.FLATTER)
     for file, text in (
         ("claims.md", tables.claims_markdown(outcomes)),
         ("variants.md", tables.variants_markdown(others)),
@@ -171,7 +185,19 @@ def studies(
         typer.echo(each)
 
 
-def _result(study: Study, directory: Path, workers: int | None) -> Any:
+def _executor(
+    workers: int | None, cluster: int | None, scheduler: str | None
+) -> contextlib.AbstractContextManager[Executor]:
+    if sum(choice is not None for choice in (workers, cluster, scheduler)) > 1:
+        raise StudyError("--workers, --cluster and --scheduler exclude each other")
+    if cluster is not None or scheduler is not None:
+        from stiction.studies import cluster as clusters
+
+        return clusters.local(cluster) if cluster is not None else clusters.connected(str(scheduler))
+    return ThreadPoolExecutor(max_workers=workers or available_cores())
+
+
+def _result(study: Study, directory: Path, executor: Executor) -> Any:
     """The result of a study in a directory, of which what is there already is not computed again."""
     from stiction.studies import store
 
@@ -179,13 +205,12 @@ def _result(study: Study, directory: Path, workers: int | None) -> Any:
         raise StudyError(f"{directory} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
     stored = store.info(path).finished if path.exists() else 0
-    with ThreadPoolExecutor(max_workers=workers or available_cores()) as pool:
-        try:
-            dataset = run(study, executor=pool, store=path, progress=sys.stderr.isatty())
-        except KeyboardInterrupt:
-            # Said at once; the repetitions that are being computed come to their end first.
-            _say(f"interrupted{_how_to_go_on(path)}")
-            raise typer.Exit(INTERRUPTED) from None
+    try:
+        dataset = run(study, executor=executor, store=path, progress=sys.stderr.isatty())
+    except KeyboardInterrupt:
+        # Said at once; the repetitions that are being computed come to their end first.
+        _say(f"interrupted{_how_to_go_on(path)}")
+        raise typer.Exit(INTERRUPTED) from None
     total = study.ensemble.repetitions
     if stored < total:
         typer.echo(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))

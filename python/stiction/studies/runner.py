@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import itertools
 import os
+import socket
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
@@ -15,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._core import __version__
 from stiction.mechanics.contact import SUMS, press
-from stiction.studies.study import Study
+from stiction.studies.study import Study, StudyError, study_from_text
 from stiction.surfaces.fractal import Side, fill_family, random_phases
 from stiction.surfaces.profile import scaled_profile
 
@@ -64,6 +67,27 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
                 for name in SUMS:
                     sums[name][d, a] = getattr(curve, name)
     return sums
+
+
+def task(version: str, study: str, repetition: int) -> Sums:
+    """`repetition_sums`, wherever it is computed: the study as text, and the version that asks for it.
+
+    Raises
+    ------
+    StudyError
+        If another version of stiction is to compute it, whose results may differ.
+    """
+    if version != __version__:
+        raise StudyError(
+            f"the worker on {socket.gethostname()} has stiction {__version__}, and {version} asks for the study; "
+            "install the same version everywhere"
+        )
+    return repetition_sums(_parsed(study), repetition)
+
+
+@functools.lru_cache(maxsize=4)
+def _parsed(text: str) -> Study:
+    return study_from_text(text, "the study")
 
 
 _kept = threading.local()
@@ -166,10 +190,11 @@ def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Iterato
     """Other repetitions as they are done; of however many, so many are submitted at a time."""
     repetitions = (each for each in range(study.ensemble.repetitions) if each not in finished)
     waiting: dict[Future[Sums], int] = {}
+    text = study.to_toml()
     try:
         while True:
             for repetition in itertools.islice(repetitions, MOST_SUBMITTED - len(waiting)):
-                waiting[pool.submit(repetition_sums, study, repetition)] = repetition
+                waiting[pool.submit(task, __version__, text, repetition)] = repetition
             if not waiting:
                 return
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)

@@ -329,7 +329,7 @@ class Study(_Table):
         """
         if name not in study_names():
             raise StudyError(f"there is no built-in study {name!r}; there are {', '.join(study_names())}")
-        return _from_toml_text((_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
+        return study_from_text((_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Study:
@@ -348,7 +348,7 @@ class Study(_Table):
         if len(raw) > LONGEST_FILE:
             raise StudyError(f"{path}: is longer than {LONGEST_FILE} bytes, which no study is")
         try:
-            return _from_toml_text(raw.decode("utf-8"), str(path))
+            return study_from_text(raw.decode("utf-8"), str(path))
         except UnicodeDecodeError:
             raise StudyError(f"{path}: is not a text file, so it is no study") from None
 
@@ -407,7 +407,7 @@ def study_of(dataset: xarray.Dataset) -> Study:
         raise StudyError(
             "the dataset does not say what study it is of (attribute 'study'), so mu0 and tau0 must be given"
         )
-    return _from_toml_text(dataset.attrs["study"], "the dataset's study")
+    return study_from_text(dataset.attrs["study"], "the dataset's study")
 
 
 def differences(one: Study, other: Study) -> list[tuple[str, str, str]]:
@@ -444,7 +444,8 @@ def _toml(value: Any) -> str:
             return "[" + ", ".join(_toml(item) for item in value) + "]"
 
 
-def _from_toml_text(text: str, source: str) -> Study:
+def study_from_text(text: str, source: str) -> Study:
+    """The study that a TOML text is; errors call it by the name of its source."""
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:

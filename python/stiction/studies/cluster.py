@@ -1,0 +1,74 @@
+"""Many processes or machines, by Dask: executors for `run`, and its failures as errors of ours."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Executor
+from typing import Any
+
+PATIENCE = "15s"
+"""For a scheduler to answer."""
+
+
+class ClusterError(ValueError):
+    """A cluster that is not there, or cannot compute."""
+
+
+@contextlib.contextmanager
+def local(workers: int) -> Iterator[Executor]:
+    """Worker processes on this machine, one thread each; one that dies is replaced.
+
+    Raises
+    ------
+    ClusterError
+        If distributed is not installed, or the workers keep dying.
+    """
+    distributed = _distributed()
+    with (
+        distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
+        ) as cluster,
+        distributed.Client(cluster) as client,
+        _failures(distributed),
+    ):
+        yield client.get_executor()
+
+
+@contextlib.contextmanager
+def connected(address: str) -> Iterator[Executor]:
+    """The workers of a scheduler that runs already, such as "tcp://host:8786".
+
+    Raises
+    ------
+    ClusterError
+        If distributed is not installed, no scheduler answers at the address or it goes away, or the workers keep dying.
+    """
+    distributed = _distributed()
+    if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
+        raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {address!r}")
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ClusterError(f"no Dask scheduler answers at {address!r}: {str(error).splitlines()[0]}") from None
+    with client, _failures(distributed):
+        yield client.get_executor()
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise ClusterError("a cluster needs the package distributed: pip install 'stiction[cluster]'") from None
+    return distributed
+
+
+@contextlib.contextmanager
+def _failures(distributed: Any) -> Iterator[None]:
+    try:
+        yield
+    except distributed.scheduler.KilledWorker as error:
+        raise ClusterError(f"a repetition was given up, because every worker that computed it died: {error}") from None
+    except CancelledError:
+        raise ClusterError("the scheduler is gone; what was finished is kept, and the same command goes on") from None
