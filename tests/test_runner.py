@@ -1,4 +1,6 @@
+import contextlib
 import multiprocessing
+import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -19,6 +21,9 @@ SMALL = Study().with_changes(
         "ensemble.repetitions": 5,
     }
 )
+
+
+SUMS_OF_ONE = {name: np.zeros((4, 2, 6), np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
 
 
 @pytest.fixture(scope="module")
@@ -116,3 +121,26 @@ def test_progress_is_drawn_on_request(capfd):
     run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
+
+
+def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
+    computed = []
+
+    def record(study, repetition):
+        computed.append(repetition)
+        time.sleep(1e-3)
+        return SUMS_OF_ONE
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "repetition_sums", record)
+    monkeypatch.setattr(runner, "_progress_bar", lambda *_: contextlib.nullcontext(interrupt))
+    held = None
+    with ThreadPoolExecutor(1) as pool:
+        try:
+            run(SMALL.with_changes({"ensemble.repetitions": 800}), executor=pool)
+        except KeyboardInterrupt as error:
+            held = error  # and with it every frame of the run
+    assert held is not None
+    assert len(computed) < 800

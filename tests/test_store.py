@@ -657,7 +657,7 @@ def test_interrupting_the_command_keeps_what_is_finished(tmp_path, undisturbed):
     with pytest.warns(UserWarning, match="of 20000 repetitions"):
         part = store.read(tmp_path / "s" / "result.zarr")
     part = part.isel(repetition=part["repetition"].values < 4)
-    assert part.sizes["repetition"] > 1
+    assert part.sizes["repetition"] > 0
     for name in SUMS:
         assert part[name].identical(undisturbed.sel(repetition=part["repetition"])[name]), name
 

@@ -6,10 +6,11 @@ import contextlib
 import functools
 import itertools
 import os
+import queue
 import socket
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -163,7 +164,8 @@ def run(
         finished = frozenset() if kept is None else kept.finished
         pool = stack.enter_context(_executor(executor))
         advance = stack.enter_context(_progress_bar(study.ensemble.repetitions, len(finished), progress))
-        for repetition, sums in _computed(study, finished, pool):
+        # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
+        for repetition, sums in stack.enter_context(contextlib.closing(_computed(study, finished, pool))):
             if kept is not None:
                 kept.save(repetition, sums)
             for name, values in sums.items():
@@ -186,20 +188,23 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Iterator[tuple[int, Sums]]:
+def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Generator[tuple[int, Sums]]:
     """Other repetitions as they are done; of however many, so many are submitted at a time."""
     repetitions = (each for each in range(study.ensemble.repetitions) if each not in finished)
     waiting: dict[Future[Sums], int] = {}
+    # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
+    done: queue.SimpleQueue[Future[Sums]] = queue.SimpleQueue()
     text = study.to_toml()
     try:
         while True:
             for repetition in itertools.islice(repetitions, MOST_SUBMITTED - len(waiting)):
-                waiting[pool.submit(task, __version__, text, repetition)] = repetition
+                future = pool.submit(task, __version__, text, repetition)
+                waiting[future] = repetition
+                future.add_done_callback(done.put)
             if not waiting:
                 return
-            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield waiting.pop(future), future.result()
+            future = done.get()
+            yield waiting.pop(future), future.result()
     finally:
         for future in waiting:
             future.cancel()
