@@ -25,6 +25,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.preparation import cropped, levelled, on_common_grid
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -44,11 +45,14 @@ __all__ = [
     "area_map",
     "asperities",
     "contacts",
+    "cropped",
     "effective_modulus",
     "force_and_area",
     "friction_map",
     "hertz_cylinder",
     "hertz_sphere",
+    "levelled",
+    "on_common_grid",
     "press",
     "random_phases",
     "run",
