@@ -17,6 +17,14 @@ from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, for
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
 from stiction.studies.runner import run
 from stiction.studies.study import Study, study_names
+from stiction.surfaces.formats import (
+    FormatError,
+    FormatWarning,
+    read_profile,
+    read_surface,
+    write_profile,
+    write_surface,
+)
 from stiction.surfaces.fractal import (
     ProfileMoments,
     random_phases,
@@ -32,6 +40,8 @@ from stiction.surfaces.surface import Surface
 __all__ = [
     "Asperities",
     "Contacts",
+    "FormatError",
+    "FormatWarning",
     "HertzCylinder",
     "HertzSphere",
     "JacksonGreen",
@@ -55,6 +65,8 @@ __all__ = [
     "on_common_grid",
     "press",
     "random_phases",
+    "read_profile",
+    "read_surface",
     "run",
     "slope_friction",
     "stiffness_map",
@@ -64,4 +76,6 @@ __all__ = [
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "write_profile",
+    "write_surface",
 ]

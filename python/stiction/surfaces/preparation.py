@@ -51,9 +51,9 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     Examples
     --------
     >>> from stiction import Profile, levelled
-    >>> profile = levelled(Profile([1.0, 2.0, 3.0, 4.5, 5.0], spacing=0.5), "line")
+    >>> profile = levelled(Profile([1.0, 2.0, 3.0, 4.5, 5.5], spacing=0.5), "line")
     >>> profile.heights.round(3)
-    array([ 0. , -0.05, -0.1 ,  0.35, -0.2 ])
+    array([ 0.1 , -0.05, -0.2 ,  0.15,  0.  ])
     >>> profile.history
     ('levelled by a line',)
     """
