@@ -97,6 +97,22 @@ def test_what_the_file_does_not_say_must_be_given(file):
     assert read_profile(column, unit="um", spacing="100 nm").spacing == 0.1
 
 
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Length,1500.0 um\n", "Length (um),1500\n", "Length (um): 1500\n", "Range 524nm\nx,z\n", "x (um),z (nm)\nx,z\n",
+        "Radius: 2.5 µm, ID 3\n", "a text of no use\n", "um\n-----\nx,z\n", "z (um)\n",
+    ],
+)  # fmt: skip
+def test_units_of_other_things_are_not_those_of_the_columns(file, above):
+    data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
+    assert "does not say in which unit its heights are" in refusal(file(above + data))
+    if "z (um)" not in above:
+        column = "\n".join(line.split(",")[1] for line in data.split())
+        said = refusal(file(above + column), spacing="1 um")
+        assert "does not say in which unit its heights are" in said
+
+
 def test_file_and_caller_must_not_contradict_each_other(file):
     path = file(TEXTS["brackets, nm"])
     assert "says that its heights are in nm, but unit says um" in refusal(path, unit="um")

@@ -14,8 +14,11 @@ from stiction.surfaces.raw import FormatError, Raw, Stated, length_unit
 _NUMBER = r"([+-]?)([0-9]{{0,40}})(?:{point}([0-9]{{0,40}}))?(?:[eE]([+-]?[0-9]{{1,3}}))?"
 _MISSING = re.compile(r"|nan|\*{1,20}|-{2,20}", re.IGNORECASE)
 _COMMENT = ("#", "%", "//", "!")
-_OTHER_UNITS = frozenset({"V", "mV", "s", "ms", "deg", "°", "rad", "K", "N", "nN", "Pa", "in", "inch", "mil", "pt"})
+_OTHER_UNITS = frozenset(
+    {"V", "mV", "s", "ms", "deg", "°", "rad", "K", "N", "nN", "Pa", "in", "inch", "mil", "pt", "px", "pixel", "pixels"}
+)
 _BRACKETS = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
+_VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 _STATED = re.compile(
     r"\W*(?:(?:x|lateral|horizontal|sampl\w*|point|data)[\s_-]*)?"
     r"(spacing|step(?: size)?|increment|interval|resolution|pixel size|dx)\s*[:=,;\t ]\s*"
@@ -221,20 +224,20 @@ def _stated(line: str) -> Stated | None:
 
 
 def _units(header: list[str], columns: int, dialect: Dialect) -> list[str | None]:
-    """The unit of each column from the last two lines above the data."""
-    for line in reversed(header[-2:]):
-        text = line.lstrip("#%!/ ")
-        cells = dialect.cells(text)
-        if len(cells) == columns and any(_unit(cell) for cell in cells):
-            return [_unit(cell) for cell in cells]
-        named = [unit for word in _BRACKETS.findall(text) if (unit := _known(word))]
-        if not named:
-            named = [unit for word in re.split(r"[\s,;]+", text) if (unit := _known(word))]
-        if len(named) == columns:
-            return list(named)
-        if columns > 2 and len(named) == 1:
-            return [named[0]] * columns
-    return [None] * columns
+    """The unit of each column from the line of names above the data."""
+    named = [line.lstrip("#%!/ ") for line in header if any(character.isalpha() for character in line)]
+    # A line with a number is not one of names: "Length (um): 1500" says nothing of the heights below it.
+    if not named or _VALUE.search(_BRACKETS.sub(" ", named[-1])):
+        return [None] * columns
+    cells = dialect.cells(named[-1])
+    if len(cells) == columns and any(_unit(cell) for cell in cells):
+        return [_unit(cell) for cell in cells]
+    units = [unit for word in _BRACKETS.findall(named[-1]) if (unit := _known(word))]
+    if not units:
+        units = [unit for word in re.split(r"[\s,;]+", named[-1]) if (unit := _known(word))]
+    if len(units) == columns:
+        return list(units)
+    return [units[0] if columns > 2 and len(units) == 1 else None] * columns
 
 
 def _unit(cell: str) -> str | None:

@@ -150,8 +150,7 @@ def _member(archive: zipfile.ZipFile, name: str, most: int) -> bytes:
         raise FormatError(f"lacks {name[:80]!r}, where its data should be") from None
     if size > most:
         raise FormatError(f"holds {name[:80]!r} of {size} bytes; at most {most} can be read")
-    with archive.open(name) as member:
-        return member.read(most + 1)[: size + 1]
+    return archive.read(name)
 
 
 def _text(root: ElementTree.Element, path: str, otherwise: str | None = None) -> str:
