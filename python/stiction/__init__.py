@@ -33,7 +33,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
-from stiction.surfaces.preparation import cropped, levelled, on_common_grid
+from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -71,6 +71,7 @@ __all__ = [
     "slope_friction",
     "stiffness_map",
     "study_names",
+    "turned_over",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",
     "weierstrass_mandelbrot_moments",

@@ -99,6 +99,20 @@ def _without(heights: Floats, basis: list[Floats]) -> Floats:
     return rest
 
 
+def turned_over(profile: Profile) -> Profile:
+    """A profile as that of the upper body: heights out of the material are then heights down.
+
+    The body is turned about the x axis, so that x stays.
+
+    Examples
+    --------
+    >>> from stiction import Profile, turned_over
+    >>> turned_over(Profile([0.5, 1.0, 2.0, 1.0], spacing=0.5)).heights
+    array([-0.5, -1. , -2. , -1. ])
+    """
+    return Profile(-profile.heights, spacing=profile.spacing, history=(*profile.history, "turned over"))
+
+
 def cropped(profile: Profile, start: float = 0.0, stop: float | None = None) -> Profile:
     """The points with start <= x < stop, so that neighbouring pieces share no point.
 
