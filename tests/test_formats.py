@@ -132,7 +132,8 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("a text\nwithout numbers\n", "no numbers were found"),
         ("x (um),z (um)\n0,1\n0.1,2\n", "holds 2 point(s)"),
         ("x (V),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n", "unit 'V'"),
-        ("x (um),y (um),z (um)\n" + "0,0.1,2\n" * 9, "holds 9 rows of 3 columns; a profile has one column"),
+        ("x (um),y (um),z (um)\n" + "0,0.1,2\n" * 9, "has 3 columns of numbers that may be positions and several"),
+        ("z (um)\n" + "0,0.1,2,3\n" * 9, "holds 9 rows of 4 columns; a profile has one column"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1,7\n0.3,5\n0.4,6.5\n", "the 3. line of data has 3 column(s) and most have 2"),
         ("x (um),z (um)\n0,1\n0.1,2\noops,1\n0.3,5\n0.4,6.5\n", "line 4 ('oops,1') stands between numbers"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\nend of data\n", "line 6 ('end of data'), after the data, is none"),
@@ -190,11 +191,17 @@ def test_missing_points_are_interpolated_inside_and_left_out_at_the_ends(file):
 
 
 def test_a_matrix_in_text_is_a_surface(file):
-    path = file("heights in nm\n" + "1\t2\t3\n4\t5\t6\n", "map.txt")
+    path = file("heights in nm\n" + "1\t2\t3\t0\n4\t5\t6\t0\n", "map.txt")
     surface = read_surface(path, spacing=("2 um", "0.5 um"))
-    assert surface.heights.tolist() == [[0.001, 0.002, 0.003], [0.004, 0.005, 0.006]]
+    assert surface.heights.tolist() == [[0.001, 0.002, 0.003, 0], [0.004, 0.005, 0.006, 0]]
     assert surface.spacing == (2.0, 0.5)
     assert "holds no spacing" in refusal(path, read_surface)
+    for table in (
+        "x (um),y (um),z (um)\n" + "0,1,2\n" * 5,
+        "0,1,2\n" * 5,
+        "x (um),a (um),b (um),c (um)\n" + "0,1,2,3\n" * 5,
+    ):
+        assert "may be positions and several heights" in refusal(file(table), read_surface, unit="um", spacing="1 um")
     assert "read_profile() reads profiles" in refusal(file(TEXTS["comma"]), read_surface)
 
 

@@ -134,7 +134,7 @@ def read_surface(
     Parameters
     ----------
     path : path
-        Text or CSV with a matrix of heights of at least three columns, the columns along x; a NumPy array (.npy); X3P;
+        Text or CSV with a matrix of heights of at least four columns, the columns along x; a NumPy array (.npy); X3P;
         or, with the package SurfaceTopography installed (``pip install "stiction[formats]"``), what that reads.
     unit, missing
         As for `read_profile`. Missing points lie on a line between their neighbours in the row, and where these are

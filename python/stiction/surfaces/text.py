@@ -197,6 +197,11 @@ def _interpreted(table: _Table, lines: list[str], dialect: Dialect) -> Raw:
     if columns == 1:
         return Raw(values, unit=units[0], stated=stated)
     if columns > 2:
+        if columns == 3 or len(set(units)) > 1 or _names(header, columns, dialect):
+            raise FormatError(
+                f"has {columns} columns of numbers that may be positions and several heights; a profile has one column "
+                "of heights or two of positions and heights, a surface a matrix of four or more without names"
+            )
         matrix = values.reshape(-1, columns)
         return Raw(matrix, unit=units[0] if len(set(units)) == 1 else None, stated=stated)
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -221,6 +226,11 @@ def _stated(line: str) -> Stated | None:
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
     return Stated(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
+
+
+def _names(header: list[str], columns: int, dialect: Dialect) -> bool:
+    """Whether each column has a name of its own."""
+    return bool(header) and columns > 2 and len(dialect.cells(header[-1].lstrip("#%!/ "))) == columns
 
 
 def _units(header: list[str], columns: int, dialect: Dialect) -> list[str | None]:
