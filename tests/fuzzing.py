@@ -10,6 +10,7 @@ import os
 import shutil
 import sys
 import warnings
+import zipfile
 from unittest import mock
 
 import numpy as np
@@ -154,6 +155,73 @@ def damage(random, path):
             path.write_bytes(data[:at] + words[int(random.integers(len(words)))] + data[at + 3 :])
         case _:
             os.truncate(path, len(data) + 7)
+
+
+# ---- Measured files -------------------------------------------------------------------------------------------------
+
+_PIECES = [
+    b"nan", b"", b"1e999", b"-9999", b"***", b"\n", b"\r", b"\t", b",", b";", b"0", b"-", b"1e-400", b"\x00",
+    b"\xff\xfe", b"(um)", b"(V)", b"spacing: 1e9 um\n", b"<!ENTITY", b"9" * 50, b"\xb5m", b"1_0", "٣".encode(), b"inf",
+    b"</Record1>",
+]  # fmt: skip
+
+
+def fuzz_measured(random, name, pristine, folder):
+    """A damaged file of measured heights through both readers; whether one of them took it."""
+    data = bytearray(pristine)
+    if name.endswith("x3p") and random.random() < 0.7:
+        data = _damaged_inside(random, pristine)
+    else:
+        _scramble(random, data)
+    path = folder / name
+    path.write_bytes(data)
+    options = [{}, {"unit": "um", "spacing": "0.1 um"}, {"missing": "interpolate"}, {"unit": "m", "spacing": "1 um"}]
+    chosen = options[int(random.integers(len(options)))]
+    outcome = "refused"
+    for read in (stiction.read_profile, stiction.read_surface):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", stiction.FormatWarning)  # but no other
+            try:
+                body = read(path, **chosen)
+            except stiction.FormatError as error:
+                said = str(error)
+            else:
+                said = f"{path}: "
+                assert np.isfinite(body.heights).all()
+                outcome = "read"
+        assert said.startswith(f"{path}: "), (bytes(data), said)
+        assert "\n" not in said, (bytes(data), said)
+    return outcome
+
+
+def _scramble(random, data):
+    for _ in range(random.integers(1, 5)):
+        at = int(random.integers(len(data) + 1))
+        match random.integers(6):
+            case 0:
+                del data[at:]
+            case 1:
+                del data[at : at + int(random.integers(1, 20))]
+            case 2 | 3:
+                data[at : at + int(random.integers(4))] = _PIECES[int(random.integers(len(_PIECES)))]
+            case 4 if at < len(data):
+                data[at] = int(random.integers(256))
+            case _:
+                data[at:at] = data[at : at + int(random.integers(1, 60))]
+
+
+def _damaged_inside(random, pristine):
+    """An archive that is whole, of which a member is not."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(pristine)) as old, zipfile.ZipFile(stream, "w") as new:
+        names = old.namelist()
+        damaged = names[int(random.integers(len(names)))]
+        for name in names:
+            content = bytearray(old.read(name))
+            if name == damaged:
+                _scramble(random, content)
+            new.writestr(name, bytes(content))
+    return stream.getvalue()
 
 
 # ---- Arrays and numbers ---------------------------------------------------------------------------------------------

@@ -35,6 +35,13 @@ def blocks(document, language):
     return re.findall(rf"```{language}\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), re.DOTALL)
 
 
+@pytest.mark.parametrize("code", blocks("docs/measured.md", "python"))
+def test_python_of_the_page_on_measured_surfaces(code, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "measured.md", "exec"), {})
+    assert "turned over" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("code", blocks("README.md", "python"))
 def test_python_of_the_readme(code, capsys):
     exec(compile(code, "README.md", "exec"), {})

@@ -13,6 +13,8 @@ def test_rows_are_along_x_and_columns_along_y():
     profile = surface.row(2)
     assert profile.heights.tolist() == [8, 9, 10, 11]
     assert profile.spacing == 0.25
+    assert Surface(np.arange(12.0).reshape(4, 3), spacing=(0.5, 0.25)).column(1).heights.tolist() == [1, 4, 7, 10]
+    assert Surface(np.arange(12.0).reshape(4, 3), spacing=(0.5, 0.25)).column(1).spacing == 0.5
     assert Surface(np.zeros((2, 2)), spacing=0.1).spacing == (0.1, 0.1)
 
 
@@ -43,6 +45,8 @@ def test_what_is_no_surface_is_refused(heights, spacing, match):
         Surface(heights, spacing=spacing)
 
 
-def test_a_row_must_exist():
+def test_a_row_or_column_must_exist():
     with pytest.raises(ValueError, match="index"):
         Surface(np.zeros((3, 5)), spacing=1.0).row(3)
+    with pytest.raises(ValueError, match="index"):
+        Surface(np.zeros((5, 3)), spacing=1.0).column(3)

@@ -17,6 +17,14 @@ from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, for
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
 from stiction.studies.runner import run
 from stiction.studies.study import Study, study_names
+from stiction.surfaces.formats import (
+    FormatError,
+    FormatWarning,
+    read_profile,
+    read_surface,
+    write_profile,
+    write_surface,
+)
 from stiction.surfaces.fractal import (
     ProfileMoments,
     random_phases,
@@ -25,12 +33,15 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 __all__ = [
     "Asperities",
     "Contacts",
+    "FormatError",
+    "FormatWarning",
     "HertzCylinder",
     "HertzSphere",
     "JacksonGreen",
@@ -44,20 +55,28 @@ __all__ = [
     "area_map",
     "asperities",
     "contacts",
+    "cropped",
     "effective_modulus",
     "force_and_area",
     "friction_map",
     "hertz_cylinder",
     "hertz_sphere",
+    "levelled",
+    "on_common_grid",
     "press",
     "random_phases",
+    "read_profile",
+    "read_surface",
     "run",
     "slope_friction",
     "stiffness_map",
     "study_names",
+    "turned_over",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "write_profile",
+    "write_surface",
 ]

@@ -28,9 +28,9 @@ from pydantic import (
 from pydantic_core import ErrorDetails
 
 from stiction._checks import Floats
+from stiction._units import Quantity, quantity, shortened
 from stiction.mechanics.contact import SUMS, Curvature, Detection, Shear
 from stiction.mechanics.law import HertzCylinder, JacksonGreen, Law, LawName
-from stiction.studies.units import Quantity, quantity, shortened
 from stiction.surfaces.fractal import Convention
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
 

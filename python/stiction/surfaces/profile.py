@@ -30,11 +30,14 @@ class Profile:
         At least 4 finite heights; copied, and read-only afterwards.
     spacing : float, µm
         Distance between neighbouring points, above 0.
+    history : tuple of str
+        Where the heights come from and what was done to them, a short sentence for each step.
 
     Raises
     ------
     ValueError
-        If heights are not a one-dimensional array of at least 4 finite numbers, or the spacing is not above 0.
+        If heights are not a one-dimensional array of at least 4 finite numbers, or the spacing is not above 0, or the
+        history is not a tuple of strings.
 
     Examples
     --------
@@ -48,6 +51,7 @@ class Profile:
 
     heights: Floats
     spacing: float = field(kw_only=True)
+    history: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=1)
@@ -57,9 +61,11 @@ class Profile:
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", number("spacing", self.spacing, unit="µm", above=0))
+        object.__setattr__(self, "history", steps("history", self.history))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(Profile, spacing=self.spacing), (self.heights,)  # read-only on the other side as well
+        # Read-only on the other side as well.
+        return partial(Profile, spacing=self.spacing, history=self.history), (self.heights,)
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -95,7 +101,16 @@ class Profile:
         ValueError
             If the amplitude is not above 0, the measure is unknown, or the profile is flat.
         """
-        return scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
+        scaled = scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
+        object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
+        return scaled
+
+
+def steps(name: str, value: Any) -> tuple[str, ...]:
+    """A tuple of strings."""
+    if not isinstance(value, tuple) or not all(isinstance(step, str) for step in value):
+        raise ValueError(f"{name} must be a tuple of strings, got {value!r}")
+    return value
 
 
 def scaled_profile(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats, float_array, number, read_only, whole_number
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,11 +22,13 @@ class Surface:
         At least 2 by 2 finite heights; copied, and read-only afterwards.
     spacing : (float, float), µm
         Distances between neighbouring rows and between neighbouring columns (Δy, Δx), above 0; one number for both.
+    history : tuple of str
+        Where the heights come from and what was done to them, a short sentence for each step.
 
     Raises
     ------
     ValueError
-        If heights are not such an array, or a spacing is not above 0.
+        If heights are not such an array, or a spacing is not above 0, or the history is not a tuple of strings.
 
     Examples
     --------
@@ -40,6 +42,7 @@ class Surface:
 
     heights: Floats
     spacing: tuple[float, float] = field(kw_only=True)
+    history: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=2)
@@ -49,9 +52,11 @@ class Surface:
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", lengths("spacing", self.spacing))
+        object.__setattr__(self, "history", steps("history", self.history))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(Surface, spacing=self.spacing), (self.heights,)  # read-only on the other side as well
+        # Read-only on the other side as well.
+        return partial(Surface, spacing=self.spacing, history=self.history), (self.heights,)
 
     @property
     def x(self) -> Floats:
@@ -71,8 +76,13 @@ class Surface:
 
     def row(self, index: int) -> Profile:
         """Return one row as a profile along x."""
-        return Profile(self.heights[whole_number("index", index, least=0, most=self.heights.shape[0] - 1)],
-                       spacing=self.spacing[1])  # fmt: skip
+        index = whole_number("index", index, least=0, most=self.heights.shape[0] - 1)
+        return Profile(self.heights[index], spacing=self.spacing[1], history=(*self.history, f"row {index}"))
+
+    def column(self, index: int) -> Profile:
+        """Return one column as a profile along y."""
+        index = whole_number("index", index, least=0, most=self.heights.shape[1] - 1)
+        return Profile(self.heights[:, index], spacing=self.spacing[0], history=(*self.history, f"column {index}"))
 
 
 def lengths(name: str, value: Any) -> tuple[float, float]:

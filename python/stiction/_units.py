@@ -1,4 +1,4 @@
-"""Quantities at the edges: "number unit" in study files and on the command line, plain numbers in core units inside."""
+"""Quantities at the edges: "number unit" wherever people write them, plain numbers in core units inside."""
 
 from __future__ import annotations
 

@@ -1,0 +1,64 @@
+"""What a file of measured heights holds, before units and missing points are settled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stiction._checks import Floats
+
+LENGTH_UNITS = {
+    "m": 1e6, "mm": 1e3, "um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "pm": 1e-6, "\u00c5": 1e-4, "\u212b": 1e-4,
+    "metre": 1e6, "meter": 1e6, "metres": 1e6, "meters": 1e6,
+    "millimetre": 1e3, "millimeter": 1e3, "millimetres": 1e3, "millimeters": 1e3,
+    "micrometre": 1.0, "micrometer": 1.0, "micrometres": 1.0, "micrometers": 1.0, "micron": 1.0, "microns": 1.0,
+    "nanometre": 1e-3, "nanometer": 1e-3, "nanometres": 1e-3, "nanometers": 1e-3,
+    "angstrom": 1e-4, "ångström": 1e-4,
+}  # fmt: skip
+"""Factors to µm; both Unicode spellings of micro and of the ring. Symbols as they are written, words in any case."""
+
+MOST_BYTES = 2_000_000_000
+MOST_TEXT_BYTES = 300_000_000
+"""Of a text, which takes some ten times its size in memory while it is taken apart."""
+
+
+class FormatError(ValueError):
+    """A file that cannot be taken as a measured surface: it is damaged, of another kind, or says too little."""
+
+
+class FormatWarning(UserWarning):
+    """A file that contradicts itself in what it says beside its data."""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A spacing that stands in words beside the data, with what its last digit is worth."""
+
+    spacing: float
+    digit: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Raw:
+    """Numbers as they stand in a file, each with its unit if the file has one; missing heights are NaN."""
+
+    heights: Floats
+    """(n,) or (rows, columns)"""
+    unit: str | None = None
+    positions: Floats | None = None
+    """(n,) of a profile"""
+    digit: Floats | None = None
+    """(n,) what the last printed digit of each position is worth"""
+    position_unit: str | None = None
+    """Of the positions, or else of the spacing"""
+    spacing: tuple[float, ...] | None = None
+    """(Δx,) or (Δy, Δx), where there are no positions"""
+    stated: Stated | None = None
+
+
+def length_unit(text: str) -> str | None:
+    """The unit of length that a text is, as a key of `LENGTH_UNITS`, or None."""
+    if text in LENGTH_UNITS:
+        return text
+    folded = text.casefold()
+    return folded if len(folded) > 3 and folded in LENGTH_UNITS else None

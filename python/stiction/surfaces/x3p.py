@@ -1,0 +1,181 @@
+"""Heights in X3P files: a zip archive with main.xml and binary data, ISO 25178-72."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import math
+import zipfile
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.surfaces.profile import MOST_POINTS
+from stiction.surfaces.raw import MOST_BYTES, MOST_TEXT_BYTES, FormatError, Raw
+
+_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
+_MAIN = "main.xml"
+
+
+def read_x3p(data: bytes) -> Raw:
+    """Take an X3P file apart; its lengths are in metres."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            return _read(archive)
+    except FormatError:
+        raise
+    except Exception as error:  # zipfile and zlib have many ways to fail
+        raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
+
+
+def _read(archive: zipfile.ZipFile) -> Raw:
+    if _MAIN not in archive.namelist():
+        raise FormatError(f"is a zip archive without {_MAIN}, so no X3P file")
+    text = _member(archive, _MAIN, MOST_TEXT_BYTES)
+    if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
+        raise FormatError(f"has a document type of its own in {_MAIN}, which X3P has not")
+    root = ElementTree.fromstring(text)
+    feature = _text(root, "Record1/FeatureType")
+    if feature not in ("PRF", "SUR"):
+        raise FormatError(f"holds the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
+    axes = {name: _Axis(root, name) for name in "XYZ"}
+    shape = _shape(root)
+    points = math.prod(shape)
+    if not 0 < points <= MOST_POINTS:
+        raise FormatError(f"says it holds {points} points; from 1 to {MOST_POINTS} can be read")
+    absolute = [name for name in "XYZ" if axes[name].absolute]
+    if "Z" not in absolute:
+        raise FormatError("has heights that are incremental, which X3P does not allow")
+    if feature == "SUR" and absolute != ["Z"]:
+        raise FormatError("holds a surface that is not on a grid, with a position for each point; it cannot be read")
+    columns = _columns(archive, root, {name: axes[name].stored for name in absolute}, points)
+    heights = axes["Z"].lengths(columns["Z"])
+    if (link := _text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
+        bits = np.frombuffer(_member(archive, link, MOST_BYTES), dtype=np.uint8)
+        if bits.size * 8 < points:
+            raise FormatError(f"says which of {points} points are valid in only {bits.size} bytes")
+        heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
+    if feature == "SUR":
+        return Raw(
+            heights.reshape(shape), unit="m", spacing=(axes["Y"].increment, axes["X"].increment), position_unit="m"
+        )
+    if shape[0] != 1:
+        raise FormatError(f"holds {shape[0]} profiles; one can be read")
+    if "X" in absolute:
+        positions = axes["X"].lengths(columns["X"])
+        single = np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64)
+        digit = {"<f4": single, "<f8": np.zeros(points)}.get(axes["X"].stored)
+        return Raw(
+            heights, unit="m", positions=positions, position_unit="m",
+            digit=np.full(points, abs(axes["X"].increment)) if digit is None else digit,
+        )  # fmt: skip
+    return Raw(heights, unit="m", spacing=(axes["X"].increment,), position_unit="m")
+
+
+class _Axis:
+    """How positions along one axis are stored."""
+
+    def __init__(self, root: ElementTree.Element, name: str) -> None:
+        path = f"Record1/Axes/C{name}"
+        kind = _text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
+        stored = _text(root, f"{path}/DataType", "D")
+        if kind not in ("I", "A") or stored not in _TYPES:
+            raise FormatError(
+                f"has a {name} axis of type {kind!r} stored as {stored!r}; I or A, stored as I, L, F or D, is allowed"
+            )
+        self.name = name
+        self.absolute = kind == "A"
+        self.stored = _TYPES[stored]
+        self.increment = _number(root, f"{path}/Increment", 1.0 if self.absolute else math.nan)
+        self.offset = _number(root, f"{path}/Offset", 0.0)
+
+    def lengths(self, stored: NDArray[Any]) -> Floats:
+        with np.errstate(all="ignore"):
+            return stored.astype(np.float64) * self.increment + self.offset
+
+
+def _shape(root: ElementTree.Element) -> tuple[int, int]:
+    """Rows and columns."""
+    if (listed := _text(root, "Record3/ListDimension", "")) != "":
+        return 1, _count(listed)
+    x, y, z = (_count(_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
+    if z != 1:
+        raise FormatError(f"holds {z} layers; one can be read")
+    return y, x
+
+
+def _columns(
+    archive: zipfile.ZipFile, root: ElementTree.Element, stored: dict[str, str], points: int
+) -> dict[str, NDArray[Any]]:
+    """What is stored of each point, by axis."""
+    listed = root.find("Record3/DataList")
+    if listed is not None:
+        return _listed(listed, list(stored), points)
+    data = _member(archive, _text(root, "Record3/DataLink/PointDataLink"), MOST_BYTES)
+    checksum = _text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
+    if checksum not in ("", hashlib.md5(data, usedforsecurity=False).hexdigest()):
+        raise FormatError("is damaged: its heights do not have the checksum that it gives")
+    kind = np.dtype(list(stored.items()))
+    if len(data) != points * kind.itemsize:
+        raise FormatError(f"says it holds {points} points of {kind.itemsize} bytes, but has {len(data)} bytes")
+    table = np.frombuffer(data, dtype=kind)
+    return {name: table[name] for name in stored}
+
+
+def _listed(listed: ElementTree.Element, absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
+    """Points that are written out: a text each, the axes separated by semicolons, empty if the point is missing."""
+    rows = [(datum.text or "").strip() for datum in listed.iter("Datum")]
+    if len(rows) != points:
+        raise FormatError(f"says it holds {points} points, but lists {len(rows)}")
+    columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}
+    for at, row in enumerate(rows):
+        cells = [cell.strip() for cell in row.split(";")]
+        cells = [cell for cell in cells if cell] if len(cells) > len(absolute) else cells
+        if not row:
+            continue
+        if len(cells) != len(absolute):
+            raise FormatError(f"lists {row[:40]!r} as point {at + 1}; {len(absolute)} number(s) are needed")
+        for name, cell in zip(absolute, cells, strict=True):
+            columns[name][at] = _float(cell)
+    return columns
+
+
+def _member(archive: zipfile.ZipFile, name: str, most: int) -> bytes:
+    try:
+        size = archive.getinfo(name).file_size
+    except KeyError:
+        raise FormatError(f"lacks {name[:80]!r}, where its data should be") from None
+    if size > most:
+        raise FormatError(f"holds {name[:80]!r} of {size} bytes; at most {most} can be read")
+    return archive.read(name)
+
+
+def _text(root: ElementTree.Element, path: str, otherwise: str | None = None) -> str:
+    found = root.find(path)
+    text = (found.text or "").strip() if found is not None else ""
+    if text:
+        return text
+    if otherwise is None:
+        raise FormatError(f"lacks {path} in {_MAIN}")
+    return otherwise
+
+
+def _number(root: ElementTree.Element, path: str, otherwise: float) -> float:
+    text = _text(root, path, "")
+    return _float(text) if text else otherwise
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise FormatError(f"has {text[:40]!r} where a number should be") from None
+
+
+def _count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 12):
+        raise FormatError(f"has {text[:40]!r} where a number of points should be")
+    return int(text)

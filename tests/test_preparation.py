@@ -1,0 +1,180 @@
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from stiction import Profile, Surface, contacts, cropped, levelled, on_common_grid, turned_over
+
+ROUND_OFF = 1e-13  # of sums over a hundred numbers of order one
+SPLINE_ORDER = 3.7  # four in the interior, less a margin: the natural ends spoil it near the ends only
+
+
+def rough(points, spacing=0.1, seed=1):
+    return Profile(np.random.default_rng(seed).normal(size=points), spacing=spacing)
+
+
+# ---- Levelling ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("trend", "degree"), [("mean", 0), ("line", 1), ("quadratic", 2)])
+def test_what_is_subtracted_is_the_least_squares_polynomial(trend, degree):
+    profile = rough(101)
+    reference = profile.heights - np.polynomial.Polynomial.fit(profile.x, profile.heights, degree)(profile.x)
+    result = levelled(profile, trend)
+    assert np.abs(result.heights - reference).max() < ROUND_OFF
+    assert result.spacing == profile.spacing
+
+
+@given(
+    seed=st.integers(0, 2**32), points=st.integers(4, 300), coefficients=st.tuples(*[st.floats(-1, 1)] * 3),
+)  # fmt: skip
+@settings(max_examples=50, deadline=None)
+def test_a_trend_that_is_added_is_taken_away_again(seed, points, coefficients):
+    profile = rough(points, seed=seed)
+    t = np.linspace(-1, 1, points)
+    bent = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
+    assert np.abs(levelled(bent, "quadratic").heights - levelled(profile, "quadratic").heights).max() < ROUND_OFF
+    once = levelled(profile, "line")
+    assert np.abs(levelled(once, "line").heights - once.heights).max() < ROUND_OFF
+
+
+def test_a_tilt_far_larger_than_the_roughness_costs_no_digits():
+    profile = levelled(rough(10_000), "line")
+    tilted = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
+    assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10  # 1e5 µm in 1e-16
+
+
+def test_a_surface_is_levelled_by_its_least_squares_plane():
+    random = np.random.default_rng(3)
+    heights = random.normal(size=(20, 31)) + np.arange(31) - 2 * np.arange(20)[:, np.newaxis] + 5
+    y, x = np.indices(heights.shape)
+    design = np.column_stack([np.ones(heights.size), x.ravel(), y.ravel()])
+    reference = heights.ravel() - design @ np.linalg.lstsq(design, heights.ravel(), rcond=None)[0]
+    surface = Surface(heights, spacing=(0.5, 0.25))
+    result = levelled(surface, "plane")
+    assert np.abs(result.heights.ravel() - reference).max() < 100 * ROUND_OFF  # heights of order 40
+    assert result.spacing == surface.spacing
+    assert np.abs(levelled(surface, "mean").heights - (heights - heights.mean())).max() < 100 * ROUND_OFF
+
+
+def test_trends_and_bodies_that_do_not_fit_are_refused():
+    with pytest.raises(ValueError, match="trend must be one of 'mean', 'line', 'quadratic', got 'plane'"):
+        levelled(rough(9), "plane")
+    with pytest.raises(ValueError, match="trend must be one of 'mean', 'plane', got 'line'"):
+        levelled(Surface(np.eye(3), spacing=1.0), "line")
+    with pytest.raises(ValueError, match="body must be a Profile or a Surface, got list"):
+        levelled([1.0, 2.0], "line")
+
+
+# ---- Cropping -------------------------------------------------------------------------------------------------------
+
+
+@given(points=st.integers(8, 200), cut=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
+def test_neighbouring_pieces_make_up_the_whole(points, cut, spacing):
+    profile = rough(points, spacing)
+    place = min(max(round(cut * points), 4), points - 4) * spacing
+    left, right = cropped(profile, stop=place), cropped(profile, place)
+    assert np.array_equal(np.concatenate([left.heights, right.heights]), profile.heights)
+    assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
+
+
+def test_a_position_between_points_takes_the_next():
+    profile = Profile(np.arange(10.0), spacing=0.1)
+    assert cropped(profile, 0.15, 0.65).heights.tolist() == [2, 3, 4, 5, 6]
+    assert cropped(profile, 0.3, 0.7).heights.tolist() == [3, 4, 5, 6]
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "match"),
+    [
+        (0.5, 0.5, "in this order and within the extent of 1 µm, got 0.5 and 0.5 µm"),
+        (-0.1, None, "within the extent"),
+        (0, 1.1, "within the extent"),
+        (0.8, None, "at least 4 points must be left"),
+        (np.nan, None, "start must be a finite number"),
+        (0, "1", "stop must be a finite number"),
+    ],
+)
+def test_pieces_that_are_not_there_are_refused(start, stop, match):
+    with pytest.raises(ValueError, match=match):
+        cropped(rough(10), start, stop)
+
+
+# ---- Turning over ---------------------------------------------------------------------------------------------------
+
+
+def test_two_scans_of_the_same_peak_touch_at_their_peaks():
+    peak = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
+    touching = contacts(turned_over(peak), peak, 1e-4, detection="gap-minimum")
+    assert touching.index.tolist() in (
+        [49],
+        [50],
+    )  # the minimum is at point 50, the end of one interval and start of one
+    assert turned_over(turned_over(peak)).heights.tolist() == peak.heights.tolist()
+
+
+# ---- A common grid --------------------------------------------------------------------------------------------------
+
+
+def test_the_finer_profile_keeps_its_bits_and_the_other_is_splined():
+    fine, coarse = rough(100, 0.1), rough(20, 0.25)
+    for a, b, kept in ((fine, coarse, 0), (coarse, fine, 1)):
+        pair = on_common_grid(a, b)
+        assert pair[0].spacing == pair[1].spacing == 0.1
+        assert len(pair[0]) == len(pair[1]) == 48  # 4.75 µm in common
+        assert np.array_equal(pair[kept].heights, fine.heights[:48])
+        shared = pair[1 - kept].heights[::5]  # every fifth point is a point of the coarse grid as well
+        assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
+
+
+def test_the_same_grid_stays():
+    a, b = rough(30), rough(20)
+    common = on_common_grid(a, b)
+    assert np.array_equal(common[0].heights, a.heights[:20])
+    assert common[1] is b
+
+
+def test_the_spline_converges_with_the_fourth_power_of_the_spacing():
+    errors = []
+    for points in (40, 80):
+        coarse = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
+        fine = Profile(np.zeros(2001), spacing=0.01)
+        splined = on_common_grid(fine, coarse)[1]
+        inner = slice(500, 1500)
+        errors.append(np.abs(splined.heights - np.sin(splined.x))[inner].max())
+    assert np.log2(errors[0] / errors[1]) > SPLINE_ORDER
+
+
+def test_any_two_profiles_have_points_in_common():
+    assert [len(each) for each in on_common_grid(rough(4, 3.0), rough(4, 0.1))] == [4, 4]
+
+
+# ---- History --------------------------------------------------------------------------------------------------------
+
+
+def test_each_step_is_in_the_history_and_stays_there():
+    profile = Profile(rough(100).heights, spacing=0.1, history=("made up",))
+    done = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
+    other = on_common_grid(done, rough(200, 0.05))[0]
+    assert other.history == (
+        "made up",
+        "levelled by a parabola",
+        "cropped to 1 to 9 µm",
+        "scaled to Rq 0.5 µm",
+        "splined from a spacing of 0.1 to 0.05 µm, 159 points",
+    )
+    assert pickle.loads(pickle.dumps(other)).history == other.history
+
+
+def test_profiles_of_a_surface_inherit_its_history():
+    surface = levelled(Surface(np.arange(20.0).reshape(4, 5), spacing=(0.5, 0.25), history=("made up",)), "plane")
+    assert pickle.loads(pickle.dumps(surface)).history == ("made up", "levelled by a plane")
+    assert surface.row(2).history == ("made up", "levelled by a plane", "row 2")
+    assert surface.column(3).history == ("made up", "levelled by a plane", "column 3")
+
+
+@pytest.mark.parametrize("history", ["levelled", ["levelled"], (1,), None])
+def test_a_history_is_a_tuple_of_strings(history):
+    with pytest.raises(ValueError, match="history must be a tuple of strings"):
+        Profile(np.zeros(4), spacing=1.0, history=history)
