@@ -26,6 +26,17 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.roughness import (
+    HurstEstimate,
+    PowerSpectrum,
+    RoughnessParameters,
+    hurst_exponent_of,
+    power_spectrum,
+    roughness_parameters,
+    self_affine,
+    spectral_moments,
+    surrogate,
+)
 from stiction.surfaces.surface import Surface
 
 __all__ = [
@@ -33,10 +44,13 @@ __all__ = [
     "Contacts",
     "HertzCylinder",
     "HertzSphere",
+    "HurstEstimate",
     "JacksonGreen",
     "LoadCurve",
+    "PowerSpectrum",
     "Profile",
     "ProfileMoments",
+    "RoughnessParameters",
     "Study",
     "Surface",
     "Validity",
@@ -49,12 +63,18 @@ __all__ = [
     "friction_map",
     "hertz_cylinder",
     "hertz_sphere",
+    "hurst_exponent_of",
+    "power_spectrum",
     "press",
     "random_phases",
+    "roughness_parameters",
     "run",
+    "self_affine",
     "slope_friction",
+    "spectral_moments",
     "stiffness_map",
     "study_names",
+    "surrogate",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",
     "weierstrass_mandelbrot_moments",
