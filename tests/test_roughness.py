@@ -255,6 +255,13 @@ class TestHurstExponent:
             assert found.lower < 4 - 2 * dimension < found.upper
             assert found.dispersion > 1  # a spectrum of lines
 
+    def test_finds_the_band_of_eq_1_in_which_its_lines_are_dense(self):
+        # At the longest wavelengths; below some 0.04 µm the harmonics of the 40 directions stand apart.
+        profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
+        found = hurst_exponent_of(profile)
+        assert found.longest_wavelength > 0.5
+        assert found.lower < 1.2 < found.upper
+
     @pytest.mark.parametrize(
         ("bad", "match"),
         [

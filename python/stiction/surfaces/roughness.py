@@ -375,8 +375,10 @@ def hurst_exponent_of(
     The band is found by cutting the spectrum, in bins of log q, into the pieces of separate power laws that explain it
     best at a price for each piece: roll-off, self-affine, cut-off by a tip or a filter, noise. The widest piece with
     0 < H < 1 is taken, or with 0 < H < 2 if there is none, and a bin is left off where it meets another; so is what a
-    flat roll-off explains better. Bends of less than 10 % of the density are not told from a power law. Any choice of
-    this kind can err: look at the spectrum.
+    flat roll-off explains better. Lines with gaps between them are no piece of this kind. Bends of less than 10 % of
+    the density are not told from a power law. Any choice of this kind can err: look at the spectrum.
+
+    Whittle, Arkiv för Matematik 2 (1953) 423.
 
     Examples
     --------
@@ -408,7 +410,7 @@ def hurst_exponent_of(
     q, power = wave_number[chosen], power[chosen]
     bins = _Bins.of(q, power)
     exponent = _PowerLaw(np.log(q), power, np.ones(q.size)).exponent
-    dispersion = max(1.0, bins.deviance(exponent) / (alike * max(1, bins.log_q.size - 2)))
+    dispersion = max(1.0, bins.deviance(exponent, bins.count / alike))
     law = _PowerLaw(np.log(q), power, np.full(q.size, 1 / (alike * dispersion)))
     lower, upper = law.interval(law.least_loss + _CHI_SQUARED_95 / 2)
     if piece is not None:  # that a roll-off may be longer or shorter than it seems
@@ -525,11 +527,11 @@ class _Bins:
     def part(self, start: int, end: int) -> _Bins:
         return _Bins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
-    def deviance(self, exponent: float) -> float:
-        """Twice the log-likelihood that a line of this exponent falls short of the bins' own means."""
+    def deviance(self, exponent: float, weight: Floats) -> float:
+        """Twice the log-likelihood that a line of this exponent falls short of the bins' own means, for each bin."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
-        ratio /= np.average(ratio, weights=self.count)
-        return float(2 * (self.count * (ratio - 1 - np.log(ratio))).sum())
+        ratio /= np.average(ratio, weights=weight)
+        return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
 
 
 _BINS_PER_DECADE = 12
@@ -542,6 +544,9 @@ _BEND = 0.1
 
 _PRICE = 10.0
 """Log-likelihood that a further piece must gain: it has three parameters, and its end is sought among some 50 bins."""
+
+_LINES = 10.0
+"""Deviance for each bin, about 1 by chance, of what is no spectrum about a mean but lines with gaps between them."""
 
 _NARROWEST = math.log(3)
 """Of a band that is found, in log q: half a decade."""
@@ -561,6 +566,8 @@ def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _B
                 if not 1 < exponents[piece] < steepest:
                     continue
                 start, end = int(starts[piece]), int(ends[piece])  # the bin behind the last
+                if bins.part(start, end).deviance(exponents[piece], weight[start:end]) > _LINES:
+                    continue
                 end -= end < bins.log_q.size
                 whole = start + (start > 0)
                 start = whole if whole > 0 else _behind_roll_off(bins.part(0, end), weight[:end])
