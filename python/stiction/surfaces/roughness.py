@@ -749,7 +749,7 @@ def surrogate(
     Parameters
     ----------
     profile : Profile
-        Levelled, unless it is periodic.
+        Levelled, unless it is periodic: a slope of the whole would become waves as long as the profile.
     seed, repetition : int
     side : {"lower", "upper"}
         The phases are `random_phases` of these three.
@@ -764,15 +764,16 @@ def surrogate(
     Raises
     ------
     ValueError
-        If the profile is flat, or nothing but a straight line.
+        If the profile is flat, or a number is negative.
 
     Notes
     -----
-    A profile that is not periodic is made so by taking off the straight line between its ends; a window would take
-    away most of the ends, and a mirror image would double the length. All differences of neighbours remain but for
-    a constant, hence the slopes and all wavelengths short against the extent; the line itself is not put back. At last
-    it is scaled to the Pq of the given profile, which changes the density of all wavelengths by one factor: near 1
-    for a profile much longer than its roll-off, but 0.5 to 2 for one whose longest waves are as long as itself.
+    A profile that is not periodic is continued by its mirror image, without a jump, and the spectrum of the two is
+    averaged to the wave numbers of one. A window instead would take most of the ends away, and the straight line
+    between the ends, taken off, would take some of the height with it. At last the surrogate is scaled to the Pq of the
+    given profile. The corners at the two ends of the image put a spectrum of 1/q⁴ on top, and each density is averaged
+    with a half of its neighbours: there are no sharp lines in the spectrum of such a surrogate, and for H near 1.5 and
+    above it has too many short wavelengths.
 
     Random phases keep the spectrum alone. The heights become normally distributed: a surrogate of a worn or
     plateau-honed profile has lost its skewness, and grooves and other features are spread over the whole length.
@@ -790,18 +791,21 @@ def surrogate(
     _refuse_flat(profile)
     mean = profile.heights.mean()
     heights = profile.heights - mean
-    rms = math.sqrt(np.mean(heights**2))
-    if not periodic:
-        # The last point is followed, one spacing further on, by a first one as high as it is.
-        heights = heights - np.arange(heights.size) * ((heights[-1] - heights[0]) / (heights.size - 1))
-    transform = np.fft.rfft(heights)
-    transform[0] = 0
-    if not np.abs(transform).max() > 1e-12 * rms * heights.size:
-        raise ValueError("a straight line has no roughness")
-    phases = random_phases(seed, repetition=repetition, side=side, directions=transform.size - 1, frequencies=1)[:, 0]
-    transform[1:] = np.abs(transform[1:]) * np.exp(1j * phases)
-    if heights.size % 2 == 0:
-        transform[-1] = math.copysign(abs(transform[-1]), math.cos(phases[-1]))
-    made = np.fft.irfft(transform, heights.size)
-    made *= rms / math.sqrt(np.mean(made**2))
+    points = heights.size
+    if periodic:
+        amplitude = np.abs(np.fft.rfft(heights))
+    else:
+        # The image continues the profile without a jump. Of its harmonics, twice as close, every second is one of
+        # the profile's length; the others go in halves to both sides.
+        image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
+        image = np.append(image, image[-2])
+        own = 2 * np.arange(points // 2 + 1)
+        amplitude = np.sqrt(image[own] / 2 + image[np.abs(own - 1)] / 4 + image[own + 1] / 4)
+    phases = random_phases(seed, repetition=repetition, side=side, directions=points // 2, frequencies=1)[:, 0]
+    transform = np.zeros(points // 2 + 1, dtype=np.complex128)
+    transform[1:] = amplitude[1:] * np.exp(1j * phases)
+    if points % 2 == 0:
+        transform[-1] = math.copysign(amplitude[-1], math.cos(phases[-1]))
+    made = np.fft.irfft(transform, points)
+    made *= math.sqrt(np.mean(heights**2) / np.mean(made**2))
     return Profile(made + mean, spacing=profile.spacing)
