@@ -111,6 +111,16 @@ _SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 def _refuse_flat(profile: Profile) -> None:
     if profile.is_flat:
         raise ValueError("a flat profile has no roughness")
+    height = float(np.ptp(profile.heights))
+    if not _LEAST_HEIGHT < height < 1 / _LEAST_HEIGHT:
+        raise ValueError(
+            f"the height of the profile must be above {_LEAST_HEIGHT:g} and below {1 / _LEAST_HEIGHT:g} µm, "
+            f"got {height:g}"
+        )
+
+
+_LEAST_HEIGHT = 1e-50
+"""µm. Products of moments go as the fourth power of heights, which must stay in range."""
 
 
 # ---- Spectrum --------------------------------------------------------------------------------------------------------
@@ -392,14 +402,17 @@ def hurst_exponent_of(
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         place = np.arange(heights.size) - (heights.size - 1) / 2
-        heights = heights - place * (heights @ place / (place @ place))
+        levelled = heights - place * (heights @ place / (place @ place))
+        if not np.abs(levelled).max() > _ROUND_OFF * np.abs(heights).max():
+            raise ValueError("a straight line has no roughness")
+        heights = levelled
     spectrum = _spectrum(heights / np.abs(heights).max(), profile.spacing, windowed=not periodic)
     used = spectrum.count == 1
     if not periodic:
         used[:_UNTRUSTED] = False
     wave_number, power = spectrum.wave_number[used], spectrum.density[used]
     # What is zero but for round-off: a profile without short wavelengths.
-    power = np.maximum(power, np.finfo(float).eps ** 2 * power.max(initial=0.0))
+    power = np.maximum(power, np.finfo(float).eps ** 2 * spectrum.density.max())
     alike = 1.0 if periodic else _HANN_ALIKE
 
     chosen: slice | NDArray[np.bool_]
@@ -447,6 +460,9 @@ def _given_band(wave_number: Floats, band: tuple[float, float]) -> NDArray[np.bo
 
 FEWEST_HARMONICS = 8
 """To fit a Hurst exponent to."""
+
+_ROUND_OFF = 1e-13
+"""Of heights of order 1 after a line has been taken off."""
 
 _UNTRUSTED = 2
 """Lowest harmonics after a Hann window: what the window makes of the mean and of what is longer than the profile."""
