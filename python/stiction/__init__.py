@@ -35,6 +35,17 @@ from stiction.surfaces.fractal import (
 )
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.roughness import (
+    HurstEstimate,
+    PowerSpectrum,
+    RoughnessParameters,
+    hurst_exponent_of,
+    power_spectrum,
+    roughness_parameters,
+    self_affine,
+    spectral_moments,
+    surrogate,
+)
 from stiction.surfaces.surface import Surface
 
 __all__ = [
@@ -44,10 +55,13 @@ __all__ = [
     "FormatWarning",
     "HertzCylinder",
     "HertzSphere",
+    "HurstEstimate",
     "JacksonGreen",
     "LoadCurve",
+    "PowerSpectrum",
     "Profile",
     "ProfileMoments",
+    "RoughnessParameters",
     "Study",
     "Surface",
     "Validity",
@@ -61,16 +75,22 @@ __all__ = [
     "friction_map",
     "hertz_cylinder",
     "hertz_sphere",
+    "hurst_exponent_of",
     "levelled",
     "on_common_grid",
+    "power_spectrum",
     "press",
     "random_phases",
     "read_profile",
     "read_surface",
+    "roughness_parameters",
     "run",
+    "self_affine",
     "slope_friction",
+    "spectral_moments",
     "stiffness_map",
     "study_names",
+    "surrogate",
     "turned_over",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",

@@ -324,19 +324,26 @@ def _angles(turns_per_point: NDArray[np.longdouble], points: int) -> Floats:
 
 @dataclass(frozen=True)
 class ProfileMoments:
-    """Variances of a profile and its derivatives, over all phases.
+    """Variances of a profile and its derivatives: its spectral moments m0, m2, m4.
 
     Attributes
     ----------
     height : float, µm²
-        About the mean.
+        m0, about the mean.
     slope : float
+        m2.
     curvature : float, 1/µm²
+        m4.
     """
 
     height: float
     slope: float
     curvature: float
+
+    @property
+    def nayak_parameter(self) -> float:
+        """Nayak's α = m0 m4 / m2² of the profile: 1 for a single sinusoid, larger the wider the spectrum."""
+        return self.height * self.curvature / self.slope**2
 
 
 def weierstrass_mandelbrot_moments(

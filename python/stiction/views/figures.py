@@ -26,7 +26,7 @@ WIDTH = 80 * MILLIMETRE
 
 LOAD_STEPS = 80
 MOST_CURVES = 8
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "font.size": 7,
     "axes.titlesize": 7,
     "axes.labelsize": 7,
@@ -58,7 +58,7 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
     directory = Path(directory)
     study = study_of(dataset)
     paths = []
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         for name in study.figures.draw:
             match name:
                 case "profiles":
