@@ -50,13 +50,18 @@ def test_python_of_the_readme(code, capsys):
 
 def test_commands_of_the_readme(tmp_path):
     """Every stiction command, made small."""
-    small = "--set surfaces.points=4000 --set 'surfaces.extent=2 um' --set 'surfaces.fractal_dimension=[1.1, 1.4]'"
+    small = "--set surfaces.points=4000 --set 'surfaces.extent=2 um'"
+    run = f"{small} --set 'surfaces.fractal_dimension=[1.1, 1.4]' --set ensemble.repetitions=2"
     lines = [line.split(" #")[0].strip() for block in blocks("README.md", "sh") for line in block.splitlines()]
     commands = [line for line in lines if line.startswith("stiction ")]
     assert len(commands) >= 5
     for command in commands:
         shell = command.replace("stiction ", f"{sys.executable} -m stiction ", 1)
         if " run " in shell:
-            shell = shell.replace(" --set ensemble.repetitions=10", "") + f" {small} --set ensemble.repetitions=2"
+            shell = (
+                shell.replace(" --set ensemble.repetitions=10", "").replace("--cluster 8", "--cluster 2") + f" {run}"
+            )
+        if shell.endswith(" claims"):
+            shell += f" {small} --set ensemble.repetitions=20"
         done = subprocess.run(shell, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
         assert done.returncode == 0, (command, done.stderr)
