@@ -63,6 +63,25 @@ def written(ratios: np.ndarray) -> str:
     return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
 
+def curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> None:
+    """Means of (profile, load) with their intervals, in the colour of a Hurst exponent; the filled one is its label."""
+    mean, low, high = with_interval(values)
+    ax.errorbar(
+        LOADS * 1.06 ** (h - 1),
+        mean,
+        (mean - low, high - mean),
+        ls=style,
+        lw=0.9,
+        elinewidth=0.7,
+        marker=MARKERS[h],
+        ms=2.8,
+        mfc=COLOURS[h] if filled else "white",
+        mew=0.6,
+        color=COLOURS[h],
+        label=f"$H$ = {HURST[h]:g}" if filled else None,
+    )
+
+
 def ratio_figure(results: dict, quantity: int, label: str, name: str, wave, *, log: bool) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
@@ -70,21 +89,8 @@ def ratio_figure(results: dict, quantity: int, label: str, name: str, wave, *, l
         for h, hurst in enumerate(HURST):
             values = results[bandwidth, hurst]
             for way, style in ((1, "-"), (2, ":")):
-                mean, low, high = with_interval(values[:, :, way, quantity] / values[:, :, 0, quantity])
-                ax.errorbar(
-                    LOADS * 1.06 ** (h - 1),
-                    mean,
-                    (mean - low, high - mean),
-                    ls=style,
-                    lw=0.9,
-                    elinewidth=0.7,
-                    marker=MARKERS[h],
-                    ms=2.8,
-                    mfc=COLOURS[h] if way == 1 else "white",
-                    mew=0.6,
-                    color=COLOURS[h],
-                    label=f"$H$ = {hurst:g}" if way == 1 else None,
-                )
+                ratios = values[:, :, way, quantity] / values[:, :, 0, quantity]
+                curve(ax, h, ratios, style, filled=way == 1)
         fine = np.geomspace(LOADS[0] / 1.1, LOADS[-1] * 1.1, 100)
         ax.plot(fine, wave(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="one wave, exact")
         ax.axhline(1, color="0.7", lw=0.6, zorder=0)
@@ -123,21 +129,7 @@ def kappa_figure(results: dict) -> None:
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
         for h, hurst in enumerate(HURST):
             for way, style in ((0, "--"), (1, "-")):
-                mean, low, high = with_interval(results[bandwidth, hurst][:, :, way, FRACTION] / LOADS)
-                ax.errorbar(
-                    LOADS * 1.06 ** (h - 1),
-                    mean,
-                    (mean - low, high - mean),
-                    ls=style,
-                    lw=0.9,
-                    elinewidth=0.7,
-                    marker=MARKERS[h],
-                    ms=2.8,
-                    mfc=COLOURS[h] if way else "white",
-                    mew=0.6,
-                    color=COLOURS[h],
-                    label=f"$H$ = {hurst:g}" if way else None,
-                )
+                curve(ax, h, results[bandwidth, hurst][:, :, way, FRACTION] / LOADS, style, filled=way == 1)
         for (theory, value), style in zip(THEORIES.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
         ax.set_title(f"longest / shortest wave {bandwidth}", fontsize=7, pad=2)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from stiction._checks import Floats, choice
+from stiction._files import new_file
 from stiction._units import Quantity, quantity
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
 from stiction.surfaces.raw import (
@@ -528,20 +529,9 @@ def _save(path: Path, heights: Floats) -> None:
 
 @contextmanager
 def _new_file(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Iterator[Path]:
-    """A file to write, which gets its name, that nothing has yet, when it is whole."""
+    """`new_file` of a name that says what is in it."""
     path = Path(path)
     if path.suffix.lower() not in suffixes:
         raise FormatError(f"{path}: cannot be written: its name must end in {' or '.join(suffixes)}")
-    partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
-    try:
-        if os.path.lexists(path):
-            raise FileExistsError
+    with new_file(path, FormatError) as partial:
         yield partial
-        os.link(partial, path)  # unlike a rename, never over another file
-    except FileExistsError:
-        raise FormatError(f"{path}: exists already; remove it, or choose another name") from None
-    except OSError as error:
-        raise FormatError(f"{path}: cannot be written: {os.strerror(error.errno or 0)}") from None
-    finally:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)

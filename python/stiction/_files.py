@@ -1,0 +1,27 @@
+"""Files that people ask for by name: written whole or not at all, and never over another."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+@contextmanager
+def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
+    """A file to write, which gets its name, that nothing has yet, when it is whole; or a failure that says why not."""
+    partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
+    try:
+        if os.path.lexists(path):
+            raise FileExistsError
+        yield partial
+        os.link(partial, path)  # unlike a rename, never over another file
+    except FileExistsError:
+        raise failure(f"{path}: exists already; remove it, or choose another name") from None
+    except (OSError, RuntimeError) as error:  # RuntimeError: what HDF5 makes of a full disk when it closes a file
+        reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else error
+        raise failure(f"{path}: cannot be written: {reason}") from None
+    finally:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
