@@ -14,9 +14,12 @@ from stiction.mechanics.closed_forms import (
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
+from stiction.mechanics.loading import approach_at_load
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
 from stiction.studies.runner import run
+from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
+from stiction.studies.traverse import paired_lines, traverse, traverse_mean
 from stiction.surfaces.formats import (
     FormatError,
     FormatWarning,
@@ -67,6 +70,7 @@ __all__ = [
     "Surface",
     "Validity",
     "__version__",
+    "approach_at_load",
     "area_map",
     "asperities",
     "contacts",
@@ -78,7 +82,9 @@ __all__ = [
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
+    "nondimensional",
     "on_common_grid",
+    "paired_lines",
     "power_spectrum",
     "press",
     "random_phases",
@@ -93,6 +99,8 @@ __all__ = [
     "stiffness_map",
     "study_names",
     "surrogate",
+    "traverse",
+    "traverse_mean",
     "turned_over",
     "weierstrass_mandelbrot",
     "weierstrass_mandelbrot_family",

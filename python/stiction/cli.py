@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 import tomllib
 import warnings
@@ -14,6 +15,7 @@ import numpy as np
 import typer
 
 from stiction import __version__
+from stiction._units import quantity
 from stiction.mechanics.contact import Validity
 from stiction.studies.runner import available_cores, run
 from stiction.studies.study import Study, StudyError, differences, study_names
@@ -65,6 +67,14 @@ Spacing = Annotated[
         help='Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
         show_default=False,
     ),
+]
+Units = Annotated[
+    list[str] | None,
+    typer.Option("--unit", metavar="UNIT", help="As for characterise; twice if the files differ.", show_default=False),
+]
+Spacings = Annotated[
+    list[str] | None,
+    typer.Option("--spacing", metavar="LENGTH", help="The same.", show_default=False),
 ]
 MissingPoints = Annotated[
     str, typer.Option("--missing", metavar="error|interpolate", help="What to do about points without a height.")
@@ -197,6 +207,120 @@ def export(
 
     exports.export(store.read(directory / RESULT), file)
     typer.echo(f"wrote {file}")
+
+
+@app.command()
+def pair(
+    upper: Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")],
+    lower: Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")],
+    effective_modulus: Annotated[str, typer.Option("--effective-modulus", metavar="PRESSURE", help='As in "10 GPa".')],
+    mu0: Annotated[float, typer.Option("--mu0", metavar="NUMBER", help="Molecular friction coefficient.")],
+    load: Annotated[
+        list[str], typer.Option("--load", metavar="FORCE", help='Normal load on the slider, "0.1 mN". Repeatable.')
+    ],
+    tau0: Annotated[str, typer.Option("--tau0", metavar="PRESSURE", help="Adhesive shear strength.")] = "0 MPa",
+    offsets: Annotated[
+        int | None,
+        typer.Option(
+            "--offsets", min=1, help="Positions along the lower profile.", show_default="16, or 1 for several lines"
+        ),
+    ] = None,
+    travel: Annotated[
+        str | None,
+        typer.Option("--travel", metavar="LENGTH", help="From first to last position.", show_default="half the length"),
+    ] = None,
+    lines: Annotated[int, typer.Option("--lines", min=1, help="Pairs of lines of surfaces, or of surrogates.")] = 16,
+    along: Annotated[str, typer.Option("--along", metavar="x|y", help="Direction of the lines of surfaces.")] = "x",
+    level: Annotated[
+        str, typer.Option("--level", metavar="mean|line|quadratic|none", help="What is taken off each line.")
+    ] = "line",
+    surrogates: Annotated[
+        str,
+        typer.Option(
+            "--surrogates",
+            metavar="none|upper|lower|both",
+            help="Replaced by profiles of equal spectrum, new phases.",
+        ),
+    ] = "none",
+    seed: Annotated[int, typer.Option("--seed", help="Of the surrogates.")] = 2016,
+    law: Annotated[str, typer.Option("--law", metavar="hertz-sphere|hertz-cylinder", help="Contact law.")] = (
+        "hertz-sphere"
+    ),
+    detection: Annotated[
+        str, typer.Option("--detection", metavar="gap-minimum|cell", help="How contacts are found.")
+    ] = "gap-minimum",
+    curvature: Annotated[
+        str, typer.Option("--curvature", metavar="convex|signed", help="Whether cups count as well.")
+    ] = "convex",
+    unit: Units = None,
+    spacing: Spacings = None,
+    missing: MissingPoints = "error",
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("pair"),
+) -> None:
+    """Static friction of two measured profiles or surfaces at given loads, in both directions, with intervals.
+
+    Heights of both files point out of the material. A profile is carried over the other; of surfaces, lines are paired.
+    """
+    from stiction.studies import export as exports
+    from stiction.studies import traverse as traverses
+    from stiction.views import pairing
+
+    bodies = [
+        _measurement(file, _either(unit, index, "--unit"), _either(spacing, index, "--spacing"), missing)
+        for index, file in enumerate((upper, lower))
+    ]
+    loads = [_quantity("--load", each, "force") for each in load]
+    contact: Any = {
+        "effective_modulus": _quantity("--effective-modulus", effective_modulus, "pressure"),
+        "law": law,
+        "detection": detection,
+        "curvature": curvature,
+    }
+    uppers, lowers = traverses.paired_lines(
+        *bodies,
+        travel=None if travel is None else _quantity("--travel", travel, "length"),
+        level=None if level == "none" else level,  # type: ignore[arg-type]
+        lines=lines, along=along, surrogates=surrogates, seed=seed,  # type: ignore[arg-type]
+    )  # fmt: skip
+    table = output / "result.nc"
+    if table.exists():
+        raise ValueError(f"{table}: exists already; say where the results shall go with --output DIR")
+    room = lowers[0].extent - uppers[0].extent
+    positions = offsets if offsets is not None else 1 if len(uppers) > 1 else 16
+    if positions > 1 and not room > 0:
+        raise ValueError(f"--offsets {positions} needs a --travel LENGTH, for which the slider is shortened")
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"{output}: cannot be written: {os.strerror(error.errno or 0)}") from None
+    result = traverses.traverse(
+        uppers, lowers, traverses.loads_around(loads),
+        mu0=mu0, tau0=_quantity("--tau0", tau0, "pressure"),
+        offsets=room * np.arange(1, positions + 1) / positions,  # a body on itself is no pair at 0
+        progress=sys.stderr.isatty(), **contact,
+    )  # fmt: skip
+    mean = traverses.traverse_mean(result)
+    typer.echo(pairing.traverse_text(result, mean, loads), nl=False)
+    exports.export(result, table)
+    typer.echo(f"wrote {table}")
+    for path in pairing.save_traverse_figures(result, mean, loads, uppers, lowers, output, **contact):
+        typer.echo(f"wrote {path}")
+
+
+def _quantity(option: str, text: str, kind: str) -> float:
+    try:
+        return float(quantity(text, kind))
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from None
+
+
+def _either(values: list[str] | None, index: int, option: str) -> str | None:
+    """An option that is given once for both files, or for each of them."""
+    if not values:
+        return None
+    if len(values) > 2:
+        raise ValueError(f"{option} is for both files, or given twice for one after the other, got {len(values)}")
+    return values[index] if len(values) == 2 else values[0]
 
 
 @app.command()

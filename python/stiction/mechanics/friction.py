@@ -17,6 +17,8 @@ from stiction._checks import Floats, float_array
 STATUS_OK = "ok"
 STATUS_SELF_LOCKED = "self-locked"
 STATUS_NO_CONTACT = "no-contact"
+STATUS_NOT_REACHED = "not-reached"
+STATUS_BELOW_RANGE = "below-range"
 
 SHEAR_STRENGTH_LIMIT = 0.1
 """tau0/E* above which tau0 is nearly always MPa given as GPa."""

@@ -7,6 +7,7 @@ extrapolated.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +21,9 @@ from stiction.mechanics.contact import SUMS, Validity
 if TYPE_CHECKING:
     import xarray
 
-STATUS_NOT_REACHED = "not-reached"
-STATUS_BELOW_RANGE = "below-range"
-
 CONFIDENCE = 0.95
 
-_VALIDITY = {
+VALIDITY = {
     "relative_overlap": "load-weighted mean of overlap / radius",
     "share_beyond_hertz": "share of the load on contacts with an overlap above a tenth of their radius",
     "share_below_grid": "share of the load on contacts with a radius below the grid spacing",
@@ -113,8 +111,8 @@ def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Fl
     return mean, lower, upper, crossing
 
 
-def _half_width(left_out: Floats) -> Floats:
-    """Half the interval of a mean from its leave-one-out values (r, l)."""
+def _half_width(left_out: Floats, independent: float = math.inf) -> Floats:
+    """Half the interval of a mean from its leave-one-out values (r, l), of which so many are independent."""
     from scipy.special import stdtrit
 
     repetitions = left_out.shape[0]
@@ -124,9 +122,37 @@ def _half_width(left_out: Floats) -> Floats:
     kurtosis = repetitions * np.divide(
         np.square(powers).sum(axis=0), squares**2, out=np.full_like(squares, 3.0 / repetitions), where=squares > 0
     )
-    freedom = np.clip(2 * repetitions / np.maximum(kurtosis - 1, 1e-9), 1, repetitions - 1)
+    freedom = np.clip(2 * repetitions / np.maximum(kurtosis - 1, 1e-9), 1, max(min(repetitions, independent) - 1, 1))
     error = np.sqrt((repetitions - 1) / repetitions * squares)
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2) * error)
+
+
+def mean_of_neighbours(values: Floats) -> tuple[float, float, float]:
+    """Mean of values (r,) in the order in which they are neighbours, and its interval.
+
+    The interval is that of `_read_off` for independent values, wider by the square root of (1 + ρ)/(1 - ρ), with ρ the
+    correlation of neighbours, and with Student's t for as many fewer values. It is NaN for fewer than two values, and
+    where all are equal: their spread is then not known.
+    """
+    mean = float(values.mean()) if values.size else math.nan
+    if values.size < 2 or (values == values[0]).all():
+        return mean, math.nan, math.nan
+    correlation = _correlation_of_neighbours(values)
+    wider = math.sqrt((1 + correlation) / (1 - correlation))
+    left_out = (values.sum() - values[:, np.newaxis]) / (values.size - 1)
+    if (left_out > 0).all():
+        half_width = float(_half_width(np.log(left_out), values.size / wider**2)[0]) * wider
+        return mean, mean * math.exp(-half_width), mean * math.exp(half_width)
+    half_width = float(_half_width(left_out, values.size / wider**2)[0]) * wider
+    least = 0.0 if (values >= 0).all() else -math.inf
+    return mean, max(mean - half_width, least), mean + half_width
+
+
+def _correlation_of_neighbours(values: Floats) -> float:
+    """Lag-one autocorrelation, at least 0; its estimate from few values is too low by about one over their number."""
+    deviations = values - values.mean()
+    estimate = float(deviations[1:] @ deviations[:-1] / (deviations @ deviations)) + 1 / values.size
+    return min(max(estimate, 0.0), 1 - 2 / values.size)
 
 
 def friction_map(
@@ -223,7 +249,7 @@ def _map(
         data.sizes["fractal_dimension"], data.sizes["amplitude"], load_values.size, mu0_values.size, tau0_values.size,
     )  # fmt: skip
     mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
-    validity = {name: np.full(shape, np.nan) for name in _VALIDITY}
+    validity = {name: np.full(shape, np.nan) for name in VALIDITY}
     status = np.full(shape, friction.STATUS_OK, dtype="<U11")
     sums = _Sums({name: data[name].values for name in SUMS if name in data})
     judged = all(name in data for name in SUMS)  # a dataset of loads alone still has a friction coefficient
@@ -263,7 +289,7 @@ def _map(
             "lower": (dims, lower, {"units": units, "long_name": f"lower end of the 95 % interval of the {long_name}"}),
             "upper": (dims, upper, {"units": units, "long_name": f"upper end of the 95 % interval of the {long_name}"}),
             "status": (dims, status, {"long_name": "whether the value exists, or why not"}),
-            **{name: (dims, values, {"units": "1", "long_name": _VALIDITY[name]}) for name, values in validity.items()},
+            **{name: (dims, values, {"units": "1", "long_name": VALIDITY[name]}) for name, values in validity.items()},
         },
         coordinates,
         dict(dataset.attrs),
@@ -316,6 +342,6 @@ def _locked(pair: _Sums, normal: Floats) -> bool:
 def _status(touched: bool, locked: bool, crossing: Crossing) -> NDArray[np.str_]:
     if not touched:
         return np.full(crossing.reached.shape[1], friction.STATUS_NO_CONTACT)
-    missed = friction.STATUS_SELF_LOCKED if locked else STATUS_NOT_REACHED
-    unreached = np.where(crossing.below[0], STATUS_BELOW_RANGE, missed)
+    missed = friction.STATUS_SELF_LOCKED if locked else friction.STATUS_NOT_REACHED
+    unreached = np.where(crossing.below[0], friction.STATUS_BELOW_RANGE, missed)
     return np.where(crossing.reached[0], friction.STATUS_OK, unreached)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import functools
 import itertools
@@ -9,10 +10,10 @@ import os
 import queue
 import socket
 import threading
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,9 @@ Sums = dict[str, NDArray[Any]]
 
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time."""
+
+MOST_AHEAD = 64
+"""The same, where arguments are whole profiles."""
 
 FAMILY_MEMORY = 64_000_000
 """Bytes of each body's profiles that a task holds at a time, so that its memory does not grow with the study."""
@@ -163,7 +167,7 @@ def run(
         result = empty_dataset(study) if kept is None else kept.result
         finished = frozenset() if kept is None else kept.finished
         pool = stack.enter_context(_executor(executor))
-        advance = stack.enter_context(_progress_bar(study.ensemble.repetitions, len(finished), progress))
+        advance = stack.enter_context(_progress_bar("repetitions", study.ensemble.repetitions, len(finished), progress))
         # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
         for repetition, sums in stack.enter_context(contextlib.closing(_computed(study, finished, pool))):
             if kept is not None:
@@ -172,6 +176,34 @@ def run(
                 result[name].values[:, :, repetition, :] = values
             advance()
     return result
+
+
+_Argument = TypeVar("_Argument")
+_Result = TypeVar("_Result")
+
+
+def in_order(
+    function: Callable[[_Argument], _Result],
+    arguments: Iterable[_Argument],
+    *,
+    total: int,
+    what: str,
+    executor: Executor | None,
+    progress: bool,
+) -> Generator[_Result]:
+    """The results of a function, in the order of its arguments, of which some are submitted at a time."""
+    with _executor(executor) as pool, _progress_bar(what, total, 0, progress) as advance:
+        rest = iter(arguments)
+        waiting = collections.deque(pool.submit(function, each) for each in itertools.islice(rest, MOST_AHEAD))
+        try:
+            while waiting:
+                result = waiting.popleft().result()
+                waiting.extend(pool.submit(function, each) for each in itertools.islice(rest, 1))
+                advance()
+                yield result
+        finally:
+            for future in waiting:
+                future.cancel()
 
 
 @contextlib.contextmanager
@@ -211,7 +243,7 @@ def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Generat
 
 
 @contextlib.contextmanager
-def _progress_bar(total: int, finished: int, wanted: bool) -> Iterator[Callable[[], None]]:
+def _progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[[], None]]:
     if not wanted:
         yield lambda: None
         return
@@ -226,7 +258,7 @@ def _progress_bar(total: int, finished: int, wanted: bool) -> Iterator[Callable[
     )
 
     columns = (
-        TextColumn("repetitions"),
+        TextColumn(what),
         BarColumn(),
         MofNCompleteColumn(),
         TextColumn("elapsed"),

@@ -8,7 +8,7 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from stiction._checks import Floats, choice, number
-from stiction.surfaces.profile import FEWEST_POINTS, Profile
+from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
 from stiction.surfaces.surface import Surface
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
@@ -186,6 +186,17 @@ def on_common_grid(a: Profile, b: Profile) -> tuple[Profile, Profile]:
     last = min((len(each) - 1) * each.spacing for each in (a, b))
     points = math.floor(last / spacing + ON_POINT) + 1
     return _on_grid(a, spacing, points), _on_grid(b, spacing, points)
+
+
+def resampled(profile: Profile, spacing: float) -> Profile:
+    """A profile at another spacing (µm), over its own length, by its natural cubic spline; its own grid as it is."""
+    points = math.floor((len(profile) - 1) * profile.spacing / spacing + ON_POINT) + 1
+    if points > MOST_POINTS:
+        raise ValueError(
+            f"{profile.extent:g} µm at a spacing of {spacing:g} µm are {points} points, and at most {MOST_POINTS} "
+            "can be used"
+        )
+    return _on_grid(profile, spacing, points)
 
 
 def _on_grid(profile: Profile, spacing: float, points: int) -> Profile:

@@ -1,0 +1,170 @@
+"""Load instead of approach: how far two profiles come together under a given normal load."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, float_array, number
+from stiction.mechanics import friction
+from stiction.mechanics.contact import Curvature, Detection, LoadCurve, Shear, press
+from stiction.mechanics.law import Law, LawName
+from stiction.surfaces.profile import Profile
+
+_LEAST = 1e-6
+"""Smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone."""
+
+_STEP = 1.1
+"""Ratio of neighbouring sampled approaches: a load that is crossed and lost again within one may be missed."""
+
+_STEPS_AT_A_TIME = 16
+"""Sampled approaches between two looks at whether all loads are reached; deeper ones cost the more."""
+
+_TOLERANCE = 1e-12
+"""Relative, of an approach."""
+
+
+class ContactChoices(TypedDict, total=False):
+    """The keywords that `press` takes."""
+
+    effective_modulus: float
+    law: Law | LawName
+    detection: Detection
+    curvature: Curvature
+    shear: Shear
+
+
+def approach_at_load(
+    upper: Profile,
+    lower: Profile,
+    loads: ArrayLike,
+    *,
+    mu0: float,
+    tau0: float = 0.0,
+    **contact: Unpack[ContactChoices],
+) -> Floats:
+    """Approach at which two profiles first carry given normal loads.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        On the same grid.
+    loads : array_like of float, mN
+        Above 0, of any shape.
+    mu0 : float
+        Molecular friction coefficient; friction on slopes carries a part of the normal load.
+    tau0 : float, GPa
+        Adhesive shear strength.
+    **contact
+        effective_modulus, law, detection, curvature and shear, as for `press`.
+
+    Returns
+    -------
+    ndarray, µm
+        Of the shape of the loads: where F_N first reaches the load from below. NaN where it is not reached before all
+        points are in touch, because friction locks the contacts or there are none, and where more than the load is
+        carried at an approach of 0 already; `traverse` tells these apart.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+
+    Notes
+    -----
+    F_N is sampled in steps of a tenth of the approach; within the first step that crosses a load upwards the
+    crossing is found to 1e-12. Where F_N jumps over a load, as it does at D >= 1.5 and with detection="cell", the
+    approach is the one behind the jump.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, approach_at_load
+    >>> x = np.arange(201) * 0.01 - 1.003
+    >>> ball, flat = Profile(-(x**2) / 2, spacing=0.01), Profile(np.zeros(201), spacing=0.01)
+    >>> load = 4 / 3 * 10.0 * 0.01**1.5  # Hertz at an overlap of 10 nm
+    >>> float(approach_at_load(flat, ball, load, mu0=0.3, detection="gap-minimum").round(4))
+    0.01
+    """
+    wanted = float_array("loads", loads)
+    if not (wanted > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+    approach, _ = crossing(upper, lower, wanted.ravel(), mu0=mu0, tau0=tau0, **contact)
+    return approach.reshape(wanted.shape)
+
+
+def crossing(
+    upper: Profile,
+    lower: Profile,
+    loads: Floats,
+    *,
+    mu0: float,
+    tau0: float,
+    **contact: Unpack[ContactChoices],
+) -> tuple[Floats, NDArray[np.str_]]:
+    """Approaches (l,) that first carry loads (l,), and the status of each: "ok", or why it is NaN."""
+    number("mu0", mu0)
+    number("tau0", tau0, unit="GPa")
+    curve = press(upper, lower, [0.0], **contact)
+    normal = curve.normal_load(mu0=mu0, tau0=tau0)
+    steps, below = curve.approach, normal[0] >= loads
+    todo = ~below
+    left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
+    touched = bool(curve.contact_count.any())
+    for chunk in _sampled(upper, lower):
+        if not todo.any():
+            break
+        curve = press(upper, lower, chunk, **contact)
+        steps = np.append(steps[-1], chunk)
+        normal = np.append(normal[-1], curve.normal_load(mu0=mu0, tau0=tau0))
+        touched = touched or bool(curve.contact_count.any())
+        crosses = (normal[:-1, np.newaxis] < loads) & (normal[1:, np.newaxis] >= loads)
+        found = crosses.any(axis=0) & todo
+        index = crosses.argmax(axis=0)[found]
+        left[found], right[found] = steps[index], steps[index + 1]
+        todo &= ~found
+    status = np.where(todo, _why_not(touched, curve, normal), friction.STATUS_OK)
+    status = np.where(below, friction.STATUS_BELOW_RANGE, status)
+    approach = np.full(loads.size, np.nan)
+    reached = status == friction.STATUS_OK
+    if reached.any():
+
+        def excess(approaches: Floats, load: Floats) -> Floats:
+            distinct, place = np.unique(approaches, return_inverse=True)
+            carried = press(upper, lower, distinct, **contact).normal_load(mu0=mu0, tau0=tau0)
+            return carried[place].reshape(approaches.shape) - load
+
+        approach[reached] = _first_not_negative(excess, left[reached], right[reached], loads[reached])
+    return approach, status
+
+
+def _why_not(touched: bool, last: LoadCurve, normal: Floats) -> str:
+    if not touched:
+        return friction.STATUS_NO_CONTACT
+    locked = last.contact_count[-1] > 0 and normal[-1] <= 0
+    return friction.STATUS_SELF_LOCKED if locked else friction.STATUS_NOT_REACHED
+
+
+def _sampled(upper: Profile, lower: Profile) -> list[Floats]:
+    """Approaches in equal ratios up to where all points are in touch, some at a time; none for parallel bodies."""
+    most = float(np.ptp(upper.heights - lower.heights))
+    if not most > 0:
+        return []
+    count = round(-np.log(_LEAST) / np.log(_STEP)) + 1
+    steps = most * np.geomspace(_LEAST, 1.0, count)
+    return [steps[first : first + _STEPS_AT_A_TIME] for first in range(0, count, _STEPS_AT_A_TIME)]
+
+
+def _first_not_negative(
+    excess: Callable[[Floats, Floats], Floats], left: Floats, right: Floats, loads: Floats
+) -> Floats:
+    """Where an excess over loads that is negative on the left, and not on the right, ceases to be negative."""
+    from scipy.optimize import elementwise
+
+    tolerances = {"xrtol": _TOLERANCE, "xatol": 0.0, "fatol": 0.0, "frtol": 0.0}
+    root = elementwise.find_root(excess, (left, right), args=(loads,), tolerances=tolerances)
+    behind = np.where(root.f_bracket[1] >= 0, root.bracket[1], root.bracket[0])
+    return np.asarray(np.where(root.f_x >= 0, root.x, behind))

@@ -1,0 +1,404 @@
+"""One rough body carried over another: friction under given loads at many lateral positions, and their mean.
+
+Unlike an ensemble, whose members share an approach, every position carries the load by itself, as a slider under a dead
+weight does.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, choice, float_array, number, whole_number
+from stiction._core import __version__
+from stiction.mechanics import friction
+from stiction.mechanics.contact import Shear, press
+from stiction.mechanics.loading import ContactChoices, crossing
+from stiction.studies import ensemble
+from stiction.studies.runner import in_order
+from stiction.surfaces.fractal import Side
+from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.roughness import surrogate
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray
+
+Along = Literal["x", "y"]
+Surrogates = Literal["none", "upper", "lower", "both"]
+
+AROUND = 30.0
+"""How far a curve goes to both sides of the loads that are asked for."""
+
+LOAD_STEPS = 25
+
+THICKNESS = 1.0
+"""µm, of every profile."""
+
+SHEARS: tuple[Shear, ...] = get_args(Shear)
+
+_STIFFNESS_STEP = 0.02
+"""Share of the approach on both sides of it over which the stiffness is taken."""
+
+_QUANTITIES = {
+    "friction_coefficient": ("1", "coefficient of static friction"),
+    "tangential_load": ("mN", "tangential load that starts the sliding"),
+    "contact_area": ("um^2", "true contact area"),
+    "contact_count": ("1", "number of contacts"),
+    "normal_stiffness": ("mN/um", "normal stiffness"),
+    "approach": ("um", "approach since first touch"),
+    **{name: ("1", long_name) for name, long_name in ensemble.VALIDITY.items()},
+}
+
+_DIMS = ("shear", "line", "offset", "load")
+
+
+def traverse(
+    upper: Profile | Sequence[Profile],
+    lower: Profile | Sequence[Profile],
+    loads: ArrayLike,
+    *,
+    mu0: float,
+    tau0: float = 0.0,
+    offsets: ArrayLike = 0.0,
+    executor: Executor | None = None,
+    progress: bool = False,
+    **contact: Unpack[ContactChoices],
+) -> xarray.Dataset:
+    """Friction of two profiles under given loads, in both shear directions, at lateral positions along each other.
+
+    Parameters
+    ----------
+    upper, lower : Profile or list of Profile
+        The slider and what it is carried over, on the same spacing; of lists, each upper with the lower of its place:
+        the lines of two maps, or surrogates.
+    loads : (l,) array_like of float, mN
+        Above 0, on the whole slider; its nominal area is its extent times 1 µm.
+    mu0 : float
+        Molecular friction coefficient.
+    tau0 : float, GPa
+        Adhesive shear strength.
+    offsets : (o,) array_like of float, µm
+        Positions of the slider's first point on the lower profile, rising, rounded to whole spacings. The whole slider
+        must be over the lower profile.
+    executor : concurrent.futures.Executor, optional
+        Where positions are computed; a thread for each core by default.
+    progress : bool
+        Whether to draw a progress bar on the terminal.
+    **contact
+        effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
+        given, because contacts of a single position must not depend on the grid. `shear` is both.
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_coefficient, tangential_load (mN), contact_area (µm²), contact_count, normal_stiffness (mN/µm, dF_N/dδ
+        over 2 % of the approach on both sides), approach (µm), the figures of `Validity`, and status, over shear, line,
+        offset (µm) and load (mN). The status is "ok", "no-contact", "self-locked", "not-reached" or "below-range" (more
+        than the load is carried at an approach of 0); all else is NaN unless it is "ok".
+
+    Raises
+    ------
+    ValueError
+        If the lists differ in length, a slider is not over its lower profile at an offset, or an argument is outside
+        its range.
+
+    Examples
+    --------
+    >>> from stiction import cropped, self_affine, traverse, traverse_mean
+    >>> upper, lower = (
+    ...     self_affine(1, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
+    ...     for side in ("upper", "lower")
+    ... )
+    >>> result = traverse(cropped(upper, 0, 20), lower, [0.01, 0.1], mu0=0.3, offsets=[0.0, 5.0, 10.0, 15.0])
+    >>> dict(result.sizes)
+    {'shear': 2, 'line': 1, 'offset': 4, 'load': 2}
+    >>> traverse_mean(result)["friction_coefficient"].dims
+    ('shear', 'load', 'statistic')
+    """
+    import xarray
+
+    uppers, lowers = _profiles("upper", upper), _profiles("lower", lower)
+    if len(uppers) != len(lowers):
+        raise ValueError(f"upper and lower must be as many profiles, got {len(uppers)} and {len(lowers)}")
+    if len({(len(each), each.spacing) for each in uppers}) > 1:
+        raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
+    if "shear" in contact:
+        raise ValueError("shear must not be given: a traverse has both directions")
+    choices: ContactChoices = {"detection": "gap-minimum", **contact}
+    load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
+    if not load_values.size or not (load_values > 0).all():
+        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
+    mu0, tau0 = (float(friction.friction_parameter(name, number(name, value))) for name, value in _named(mu0, tau0))
+    friction.check_shear_strength(np.asarray(tau0), choices.get("effective_modulus", 10.0))
+    spacing = uppers[0].spacing
+    places = _places(offsets, spacing)
+    for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
+        if places[-1] + len(above) > len(below):
+            raise ValueError(
+                f"the slider must be over the lower profile: line {line} has {above.extent:g} µm of it and "
+                f"{below.extent:g} µm below, so that offsets are at most {(len(below) - len(above)) * spacing:g} µm, "
+                f"got {places[-1] * spacing:g} µm"
+            )
+    shape = (len(SHEARS), len(uppers), places.size, load_values.size)
+    arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
+    arrays["status"] = np.full(shape, friction.STATUS_OK, dtype="<U11")
+    position = functools.partial(_position, loads=load_values, mu0=mu0, tau0=tau0, choices=choices)
+    members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
+    pairs = (
+        (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
+    )
+    computed = in_order(position, pairs, total=len(members), what="positions", executor=executor, progress=progress)
+    for (line, place), values in zip(members, computed, strict=True):
+        for name, value in values.items():
+            arrays[name][:, line, place] = value
+    coordinates: dict[str, Any] = {
+        "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
+        "line": ("line", np.arange(len(uppers)), {"units": "1", "long_name": "pair of lines"}),
+        "offset": ("offset", places * spacing, {"units": "um", "long_name": "offset of the upper body along +x"}),
+        "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
+        "mu0": ((), mu0, {"units": "1", "long_name": "molecular friction coefficient"}),
+        "tau0": ((), tau0, {"units": "GPa", "long_name": "adhesive shear strength"}),
+        "effective_modulus": (
+            (), float(choices.get("effective_modulus", 10.0)), {"units": "GPa", "long_name": "effective modulus"},
+        ),
+        "nominal_area": (
+            (), uppers[0].extent * THICKNESS, {"units": "um^2", "long_name": "extent of the slider times 1 um"},
+        ),
+    }  # fmt: skip
+    return xarray.Dataset(
+        {
+            **{
+                name: (_DIMS, arrays[name], {"units": units, "long_name": long_name})
+                for name, (units, long_name) in _QUANTITIES.items()
+            },
+            "status": (_DIMS, arrays["status"], {"long_name": "whether the values exist, or why not"}),
+        },
+        coordinates,
+        {
+            "title": "stiction traverse",
+            "detection": choices["detection"],
+            "law": str(choices.get("law", "hertz-sphere")),
+            "curvature": choices.get("curvature", "convex"),
+            "upper": "\n".join(uppers[0].history),
+            "lower": "\n".join(lowers[0].history),
+            "stiction_version": __version__,
+        },
+    )
+
+
+def loads_around(loads: ArrayLike) -> Floats:
+    """Given loads (mN), and enough others around them in equal ratios for a curve."""
+    given = np.atleast_1d(float_array("loads", loads))
+    if not given.size or not (given > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+    around = np.geomspace(given.min() / AROUND, given.max() * AROUND, LOAD_STEPS)
+    # Given ones stay to the bit; others next to them would be the same again.
+    apart = np.abs(around[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given, around[apart]]))
+
+
+def paired_lines(
+    upper: Profile | Surface,
+    lower: Profile | Surface,
+    *,
+    travel: float | None = None,
+    level: ProfileTrend | None = "line",
+    lines: int = 16,
+    along: Along = "x",
+    surrogates: Surrogates = "none",
+    seed: int = 2016,
+) -> tuple[list[Profile], list[Profile]]:
+    """Two scans as what `traverse` takes: sliders, turned over, and what they are carried over, a pair for each line.
+
+    Parameters
+    ----------
+    upper, lower : Profile or Surface
+        Scans, both with heights out of the material; of different grids the finer is taken for both.
+    travel : float, µm, optional
+        The largest offset that shall be possible: sliders are shortened to leave it. By default 0 with several pairs;
+        for one, half of the lower profile or what the upper one leaves of it.
+    level : {"line", "mean", "quadratic"} or None
+        What is taken off each line, and off each slider once more when it has its length, so that it lies level.
+    lines : int
+        How many pairs of lines are taken from surfaces, in equal distances, or of surrogates; two profiles are one
+        pair. Lines of two surfaces are a third of their width apart, so that a surface can be paired with itself.
+    along : {"x", "y"}
+        Whether lines of surfaces are rows or columns.
+    surrogates : {"none", "upper", "lower", "both"}
+        Which of the two are replaced by their `surrogate`, a new one for each line.
+    seed : int
+        Of the surrogates.
+
+    Returns
+    -------
+    (list of Profile, list of Profile)
+        All sliders on the same grid, and so are the lower profiles.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or travel leaves less than half of the shorter profile as a slider.
+    """
+    choice("along", along, Along)
+    choice("surrogates", surrogates, Surrogates)
+    if level is not None:
+        choice("level", level, ProfileTrend)
+    count = whole_number("lines", lines, least=1)
+    both = isinstance(upper, Surface) and isinstance(lower, Surface)
+    if surrogates == "none":
+        count = min([count, *(_width(each, along) for each in (upper, lower) if isinstance(each, Surface))])
+        if isinstance(upper, Profile) and isinstance(lower, Profile):
+            count = 1
+    uppers = _lines("upper", upper, count, along, 0)
+    lowers = _lines("lower", lower, count, along, count // 3 if both else 0)
+    spacing = min(uppers[0].spacing, lowers[0].spacing)
+    for repetition in range(count):
+        above, below = uppers[repetition], lowers[repetition]
+        if level is not None:
+            above, below = levelled(above, level), levelled(below, level)
+        if surrogates in ("upper", "both"):
+            above = _stand_in(above, seed, repetition, "upper")
+        if surrogates in ("lower", "both"):
+            below = _stand_in(below, seed, repetition, "lower")
+        uppers[repetition] = resampled(turned_over(above), spacing)
+        lowers[repetition] = resampled(below, spacing)
+    points, track = len(uppers[0]), len(lowers[0])
+    if travel is None:
+        left = 0 if count > 1 else max(track - points, track // 2)
+    else:
+        left = round(number("travel", travel, unit="µm") / spacing)
+    slider = min(points, track - left)
+    if left < 0 or 2 * slider < min(points, track) - 1:
+        most = (track - min(points, track) // 2) * spacing
+        raise ValueError(f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {travel!r}")
+    uppers = [each if slider == points else cropped(each, 0.0, slider * spacing) for each in uppers]
+    return [each if level is None else levelled(each, level) for each in uppers], lowers
+
+
+def _width(surface: Surface, along: Along) -> int:
+    """Lines of a surface."""
+    return int(surface.heights.shape[0 if along == "x" else 1])
+
+
+def _lines(name: str, body: Profile | Surface, count: int, along: Along, shift: int) -> list[Profile]:
+    """So many lines in equal distances, beginning with that of a place and going round."""
+    if isinstance(body, Profile):
+        return [body] * count
+    if not isinstance(body, Surface):
+        raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+    line = body.row if along == "x" else body.column
+    return [line((place + shift) % count * _width(body, along) // count) for place in range(count)]
+
+
+def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
+    made = surrogate(profile, seed, repetition=repetition, side=side)
+    step = f"replaced by its surrogate of seed {seed}, repetition {repetition}"
+    return Profile(made.heights, spacing=made.spacing, history=(*profile.history, step))
+
+
+def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0: float, choices: ContactChoices) -> Any:
+    """Each quantity and the status at one position, (shear, load) each."""
+    upper, lower = pair
+    values = {name: np.full((len(SHEARS), loads.size), np.nan) for name in _QUANTITIES}
+    status = np.empty((len(SHEARS), loads.size), dtype="<U11")
+    for row, shear in enumerate(SHEARS):
+        directed: ContactChoices = {**choices, "shear": shear}
+        approach, status[row] = crossing(upper, lower, loads, mu0=mu0, tau0=tau0, **directed)
+        ok = np.flatnonzero(status[row] == friction.STATUS_OK)
+        if not ok.size:
+            continue
+        there = approach[ok]
+        steps, place = np.unique(np.outer([1 - _STIFFNESS_STEP, 1, 1 + _STIFFNESS_STEP], there), return_inverse=True)
+        before, at, after = place.reshape(3, ok.size)
+        curve = press(upper, lower, steps, **directed)
+        normal = curve.normal_load(mu0=mu0, tau0=tau0)
+        tangential = curve.tangential_load(mu0=mu0, tau0=tau0)[at]
+        row_values = {
+            "friction_coefficient": tangential / loads[ok],
+            "tangential_load": tangential,
+            "contact_area": curve.contact_area[at],
+            "contact_count": curve.contact_count[at],
+            "normal_stiffness": (normal[after] - normal[before]) / (steps[after] - steps[before]),
+            "approach": there,
+            **{name: figure[at] for name, figure in vars(curve.validity).items()},
+        }
+        for name, value in row_values.items():
+            values[name][row, ok] = value
+    return {**values, "status": status}
+
+
+def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
+    """Means over the positions of a traverse, with 95 % intervals.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        What `traverse` returns.
+
+    Returns
+    -------
+    xarray.Dataset
+        The quantities of the traverse over shear, load and statistic ("mean", "lower", "upper"), over those positions
+        whose status is "ok", and over shear and load how many these are (ok) and how many there are (positions). A mean
+        over some positions only is that of those which have an answer. The interval is NaN for fewer than two.
+
+    Notes
+    -----
+    All positions carry the same load, so the mean coefficient is the ratio of mean tangential to normal load.
+    Neighbouring positions have asperities in common and are not independent: the interval is wider for the correlation
+    of neighbours. It says how well the mean over these two profiles is known, not what other pieces of the same
+    surfaces would give; that takes more profiles, or surrogates.
+    """
+    import xarray
+
+    data = result.transpose(*_DIMS, ...)
+    shears, loads = data.sizes["shear"], data.sizes["load"]
+    ok = (data["status"].values == friction.STATUS_OK).reshape(shears, -1, loads)
+    means = {}
+    for name in _QUANTITIES:
+        values = data[name].values.reshape(ok.shape)
+        statistics = np.full((shears, loads, 3), np.nan)
+        for s, load in np.ndindex(shears, loads):
+            statistics[s, load] = ensemble.mean_of_neighbours(values[s, ok[s, :, load], load])
+        means[name] = (("shear", "load", "statistic"), statistics, dict(data[name].attrs))
+    counts = {
+        "ok": (("shear", "load"), ok.sum(axis=1), {"units": "1", "long_name": "positions that have an answer"}),
+        "positions": ((), ok.shape[1], {"units": "1", "long_name": "positions"}),
+    }
+    kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
+    return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
+
+
+def _named(mu0: float, tau0: float) -> tuple[tuple[str, float], ...]:
+    return ("mu0", mu0), ("tau0", tau0)
+
+
+def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
+    profiles = [value] if isinstance(value, Profile) else list(value)
+    if not profiles or not all(isinstance(each, Profile) for each in profiles):
+        raise ValueError(f"{name} must be a Profile or a list of them, got {type(value).__name__}")
+    return profiles
+
+
+def _places(offsets: ArrayLike, spacing: float) -> NDArray[np.intp]:
+    """Offsets in whole spacings."""
+    values = np.atleast_1d(float_array("offsets", offsets))
+    if values.ndim != 1 or not values.size or not (values >= 0).all() or not (np.diff(values) > 0).all():
+        raise ValueError(f"offsets must be numbers of at least 0 µm that rise, got {offsets!r}")
+    places = np.rint(values / spacing).astype(np.intp)
+    if not (np.diff(places) > 0).all():
+        raise ValueError(f"offsets must be at least a spacing apart, {spacing:g} µm, got {offsets!r}")
+    return places
+
+
+def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
+    """What is below a slider at an offset (µm)."""
+    first = round(offset / lower.spacing)
+    return Profile(lower.heights[first : first + len(slider)], spacing=lower.spacing)

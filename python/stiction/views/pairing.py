@@ -1,0 +1,308 @@
+"""Two measured bodies under load: a table for the terminal, and figures for print."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.mechanics import friction
+from stiction.mechanics.contact import contacts
+from stiction.studies.traverse import lower_piece
+from stiction.surfaces.profile import Profile
+from stiction.views.figures import MILLIMETRE, STYLE, WIDTH
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_ROWS = {
+    "friction_coefficient": ("friction coefficient", 1.0),
+    "tangential_load": ("tangential load (mN)", 1.0),
+    "contact_area": ("true contact area (µm²)", 1.0),
+    "contact_count": ("contacts", 1.0),
+    "normal_stiffness": ("normal stiffness (mN/µm)", 1.0),
+    "approach": ("approach (nm)", 1000.0),
+    "relative_overlap": ("overlap / radius", 1.0),
+    "share_beyond_hertz": ("load on overlaps > R/10", 1.0),
+    "share_below_grid": ("load on radii < spacing", 1.0),
+    "share_crossed": ("contacts refused", 1.0),
+}
+"""What the table says of each load, and the factor to its unit."""
+
+_WITHOUT_INTERVAL = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
+
+_COLOURS = {"+x": "C0", "-x": "C1"}
+_ZOOM = 40
+"""Spacings on both sides of the contact that is drawn large, at least."""
+
+
+def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> str:
+    """What a traverse was and what it says at some of its loads, with 95 % intervals and units.
+
+    Parameters
+    ----------
+    result, mean : xarray.Dataset
+        What `traverse` and `traverse_mean` return.
+    loads : (l,) array_like of float, mN
+        Of those of the result.
+    """
+    positions = int(mean["positions"])
+    tau0, area = 1000 * float(result["tau0"]), float(result["nominal_area"])
+    offsets, pairs = result["offset"].values, result.sizes["line"]
+    span = f"{offsets[0]:.4g} to {offsets[-1]:.4g} µm" if offsets.size > 1 else f"{offsets[0]:.4g} µm"
+    first = "" if pairs == 1 else f", the first of {pairs} pairs"
+    lines = [
+        f"{'upper':<12} {_then(result.attrs['upper'])}{first}",
+        f"{'lower':<12} {_then(result.attrs['lower'])}{first}",
+        f"{'positions':<12} {positions}: {_count(pairs, 'pair')} of lines, {_count(offsets.size, 'offset')} ({span})",
+        f"{'nominal area':<12} {area:.4g} µm² (slider of {area:.4g} µm, 1 µm thick)",
+        f"{'model':<12} E* = {float(result['effective_modulus']):g} GPa, mu0 = {float(result['mu0']):g}, "
+        f"tau0 = {tau0:g} MPa, {result.attrs['law']}, {result.attrs['detection']}, {result.attrs['curvature']}",
+    ]
+    for load in np.atleast_1d(loads):
+        at = mean.sel(load=load, method="nearest")
+        shears = [str(shear) for shear in at["shear"].values]
+        pressure = 1000 * load / area
+        lines += [
+            "",
+            f"at F_N = {load:.4g} mN ({pressure:.4g} MPa of nominal pressure), means and 95 % intervals",
+            f"{'':<26}" + "".join(f"{'upper body to ' + shear:<30}" for shear in shears).rstrip(),
+        ]
+        for name, (title, factor) in _ROWS.items():
+            cells = [_cell(factor * at[name].sel(shear=shear).values, name) for shear in shears]
+            lines.append(f"{title:<26}" + "".join(f"{cell:<30}" for cell in cells).rstrip())
+        cells = [_answers(result.sel(shear=shear).sel(load=load, method="nearest")) for shear in shears]
+        lines.append(f"{'positions with an answer':<26}" + "".join(f"{cell:<30}" for cell in cells).rstrip())
+    return "\n".join(lines) + "\n"
+
+
+def _then(history: str) -> str:
+    return "; ".join(history.split("\n"))
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" + "s" * (number != 1)
+
+
+def _cell(statistics: Any, name: str) -> str:
+    mean, lower, upper = statistics
+    if np.isnan(mean):
+        return "none"
+    if name in _WITHOUT_INTERVAL:
+        return f"{mean:.2g}"
+    interval = "no interval" if np.isnan(lower) else f"[{lower:.4g}, {upper:.4g}]"
+    return f"{mean:.4g} {interval}"
+
+
+def _answers(at: xarray.Dataset) -> str:
+    """How many positions have an answer, and why the others have none."""
+    kinds, numbers = np.unique(at["status"].values, return_counts=True)
+    counts = dict(zip(kinds.tolist(), numbers.tolist(), strict=True))
+    ok = counts.pop(friction.STATUS_OK, 0)
+    rest = "".join(f", {number} {kind}" for kind, number in counts.items())
+    return f"{ok} of {at['status'].size}{rest}"
+
+
+# ---- Figures ---------------------------------------------------------------------------------------------------------
+
+
+def save_traverse_figures(
+    result: xarray.Dataset,
+    mean: xarray.Dataset,
+    loads: Any,
+    uppers: Sequence[Profile],
+    lowers: Sequence[Profile],
+    directory: Path,
+    **contact: Any,
+) -> list[Path]:
+    """Draw a traverse into a directory and return the paths.
+
+    ``friction.png``: `load_figure`. ``positions.png``: `positions_figure` at the first of the loads. ``contact.png``:
+    `contact_figure` of the first position that carries it, if there is one.
+    """
+    load = float(np.atleast_1d(loads)[0])
+    figures = {"friction.png": load_figure(mean, loads), "positions.png": positions_figure(result, mean, load)}
+    at = result.sel(shear="+x").sel(load=load, method="nearest").transpose("line", "offset")
+    answered = np.argwhere(at["status"].values == friction.STATUS_OK)
+    if answered.size:
+        line, place = (int(index) for index in answered[0])
+        upper, lower = uppers[line], lowers[line]
+        beneath = lower_piece(lower, float(at["offset"][place]), upper)
+        figures["contact.png"] = contact_figure(
+            upper, beneath, float(at["approach"][line, place]),
+            mu0=float(result["mu0"]), tau0=float(result["tau0"]), **contact,
+        )  # fmt: skip
+    paths = [directory / name for name in figures]
+    for path, figure in zip(paths, figures.values(), strict=True):
+        figure.savefig(path)
+    return paths
+
+
+def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
+    """Friction coefficient and true contact area against load, in both directions, with intervals; 80 mm wide."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 88 * MILLIMETRE), layout="constrained")
+        axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.2, 1])
+        some = (mean["ok"] < mean["positions"]) & (mean["ok"] > 0)
+        for shear, colour in _COLOURS.items():
+            at = mean.sel(shear=shear)
+            for ax, name in zip(axes, ("friction_coefficient", "contact_area"), strict=True):
+                values = at[name].transpose("load", "statistic").values
+                ax.fill_between(at["load"].values, values[:, 1], values[:, 2], color=colour, alpha=0.2, linewidth=0)
+                ax.plot(at["load"].values, values[:, 0], color=colour, linewidth=0.9, label=f"upper body to {shear}")
+                partly = some.sel(shear=shear).values
+                ax.plot(at["load"].values[partly], values[partly, 0], "x", color=colour, markersize=3)
+        if some.any():
+            axes[0].plot([], [], "x", color="0.4", markersize=3, label="not all positions have an answer")
+        for ax in axes:
+            ax.set_xscale("log")
+            for load in np.atleast_1d(loads):
+                ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
+        if (mean["contact_area"].values > 0).any():
+            axes[1].set_yscale("log")
+        axes[0].set_ylim(bottom=0)
+        axes[0].set_ylabel(r"friction coefficient $\mu_s$")
+        axes[1].set_ylabel("contact area $A$ (µm²)")
+        axes[1].set_xlabel("normal load $F_N$ (mN)")
+        axes[0].set_title(_choices(mean), loc="left", fontsize=6, pad=3)
+        figure.legend(*axes[0].get_legend_handles_labels(), title="shaded: 95 %", loc="outside lower center", ncols=2)
+        figure.draw_without_rendering()
+    return figure
+
+
+def _choices(result: xarray.Dataset) -> str:
+    return (
+        rf"$E^*$ = {float(result['effective_modulus']):g} GPa, $\mu_0$ = {float(result['mu0']):g}, "
+        rf"$\tau_0$ = {1000 * float(result['tau0']):g} MPa, {result.attrs['detection']}"
+    )
+
+
+def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) -> Figure:
+    """Friction coefficient of each position at a load, and how the positions are distributed; 80 mm wide."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 55 * MILLIMETRE), layout="constrained")
+        places, distribution = figure.subplots(1, 2, sharey=True, width_ratios=[2.4, 1])
+        at = result.sel(load=load, method="nearest")
+        along = "offset" if result.sizes["offset"] > 1 else "line"
+        values = at["friction_coefficient"].values
+        highest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
+        bins = np.linspace(0, 1.05 * max(highest, 1e-3), 13)
+        for shear, colour in _COLOURS.items():
+            here = at.sel(shear=shear).transpose(along, ...)
+            coefficients = here["friction_coefficient"].values.reshape(here.sizes[along], -1)
+            places.plot(
+                here[along].values, coefficients, "o", color=colour, markersize=2.5,
+                markeredgewidth=0, alpha=0.8,
+            )  # fmt: skip
+            known = coefficients[np.isfinite(coefficients)]
+            distribution.hist(known, bins=bins, orientation="horizontal", histtype="step", color=colour, linewidth=0.9)
+            middle = mean["friction_coefficient"].sel(shear=shear).sel(load=load, method="nearest").values
+            for ax in (places, distribution):
+                ax.axhspan(middle[1], middle[2], color=colour, alpha=0.15, linewidth=0)
+                ax.axhline(middle[0], color=colour, linewidth=0.6)
+            places.plot([], [], "o", color=colour, markersize=3, label=f"upper body to {shear}")
+        places.set_ylim(bins[0] - 0.02 * bins[-1], bins[-1])
+        places.set_ylabel(rf"$\mu_s$ at $F_N$ = {float(at['load']):.4g} mN")
+        places.set_xlabel("offset of the upper body (µm)" if along == "offset" else "pair of lines")
+        distribution.set_xlabel("positions")
+        distribution.xaxis.set_major_locator(MaxNLocator(3, integer=True))
+        missing = int((at["status"] != friction.STATUS_OK).sum())
+        note = f"; {missing} without an answer" if missing else ""
+        figure.legend(
+            *places.get_legend_handles_labels(), title=f"lines: means, shaded: their 95 %{note}",
+            loc="outside lower center", ncols=2,
+        )  # fmt: skip
+        figure.draw_without_rendering()
+    return figure
+
+
+def contact_figure(
+    upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, **contact: Any
+) -> Figure:
+    """Two profiles in contact: all of them, and the contact that carries most with the forces on the upper body.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        On the same grid.
+    approach : float, µm
+    mu0 : float
+    tau0 : float, GPa
+    **contact
+        As for `contacts`.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    touching = contacts(upper, lower, approach, **contact)
+    x = lower.x
+    drop = float((upper.heights - lower.heights).min()) + approach
+    bodies = upper.heights - drop, lower.heights
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 84 * MILLIMETRE), layout="constrained")
+        whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
+        _bodies(whole, x, *bodies)
+        whole.plot(*touching.centre.T, "o", color="C3", markersize=2, markeredgewidth=0)
+        whole.set_title(
+            f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm", loc="left", pad=3
+        )
+        if len(touching):
+            largest = int(touching.force.argmax())
+            half = max(_ZOOM * lower.spacing, 6 * float(np.sqrt(touching.radius[largest] * touching.overlap[largest])))
+            centre = touching.centre[largest]
+            shown = np.abs(x - centre[0]) <= half
+            _bodies(large, x[shown], *(body[shown] for body in bodies))
+            large.set_xlim(x[shown][0], x[shown][-1])
+            _forces(large, touching, np.abs(touching.centre[:, 0] - centre[0]) <= half, mu0, tau0)
+            whole.axvspan(centre[0] - half, centre[0] + half, color="0.5", alpha=0.25, linewidth=0)
+            large.set_title("where most of the load is", loc="left", pad=3)
+        whole.set_xlim(x[0], x[-1])
+        for ax in (whole, large):
+            ax.set_ylabel("height (µm)")
+        large.set_xlabel("$x$ on the lower profile (µm)")
+        figure.legend(
+            *large.get_legend_handles_labels(), title="heights drawn larger than lengths; arrows in true directions",
+            loc="outside lower center", ncols=2,
+        )  # fmt: skip
+        figure.draw_without_rendering()
+    return figure
+
+
+def _bodies(axes: Axes, x: Any, upper: Any, lower: Any) -> None:
+    top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
+    margin = 0.05 * (top - bottom)
+    axes.fill_between(x, upper, top + margin, color="C0", alpha=0.25, linewidth=0)
+    axes.fill_between(x, bottom - margin, lower, color="0.55", alpha=0.35, linewidth=0)
+    axes.plot(x, upper, color="C0", linewidth=0.5)
+    axes.plot(x, lower, color="0.3", linewidth=0.5)
+    axes.set_ylim(bottom - margin, top + margin)
+
+
+def _forces(axes: Axes, touching: Any, shown: Any, mu0: float, tau0: float) -> None:
+    """Elastic forces on the upper body and the friction of the opposing contacts, all to one scale."""
+    elastic = touching.force[:, np.newaxis] * touching.normal
+    size = mu0 * touching.force + tau0 * touching.area
+    resisting = np.where(touching.opposing, size, 0.0)[:, np.newaxis] * touching.tangent
+    longest = float(np.hypot(*elastic[shown].T).max())
+    for force, colour, label in (
+        (elastic, "C3", "elastic force on the upper body"),
+        (resisting, "C2", "friction of opposing contacts"),
+    ):
+        drawn = shown & (np.hypot(*force.T) > 0)
+        # In inches on the page, so that an arrow has the direction of its force whatever the axes are stretched by.
+        axes.quiver(
+            *touching.centre[drawn].T, *force[drawn].T, color=colour, angles="uv", scale=longest / 0.45,
+            scale_units="inches", width=0.012, units="inches", zorder=3, label=label,
+        )  # fmt: skip
+    axes.plot(*touching.centre[shown].T, "o", color="C3", markersize=2.5, markeredgewidth=0, zorder=4, label="contact")

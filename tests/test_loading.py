@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+from stiction import Profile, approach_at_load, press
+
+FOUND = 1e-11
+"""Relative: the root is bracketed to 1e-12 of the approach, and load goes with a power of it up to a few."""
+
+ARC = 1e-6
+"""Relative: Hertz's force of two arcs, as in the contact tests."""
+
+
+@pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
+def test_arcs_come_as_close_as_hertz_says(circular_arc, detection):
+    radius, spacing = 1.0, 1e-3
+    lower = circular_arc(0.5003, radius, spacing, 1001, "lower")
+    upper = circular_arc(0.5003, radius, spacing, 1001, "upper")
+    deep = 2 * (radius - np.sqrt(radius**2 - 0.0003**2))  # how much deeper than the grid points the apexes touch
+    overlaps = np.array([1e-4, 1e-3, 1e-2])
+    loads = 4 / 3 * 10.0 * np.sqrt(radius / 2) * overlaps**1.5
+    found = approach_at_load(upper, lower, loads, mu0=0.3, detection=detection)
+    np.testing.assert_allclose(found + deep, overlaps, rtol=ARC, atol=1e-9)
+
+
+def test_a_scalar_load_gives_one_approach_and_shapes_are_kept(rough_pair):
+    upper, lower = rough_pair(1.2)
+    loads = np.array([[1e-4, 1e-3, 3e-3], [2e-3, 2e-4, 1e-2]])
+    found = approach_at_load(upper, lower, loads, mu0=0.4)
+    assert found.shape == loads.shape
+    assert approach_at_load(upper, lower, 1e-3, mu0=0.4) == found[0, 1]
+
+
+@pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
+@pytest.mark.parametrize("dimension", [1.1, 1.4, 1.6])
+@pytest.mark.parametrize("shear", ["+x", "-x"])
+def test_the_load_is_first_carried_there(rough_pair, dimension, detection, shear):
+    upper, lower = rough_pair(dimension)
+    choices = {"detection": detection, "shear": shear, "effective_modulus": 20.0}
+    friction = {"mu0": 0.4, "tau0": 0.2}
+    loads = np.geomspace(1e-4, 1e-2, 7)
+    found = approach_at_load(upper, lower, loads, **friction, **choices)
+    reached = np.isfinite(found)
+    assert reached.sum() >= 3
+    if not reached.all():
+        steps = np.ptp(upper.heights - lower.heights) * np.geomspace(1e-4, 1.0, 400)
+        carried = press(upper, lower, steps, **choices).normal_load(**friction)
+        # At D = 1.6 single contacts come and go with many times the load of the others, in a step or two.
+        assert (carried >= loads[~reached].min()).mean() < 0.03
+    for load, approach in zip(loads[reached], found[reached], strict=True):
+        at = press(upper, lower, [approach * (1 - 1e-11), approach], **choices).normal_load(**friction)
+        assert at[0] < load * (1 + FOUND)
+        assert at[1] >= load * (1 - FOUND)
+        # Nothing carries it before, but for what comes and goes within a step of the search.
+        before = press(upper, lower, approach * np.geomspace(1e-4, 1 / 1.1, 200), **choices).normal_load(**friction)
+        assert (before >= load).mean() < 0.03
+
+
+def test_a_load_that_friction_on_slopes_helps_to_carry_needs_more_approach_with_more_friction(rough_pair):
+    upper, lower = rough_pair(1.3)
+    less, more = (approach_at_load(upper, lower, 1e-3, mu0=mu0) for mu0 in (0.0, 1.0))
+    assert more > less
+
+
+def test_not_a_number_where_there_is_no_answer(circular_arc):
+    flat = Profile(np.zeros(401), spacing=0.01)
+    assert np.isnan(approach_at_load(flat, flat, 1.0, mu0=0.3))
+    ball = circular_arc(2.003, 3.0, 0.01, 401, "lower")
+    assert np.isnan(approach_at_load(flat, ball, 1e9, mu0=0.3))
+    assert np.isfinite(approach_at_load(flat, ball, 1e-3, mu0=0.3))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"loads": 0.0}, "loads must be above 0"),
+        ({"loads": [1.0, -1.0]}, "loads must be above 0"),
+        ({"loads": np.nan}, "loads must be finite"),
+        ({"loads": "1 mN"}, "loads must be an array"),
+        ({"mu0": -0.1}, "mu0 must not be negative"),
+        ({"mu0": [0.1, 0.2]}, "mu0 must be a finite number"),
+        ({"tau0": np.inf}, "tau0 must be a finite number"),
+        ({"shear": "x"}, "shear must be one of"),
+    ],
+)
+def test_bad_arguments_are_named(rough_pair, arguments, words):
+    upper, lower = rough_pair(1.2)
+    with pytest.raises(ValueError, match=words):
+        approach_at_load(upper, lower, **({"loads": 1e-3, "mu0": 0.4} | arguments))

@@ -1,0 +1,211 @@
+"""`stiction pair`, from files to figures."""
+
+import os
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from stiction import (
+    Surface,
+    cli,
+    cropped,
+    levelled,
+    self_affine,
+    traverse,
+    traverse_mean,
+    turned_over,
+    write_profile,
+    write_surface,
+)
+from test_cli import assert_refused, stiction_command
+
+MEASURED = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
+
+MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
+
+
+def measured(name):
+    path = MEASURED / name
+    return path if path.exists() else pytest.skip(f"{name} is not here")
+
+
+def scan(side, repetition=0, points=2000):
+    return self_affine(
+        8, hurst_exponent=0.8, rms=0.03, points=points, spacing=0.01, shortest_wavelength=0.2, longest_wavelength=3.0,
+        side=side, repetition=repetition,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def where(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pair")
+    write_profile(scan("upper"), folder / "upper.csv")
+    write_profile(scan("lower"), folder / "lower.csv")
+    write_profile(scan("lower"), folder / "lower.npy")
+    lines = np.array([scan("lower", line, points=300).heights for line in range(6)])
+    write_surface(Surface(lines, spacing=0.01), folder / "map.npy")
+    (folder / "empty.csv").write_text("")
+    (folder / "file").write_text("")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def paired(where):
+    done = stiction_command("pair", "upper.csv", "lower.csv", *MATERIAL, "--load", "0.1 mN", cwd=where)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def row(text, title, load="0.02"):
+    """Numbers of a row of the table at a load."""
+    block = text.split(f"at F_N = {load} mN")[1].split("\n\n")[0]
+    line = next(line for line in block.splitlines() if line.startswith(title))
+    return [float(word.strip("[],")) for word in line.removeprefix(title).split()]
+
+
+def test_the_table_is_that_of_the_library_on_the_profiles_in_memory(where, paired):
+    upper, lower = (levelled(scan(side), "line") for side in ("upper", "lower"))
+    slider = levelled(cropped(turned_over(upper), 0.0, 10.0), "line")
+    result = traverse(
+        slider, lower, [0.02, 0.1], mu0=0.3, tau0=0.1, effective_modulus=10.0, offsets=10.0 * np.arange(1, 17) / 16
+    )
+    mean = traverse_mean(result)
+    for load in ("0.02", "0.1"):
+        for name, title, factor in (
+            ("friction_coefficient", "friction coefficient", 1),
+            ("contact_area", "true contact area (µm²)", 1),
+            ("contact_count", "contacts", 1),
+            ("normal_stiffness", "normal stiffness (mN/µm)", 1),
+            ("approach", "approach (nm)", 1000),
+        ):
+            wanted = factor * mean[name].sel(load=float(load)).transpose("shear", "statistic").values.ravel()
+            np.testing.assert_allclose(row(paired.stdout, title, load), wanted, rtol=1e-3)  # four digits
+    with xarray.open_dataset(where / "pair" / "result.nc", engine="h5netcdf") as stored:
+        kept = stored.sel(load=[0.02, 0.1])
+        for name in ("friction_coefficient", "contact_area", "approach", "status"):
+            np.testing.assert_array_equal(kept[name].values, result[name].values, err_msg=name)
+
+
+def test_it_says_what_was_paired_and_how(paired):
+    text = paired.stdout
+    for words in (
+        "read from upper.csv",
+        "turned over; cropped to 0 to 10 µm",
+        "16 offsets (0.62 to 10 µm)",
+        "nominal area 10 µm²",
+        "E* = 10 GPa, mu0 = 0.3, tau0 = 100 MPa, hertz-sphere, gap-minimum, convex",
+        "2 MPa of nominal pressure",
+        "16 of 16",
+    ):
+        assert words in text, text
+    assert text.splitlines()[-4:] == [
+        f"wrote {Path('pair') / name}" for name in ("result.nc", "friction.png", "positions.png", "contact.png")
+    ]
+
+
+def test_numbers_from_npy_are_those_from_csv(where, paired):
+    given = ["--unit", "um", "--spacing", "0.01 um"]
+    done = stiction_command("pair", "upper.csv", "lower.npy", *MATERIAL, *given, "-o", "npy", cwd=where)
+    assert done.returncode == 0, done.stderr
+    for title in ("friction coefficient", "true contact area (µm²)"):
+        assert row(done.stdout, title) == row(paired.stdout, title)
+
+
+def test_options_reach_the_model(where):
+    done = stiction_command(
+        "pair", "map.npy", "upper.csv", *MATERIAL, "--unit", "um", "--spacing", "0.01 um", "--lines", 3, "--offsets", 2,
+        "--travel", "1 um", "--level", "mean", "--law", "hertz-cylinder", "--detection", "cell", "--curvature", "signed",
+        "--surrogates", "lower", "--seed", 4, "--output", "deep/er", cwd=where,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for words in ("6: 3 pairs of lines, 2 offsets", "levelled by the mean", "hertz-cylinder, cell, signed", "seed 4"):
+        assert words in done.stdout, done.stdout
+    assert (where / "deep/er/contact.png").exists()
+
+
+def test_lines_of_a_map_with_itself(where):
+    done = stiction_command(
+        "pair", "map.npy", "map.npy", *MATERIAL, "--unit", "um", "--spacing", "0.01 um", "--load", "1 N", "-o", "self",
+        cwd=where,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "6: 6 pairs of lines, 1 offset (0 µm)" in done.stdout
+    assert "0 of 6, 6 not-reached" in done.stdout
+    assert "none" in done.stdout
+
+
+def test_a_result_is_not_written_over(where, paired):
+    assert_refused(
+        stiction_command("pair", "upper.csv", "lower.csv", *MATERIAL, cwd=where),
+        "result.nc: exists already",
+        "--output",
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["none.csv", "lower.csv"], ["none.csv", "cannot be read"]),
+        (["upper.csv", "empty.csv"], ["empty.csv"]),
+        (["map.npy", "lower.csv"], ["map.npy", "unit"]),
+        (["upper.csv", "lower.csv", "--unit", "mm"], ["upper.csv", "unit says mm"]),
+        (["upper.csv", "lower.csv", "--unit", "um", "--unit", "nm"], ["lower.csv", "unit says nm"]),
+        (["upper.csv", "lower.csv", "--unit", "um", "--unit", "um", "--unit", "um"], ["--unit", "got 3"]),
+        (["upper.csv", "lower.csv", "--load", "3"], ["--load", "number unit"]),
+        (["upper.csv", "lower.csv", "--load", "-1 mN"], ["loads must be above 0"]),
+        (["upper.csv", "lower.csv", "--effective-modulus", "10 mN"], ["--effective-modulus", "pressure"]),
+        (["upper.csv", "lower.csv", "--tau0", "1"], ["--tau0"]),
+        (["upper.csv", "lower.csv", "--mu0", "-1"], ["mu0 must not be negative"]),
+        (["upper.csv", "lower.csv", "--mu0", "nan"], ["mu0 must be a finite number"]),
+        (["upper.csv", "lower.csv", "--travel", "19 um"], ["travel must be from 0 to 10"]),
+        (["upper.csv", "lower.csv", "--travel", "0 um", "--offsets", "3"], ["--offsets 3 needs a --travel"]),
+        (["upper.csv", "lower.csv", "--offsets", "0"], ["--offsets"]),
+        (["upper.csv", "lower.csv", "--offsets", "5000"], ["at least a spacing apart"]),
+        (["upper.csv", "lower.csv", "--law", "hooke"], ["law must be"]),
+        (["upper.csv", "lower.csv", "--detection", "eye"], ["detection must be"]),
+        (["upper.csv", "lower.csv", "--level", "plane"], ["level must be"]),
+        (["upper.csv", "lower.csv", "--output", "file"], ["file: cannot be written"]),
+        (["upper.csv", "lower.csv", "--output", "file/deeper"], ["cannot be written"]),
+    ],
+)
+def test_bad_input_is_one_message_and_status_2(where, arguments, words, monkeypatch, capsys):
+    monkeypatch.chdir(where)
+    monkeypatch.setattr(sys, "argv", ["stiction", "pair", *MATERIAL, "--output", "bad", *arguments])
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # which main() replaces
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    said = capsys.readouterr().err
+    assert ended.value.code == 2
+    assert len(said.splitlines()) <= 8
+    for word in words:
+        assert word in said
+
+
+def test_what_is_needed_is_asked_for(where):
+    assert_refused(stiction_command("pair", "upper.csv", "lower.csv", cwd=where), "--effective-modulus")
+
+
+# ---- Measured data ---------------------------------------------------------------------------------------------------
+
+
+def test_a_stylus_profile_shifted_along_itself(tmp_path):
+    file = measured("dektak-1.csv")
+    shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN"]
+    done = stiction_command("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "slider of 1300 µm" in done.stdout
+    assert "1 offset (200" in done.stdout
+    coefficient = row(done.stdout.replace("no interval", ""), "friction coefficient", "10")
+    assert all(0.2 < value < 0.8 for value in coefficient)
+
+
+def test_an_afm_map_and_a_surrogate(tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    file = measured("di-4.di")
+    done = stiction_command("pair", file, file, *MATERIAL, "--surrogates", "lower", "--along", "y", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "16: 16 pairs of lines" in done.stdout
+    assert "column 0" in done.stdout

@@ -1,0 +1,313 @@
+import numpy as np
+import pytest
+import stiction
+from stiction import (
+    Profile,
+    Surface,
+    approach_at_load,
+    cropped,
+    levelled,
+    nondimensional,
+    paired_lines,
+    press,
+    self_affine,
+    surrogate,
+    traverse,
+    traverse_mean,
+    turned_over,
+)
+from stiction.studies import ensemble
+
+LOADS = [0.003, 0.03]
+FRICTION = {"mu0": 0.3, "tau0": 0.1}
+EXACT = 1e-9
+"""Relative: roots are found to 1e-12 of the approach."""
+
+
+def scan(side="lower", *, points=3000, repetition=0, spacing=0.01):
+    return self_affine(
+        5, hurst_exponent=0.8, rms=0.03, points=points, spacing=spacing, shortest_wavelength=20 * spacing,
+        longest_wavelength=300 * spacing, side=side, repetition=repetition,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return cropped(turned_over(scan("upper")), 0, 20), scan("lower")
+
+
+@pytest.fixture(scope="module")
+def result(pair):
+    return traverse(*pair, LOADS, offsets=[0.0, 4.0, 10.0], **FRICTION)
+
+
+@pytest.mark.parametrize("shear", ["+x", "-x"])
+@pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
+def test_every_position_is_press_at_the_approach_of_its_load(pair, result, shear, offset):
+    upper, lower = pair
+    beneath = cropped(lower, offset, offset + 20)
+    choices = {"detection": "gap-minimum", "shear": shear}
+    at = result.sel(shear=shear, offset=offset, line=0)
+    approaches = approach_at_load(upper, beneath, LOADS, **FRICTION, **choices)
+    curve = press(upper, beneath, approaches, **choices)
+    np.testing.assert_allclose(at["approach"], approaches, rtol=EXACT)
+    np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=EXACT)
+    np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=EXACT)
+    np.testing.assert_array_equal(at["contact_count"], curve.contact_count)
+    np.testing.assert_allclose(at["share_beyond_hertz"], curve.validity.share_beyond_hertz, rtol=EXACT, atol=1e-12)
+    np.testing.assert_allclose(at["tangential_load"], at["friction_coefficient"] * LOADS, rtol=EXACT)
+    step = 0.02
+    for index, approach in enumerate(approaches):
+        ends = press(upper, beneath, [(1 - step) * approach, (1 + step) * approach], **choices).normal_load(**FRICTION)
+        assert float(at["normal_stiffness"][index]) == pytest.approx((ends[1] - ends[0]) / (2 * step * approach))
+    assert (at["status"] == "ok").all()
+
+
+def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
+    upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
+    load = 0.01
+    at = traverse(upper, lower, [load], mu0=0.0).isel(line=0, offset=0, load=0)
+    overlap = (load / (4 / 3 * 10.0 * np.sqrt(0.5))) ** (2 / 3)
+    # dF/dδ = 3/2 F/δ; over 2 % of the approach on both sides it is wrong by 1/24 of their square.
+    np.testing.assert_allclose(at["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
+
+
+def test_both_directions_change_places_in_a_mirror(pair, result):
+    mirrored = [Profile(each.heights[::-1], spacing=each.spacing) for each in pair]
+    room = pair[1].extent - pair[0].extent
+    other = traverse(*mirrored, LOADS, offsets=[room - 10.0, room - 4.0, room], **FRICTION)
+    for name in ("friction_coefficient", "contact_area", "normal_stiffness", "approach"):
+        there = result[name].transpose("shear", "line", "offset", "load").values
+        here = other[name].transpose("shear", "line", "offset", "load").values
+        np.testing.assert_allclose(here, there[::-1, :, ::-1], rtol=1e-7)
+
+
+def test_units_names_and_what_it_was_made_of_go_with_it(result):
+    assert result["contact_area"].attrs["units"] == "um^2"
+    assert result["normal_stiffness"].attrs["units"] == "mN/um"
+    assert result["load"].attrs["units"] == "mN"
+    assert float(result["nominal_area"]) == pytest.approx(20.0)
+    assert (float(result["mu0"]), float(result["tau0"]), float(result["effective_modulus"])) == (0.3, 0.1, 10.0)
+    assert result.attrs["detection"] == "gap-minimum"
+    assert "turned over" in result.attrs["upper"]
+    assert result.attrs["stiction_version"] == stiction.__version__
+
+
+def test_executors_give_the_same_bits(pair, result):
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(1) as one:
+        other = traverse(*pair, LOADS, offsets=[0.0, 4.0, 10.0], executor=one, **FRICTION)
+    assert other.identical(result)
+
+
+def test_scaling_all_lengths_leaves_the_numbers_without_units(pair):
+    larger = [Profile(3 * each.heights, spacing=3 * each.spacing) for each in pair]
+    one = nondimensional(traverse(*pair, [0.01], offsets=[0.0, 5.0], **FRICTION), length=1.0)
+    other = traverse(
+        *larger, [0.01 * 9 * 2], offsets=[0.0, 15.0], mu0=0.3, tau0=0.2, effective_modulus=20.0
+    )  # fmt: skip
+    other = nondimensional(other, length=3.0)
+    assert set(one.variables) == set(other.variables)
+    for name in one.variables:
+        if one[name].dtype.kind == "f" and name != "nominal_area":  # of the same thickness
+            np.testing.assert_allclose(other[name], one[name], rtol=1e-6, atol=1e-12, err_msg=name)
+            assert one[name].attrs["units"] == "1"
+    assert one["load"].attrs["long_name"] == "normal load / (E* L²)"
+
+
+def test_nondimensional_results_say_what_they_need(result):
+    with pytest.raises(ValueError, match="length must be given"):
+        nondimensional(result)
+    with pytest.raises(ValueError, match="length must be .* above 0"):
+        nondimensional(result, length=-1.0)
+    with pytest.raises(ValueError, match="effective_modulus must be given"):
+        nondimensional(result.drop_vars("effective_modulus"), length=1.0)
+    result = result.copy()
+    result["contact_area"].attrs["units"] = "acre"
+    with pytest.raises(ValueError, match="contact_area has the unit 'acre'"):
+        nondimensional(result, length=1.0)
+
+
+# ---- Statuses and means ----------------------------------------------------------------------------------------------
+
+
+def test_positions_without_an_answer_say_why_and_are_left_out_of_the_mean():
+    x = np.arange(2001) * 0.01 - 10.0
+    flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
+    reached = traverse(flat, ball, [1e-3, 1e9], mu0=0.3)
+    assert reached["status"].values[0, 0, 0].tolist() == ["ok", "not-reached"]
+    nothing = traverse(flat, flat, [1.0], mu0=0.3)
+    assert (nothing["status"] == "no-contact").all()
+    # Two bows on a slope of 3, up which the upper body is pushed, or down.
+    upper, lower = (Profile(3 * x + bow * x**2, spacing=0.01) for bow in (0.05, -0.05))
+    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # mu0 tan θ = 1 at 1/3
+        assert traverse(upper, lower, [1e-3], mu0=mu0)["status"].values.ravel().tolist() == [status, "ok"]
+    grazed = Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01)
+    at_once = traverse(flat, grazed, [1e-12], mu0=0.3)
+    assert (at_once["status"] == "below-range").all()
+    assert np.isnan(at_once["approach"]).all()
+    mean = traverse_mean(reached)
+    assert mean["ok"].sel(shear="+x").values.tolist() == [1, 0]
+    assert np.isnan(mean["friction_coefficient"].sel(shear="+x").values[1]).all()
+    values = mean["contact_area"].sel(shear="+x").values[0]
+    assert np.isfinite(values[0])
+    assert np.isnan(values[1:]).all()  # one position has no interval
+
+
+def test_means_are_over_all_positions_with_an_interval(result):
+    mean = traverse_mean(result)
+    assert mean["friction_coefficient"].dims == ("shear", "load", "statistic")
+    for name in ("friction_coefficient", "contact_area", "contact_count", "normal_stiffness"):
+        np.testing.assert_allclose(
+            mean[name].sel(statistic="mean"), result[name].mean(("line", "offset")).transpose("shear", "load")
+        )
+        lower, upper = (mean[name].sel(statistic=end).values for end in ("lower", "upper"))
+        spread = result[name].std(("line", "offset")).transpose("shear", "load").values > 0
+        assert (lower[spread] < upper[spread]).all()
+    assert (mean["ok"] == 3).all()
+    assert int(mean["positions"]) == 3
+
+
+@pytest.mark.parametrize(("correlation", "least"), [(0.0, 0.92), (0.3, 0.89), (0.6, 0.83)])
+def test_the_interval_of_neighbours_covers_their_mean(correlation, least):
+    """Lognormal values of which neighbours are alike: 16 of them, 1000 times."""
+    rng = np.random.default_rng(2)
+    covered = 0
+    for _ in range(1000):
+        noise = rng.normal(size=66)
+        for i in range(1, 66):
+            noise[i] = correlation * noise[i - 1] + np.sqrt(1 - correlation**2) * noise[i]
+        _, lower, upper = ensemble.mean_of_neighbours(np.exp(0.4 * noise[50:]))
+        covered += lower <= np.exp(0.08) <= upper
+    assert least < covered / 1000 < 0.99
+
+
+def test_values_that_are_all_equal_have_no_interval():
+    mean, lower, upper = ensemble.mean_of_neighbours(np.zeros(16))
+    assert mean == 0
+    assert np.isnan([lower, upper]).all()
+
+
+def test_values_with_zeros_have_an_interval_from_zero_on():
+    mean, lower, upper = ensemble.mean_of_neighbours(np.array([0.0, 0.0, 0.0, 0.9]))
+    assert mean == pytest.approx(0.225)
+    assert 0 <= lower < mean < upper
+
+
+# ---- From scans to pairs ---------------------------------------------------------------------------------------------
+
+
+def test_two_profiles_are_a_slider_of_half_the_length_and_a_track():
+    upper, lower = scan("upper"), scan("lower")
+    (slider,), (track,) = paired_lines(upper, lower)
+    whole = levelled(upper, "line")
+    np.testing.assert_array_equal(track.heights, levelled(lower, "line").heights)
+    np.testing.assert_allclose(slider.heights, levelled(turned_over(cropped(whole, 0, 15)), "line").heights, atol=1e-15)
+    assert slider.history[-2:] == ("cropped to 0 to 15 µm", "levelled by a line")
+
+
+def test_a_short_slider_keeps_its_length():
+    (slider,), (track,) = paired_lines(cropped(scan("upper"), 0, 5), scan("lower"))
+    assert (len(slider), len(track)) == (500, 3000)
+
+
+def test_travel_shortens_the_slider():
+    (slider,), (track,) = paired_lines(scan("upper"), scan("lower"), travel=10.0, level=None)
+    assert (len(slider), len(track)) == (2000, 3000)
+    np.testing.assert_array_equal(slider.heights, -scan("upper").heights[:2000])
+    for travel in (15.5, -1.0, np.nan, 1e9):
+        with pytest.raises(ValueError, match="travel"):
+            paired_lines(scan("upper"), scan("lower"), travel=travel)
+
+
+def test_different_grids_meet_on_the_finer():
+    (slider,), (track,) = paired_lines(scan("upper", points=800, spacing=0.02), scan("lower"))
+    assert slider.spacing == track.spacing == 0.01
+    assert len(track) == 3000
+
+
+def maps():
+    lines = [scan("lower", points=400, repetition=line).heights for line in range(9)]
+    return Surface(lines, spacing=(0.02, 0.01))
+
+
+def test_lines_of_surfaces_are_paired_a_third_of_their_width_apart():
+    surface = maps()
+    uppers, lowers = paired_lines(surface, surface, level=None)
+    assert len(uppers) == len(lowers) == 9
+    for line in range(9):
+        np.testing.assert_array_equal(uppers[line].heights, -surface.heights[line])
+        np.testing.assert_array_equal(lowers[line].heights, surface.heights[(line + 3) % 9])
+    uppers, lowers = paired_lines(surface, surface, level=None, lines=4, along="y")
+    assert [len(each) for each in uppers] == [9] * 4
+    np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
+    np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 200])
+    uppers, lowers = paired_lines(surface, scan("upper"), lines=3)
+    np.testing.assert_array_equal(lowers[0].heights, lowers[2].heights)
+    assert uppers[1].history[:1] == ("row 3",)
+
+
+def test_surrogates_stand_in_for_what_is_asked():
+    upper, lower = scan("upper"), scan("lower")
+    uppers, lowers = paired_lines(upper, lower, surrogates="lower", lines=3, seed=9)
+    assert len(uppers) == 3
+    np.testing.assert_array_equal(uppers[0].heights, uppers[1].heights)
+    for line in range(3):
+        wanted = surrogate(levelled(lower, "line"), 9, repetition=line, side="lower")
+        np.testing.assert_array_equal(lowers[line].heights, wanted.heights)
+    uppers, _ = paired_lines(upper, lower, surrogates="both", lines=2)
+    assert not np.array_equal(uppers[0].heights, uppers[1].heights)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"offsets": [1.0, 0.0]}, "offsets must be numbers .* that rise"),
+        ({"offsets": [-1.0]}, "offsets must be numbers of at least 0"),
+        ({"offsets": [0.0, 0.001]}, "at least a spacing apart"),
+        ({"offsets": [11.0]}, "slider must be over the lower profile"),
+        ({"loads": [0.0]}, "loads must be"),
+        ({"loads": []}, "loads must be"),
+        ({"mu0": -1.0}, "mu0 must not be negative"),
+        ({"tau0": [0.1]}, "tau0 must be a finite number"),
+        ({"shear": "+x"}, "shear must not be given"),
+        ({"law": "hooke"}, "law must be"),
+        ({"upper": []}, "upper must be a Profile or a list"),
+        ({"upper": [1, 2]}, "upper must be a Profile or a list"),
+    ],
+)
+def test_bad_arguments_are_named(pair, arguments, words):
+    upper, lower = pair
+    given = {"upper": upper, "lower": lower, "loads": [0.01], "mu0": 0.3} | arguments
+    with pytest.raises(ValueError, match=words):
+        traverse(given.pop("upper"), given.pop("lower"), given.pop("loads"), **given)
+
+
+def test_lists_must_fit(pair):
+    upper, lower = pair
+    with pytest.raises(ValueError, match="as many profiles, got 2 and 1"):
+        traverse([upper, upper], lower, [0.01], mu0=0.3)
+    with pytest.raises(ValueError, match="same grid"):
+        traverse([upper, cropped(upper, 0, 10)], [lower, lower], [0.01], mu0=0.3)
+
+
+def test_a_shear_strength_in_the_wrong_unit_is_warned_of(pair):
+    with pytest.warns(UserWarning, match="is it in MPa"):
+        traverse(*pair, [0.01], mu0=0.3, tau0=50.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"along": "z"}, "along must be one of"),
+        ({"level": "plane"}, "level must be one of"),
+        ({"surrogates": "all"}, "surrogates must be one of"),
+        ({"lines": 0}, "lines must be a whole number"),
+    ],
+)
+def test_bad_arguments_of_pairs_are_named(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        paired_lines(maps(), maps(), **arguments)
+    with pytest.raises(ValueError, match="upper must be a Profile or a Surface"):
+        paired_lines([1, 2], maps())
