@@ -117,8 +117,8 @@ def test_numbers_from_npy_are_those_from_csv(where, paired):
 def test_options_reach_the_model(where):
     done = stiction_command(
         "pair", "map.npy", "upper.csv", *MATERIAL, "--unit", "um", "--spacing", "0.01 um", "--lines", 3, "--offsets", 2,
-        "--travel", "1 um", "--level", "mean", "--law", "hertz-cylinder", "--detection", "cell", "--curvature", "signed",
-        "--surrogates", "lower", "--seed", 4, "--output", "deep/er", cwd=where,
+        "--travel", "1 um", "--level", "mean", "--law", "hertz-cylinder", "--detection", "cell",
+        "--curvature", "signed", "--surrogates", "lower", "--seed", 4, "--output", "deep/er", cwd=where,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     for words in ("6: 3 pairs of lines, 2 offsets", "levelled by the mean", "hertz-cylinder, cell, signed", "seed 4"):

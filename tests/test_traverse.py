@@ -119,7 +119,7 @@ def test_scaling_all_lengths_leaves_the_numbers_without_units(pair):
 def test_nondimensional_results_say_what_they_need(result):
     with pytest.raises(ValueError, match="length must be given"):
         nondimensional(result)
-    with pytest.raises(ValueError, match="length must be .* above 0"):
+    with pytest.raises(ValueError, match=r"length must be .* above 0"):
         nondimensional(result, length=-1.0)
     with pytest.raises(ValueError, match="effective_modulus must be given"):
         nondimensional(result.drop_vars("effective_modulus"), length=1.0)

@@ -1,0 +1,34 @@
+"""Static friction of lapped steel on lapped steel against load, for three finishes; profiles by the generator."""
+
+import matplotlib
+
+matplotlib.use("agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from stiction import effective_modulus, self_affine, traverse, traverse_mean, turned_over
+
+STEEL = float(effective_modulus(210.0, 0.3, 210.0, 0.3))  # GPa
+LOADS = np.geomspace(1.0, 100.0, 9)  # mN on 1 mm by 1 µm: 1 to 100 MPa of nominal pressure
+
+figure, axes = plt.subplots(figsize=(4.2, 3.0), layout="constrained")
+for rms in (0.02, 0.05, 0.1):  # µm
+    faces = {
+        side: [
+            self_affine(
+                7, hurst_exponent=0.8, rms=rms, points=8000, spacing=0.125, side=side, repetition=repetition,
+                longest_wavelength=50.0, shortest_wavelength=2.0,
+            )
+            for repetition in range(24)
+        ]
+        for side in ("upper", "lower")
+    }  # fmt: skip
+    uppers = [turned_over(face) for face in faces["upper"]]
+    mean = traverse_mean(traverse(uppers, faces["lower"], LOADS, mu0=0.15, tau0=0.2, effective_modulus=STEEL))
+    friction = mean["friction_coefficient"].sel(shear="+x")
+    middle, lower, upper = (friction.sel(statistic=each).values for each in ("mean", "lower", "upper"))
+    print(f"Rq = {1000 * rms:3.0f} nm: mu_s = {middle[4]:.3f} [{lower[4]:.3f}, {upper[4]:.3f}] at {LOADS[4]:g} mN")
+    axes.fill_between(LOADS, lower, upper, alpha=0.2, linewidth=0)
+    axes.plot(LOADS, middle, label=f"Rq = {1000 * rms:.0f} nm")
+axes.set(xscale="log", xlabel="normal load (mN) on 1 mm by 1 µm", ylabel="coefficient of static friction")
+axes.legend(title="lapped steel, mu0 = 0.15, tau0 = 200 MPa", fontsize=8, title_fontsize=8, frameon=False)
+figure.savefig("lapped_steel.png", dpi=200)
