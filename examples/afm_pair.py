@@ -1,4 +1,4 @@
-"""Friction of two AFM maps, line by line, in both directions: python afm_pair.py [UPPER LOWER], files of instruments."""
+"""Friction of two AFM maps, line by line, in both directions: python afm_pair.py [UPPER LOWER], instrument files."""
 
 import sys
 
