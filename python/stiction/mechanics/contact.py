@@ -18,6 +18,9 @@ Detection = Literal["cell", "gap-minimum"]
 Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 
+EFFECTIVE_MODULUS = 10.0
+"""GPa, of the paper."""
+
 SUMS = (
     "contact_count",
     "contact_area",
@@ -216,7 +219,7 @@ def contacts(
     lower: Profile,
     approach: float,
     *,
-    effective_modulus: float = 10.0,
+    effective_modulus: float = EFFECTIVE_MODULUS,
     law: Law | LawName = "hertz-sphere",
     detection: Detection = "cell",
     curvature: Curvature = "convex",
@@ -276,7 +279,7 @@ def press(
     lower: Profile,
     approaches: ArrayLike,
     *,
-    effective_modulus: float = 10.0,
+    effective_modulus: float = EFFECTIVE_MODULUS,
     law: Law | LawName = "hertz-sphere",
     detection: Detection = "cell",
     curvature: Curvature = "convex",

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array
+from stiction._checks import Floats, float_array, number
 
 STATUS_OK = "ok"
 STATUS_SELF_LOCKED = "self-locked"
@@ -57,3 +57,14 @@ def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
             "is it in MPa?",
             stacklevel=3,
         )
+
+
+def one_material(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
+    """A single mu0 and a single tau0 (GPa), checked as arrays of them are."""
+    values = [
+        float(friction_parameter(name, number(name, value, unit=unit)))
+        for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))
+    ]
+    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    check_shear_strength(np.asarray(values[1]), modulus)
+    return values[0], values[1]

@@ -8,9 +8,9 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, number
+from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
-from stiction.mechanics.contact import Curvature, Detection, LoadCurve, Shear, press
+from stiction.mechanics.contact import EFFECTIVE_MODULUS, Curvature, Detection, LoadCurve, Shear, press
 from stiction.mechanics.law import Law, LawName
 from stiction.surfaces.profile import Profile
 
@@ -92,6 +92,7 @@ def approach_at_load(
     wanted = float_array("loads", loads)
     if not (wanted > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+    mu0, tau0 = friction.one_material(mu0, tau0, contact.get("effective_modulus", EFFECTIVE_MODULUS))
     approach, _ = crossing(upper, lower, wanted.ravel(), mu0=mu0, tau0=tau0, **contact)
     return approach.reshape(wanted.shape)
 
@@ -106,10 +107,12 @@ def crossing(
     **contact: Unpack[ContactChoices],
 ) -> tuple[Floats, NDArray[np.str_]]:
     """Approaches (l,) that first carry loads (l,), and the status of each: "ok", or why it is NaN."""
-    number("mu0", mu0)
-    number("tau0", tau0, unit="GPa")
+
+    def carried(curve: LoadCurve) -> Floats:
+        return np.asarray(friction.normal_load(curve, mu0, tau0))
+
     curve = press(upper, lower, [0.0], **contact)
-    normal = curve.normal_load(mu0=mu0, tau0=tau0)
+    normal = carried(curve)
     steps, below = curve.approach, normal[0] >= loads
     todo = ~below
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
@@ -119,7 +122,7 @@ def crossing(
             break
         curve = press(upper, lower, chunk, **contact)
         steps = np.append(steps[-1], chunk)
-        normal = np.append(normal[-1], curve.normal_load(mu0=mu0, tau0=tau0))
+        normal = np.append(normal[-1], carried(curve))
         touched = touched or bool(curve.contact_count.any())
         crosses = (normal[:-1, np.newaxis] < loads) & (normal[1:, np.newaxis] >= loads)
         found = crosses.any(axis=0) & todo
@@ -134,8 +137,8 @@ def crossing(
 
         def excess(approaches: Floats, load: Floats) -> Floats:
             distinct, place = np.unique(approaches, return_inverse=True)
-            carried = press(upper, lower, distinct, **contact).normal_load(mu0=mu0, tau0=tau0)
-            return carried[place].reshape(approaches.shape) - load
+            normal = carried(press(upper, lower, distinct, **contact))
+            return normal[place].reshape(approaches.shape) - load
 
         approach[reached] = _first_not_negative(excess, left[reached], right[reached], loads[reached])
     return approach, status

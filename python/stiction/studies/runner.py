@@ -33,7 +33,7 @@ Sums = dict[str, NDArray[Any]]
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time."""
 
-MOST_AHEAD = 64
+MOST_AHEAD = 16
 """The same, where arguments are whole profiles."""
 
 FAMILY_MEMORY = 64_000_000

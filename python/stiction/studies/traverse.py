@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import Shear, press
+from stiction.mechanics.contact import EFFECTIVE_MODULUS, Shear, press
 from stiction.mechanics.loading import ContactChoices, crossing
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
@@ -135,8 +135,8 @@ def traverse(
     load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    mu0, tau0 = (float(friction.friction_parameter(name, number(name, value))) for name, value in _named(mu0, tau0))
-    friction.check_shear_strength(np.asarray(tau0), choices.get("effective_modulus", 10.0))
+    modulus = choices.get("effective_modulus", EFFECTIVE_MODULUS)
+    mu0, tau0 = friction.one_material(mu0, tau0, modulus)
     spacing = uppers[0].spacing
     places = _places(offsets, spacing)
     for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
@@ -166,7 +166,7 @@ def traverse(
         "mu0": ((), mu0, {"units": "1", "long_name": "molecular friction coefficient"}),
         "tau0": ((), tau0, {"units": "GPa", "long_name": "adhesive shear strength"}),
         "effective_modulus": (
-            (), float(choices.get("effective_modulus", 10.0)), {"units": "GPa", "long_name": "effective modulus"},
+            (), float(modulus), {"units": "GPa", "long_name": "effective modulus"},
         ),
         "nominal_area": (
             (), uppers[0].extent * THICKNESS, {"units": "um^2", "long_name": "extent of the slider times 1 um"},
@@ -318,8 +318,8 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
         steps, place = np.unique(np.outer([1 - _STIFFNESS_STEP, 1, 1 + _STIFFNESS_STEP], there), return_inverse=True)
         before, at, after = place.reshape(3, ok.size)
         curve = press(upper, lower, steps, **directed)
-        normal = curve.normal_load(mu0=mu0, tau0=tau0)
-        tangential = curve.tangential_load(mu0=mu0, tau0=tau0)[at]
+        normal = friction.normal_load(curve, mu0, tau0)
+        tangential = friction.tangential_load(curve, mu0, tau0)[at]
         row_values = {
             "friction_coefficient": tangential / loads[ok],
             "tangential_load": tangential,
@@ -374,10 +374,6 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     }
     kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
-
-
-def _named(mu0: float, tau0: float) -> tuple[tuple[str, float], ...]:
-    return ("mu0", mu0), ("tau0", tau0)
 
 
 def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
