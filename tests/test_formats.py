@@ -15,6 +15,7 @@ from stiction import (
     Surface,
     levelled,
     random_phases,
+    read_measurement,
     read_profile,
     read_surface,
     weierstrass_mandelbrot,
@@ -86,14 +87,14 @@ def test_texts_of_many_kinds_are_the_same_profile(file, text, encoding):
 
 def test_what_the_file_does_not_say_must_be_given(file):
     bare = file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert 'does not say in which unit its heights are; give it, as in unit="um"' in refusal(bare)
+    assert 'does not say in which unit its heights are; give the unit, as in "um"' in refusal(bare)
     assert read_profile(bare, unit="um").heights.tolist() == HEIGHTS
     assert read_profile(bare, unit=("mm", "um")).spacing == pytest.approx(100)
     half = file("x,z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
     assert "in which unit its positions are" in refusal(half)
     assert read_profile(half, unit="um").spacing == pytest.approx(0.1)
     column = file("0.5\n-0.25\n1\n0.125\n2\n")
-    assert 'give the distance of its points, as in spacing="0.5 um"' in refusal(column, unit="um")
+    assert 'give the spacing of its points, as in "0.5 um"' in refusal(column, unit="um")
     assert read_profile(column, unit="um", spacing="100 nm").spacing == 0.1
 
 
@@ -205,6 +206,27 @@ def test_a_matrix_in_text_is_a_surface(file):
     assert "read_profile() reads profiles" in refusal(file(TEXTS["comma"]), read_surface)
 
 
+def test_a_measurement_is_what_its_file_holds(file):
+    profile = read_measurement(file(TEXTS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
+    assert isinstance(profile, Profile)
+    assert profile.heights.tolist() == HEIGHTS
+    assert "which has one spacing; two are given" in refusal(
+        file(TEXTS["comma"]), read_measurement, spacing=("1 um", "0.1 um")
+    )
+    surface = read_measurement(file(npy(np.arange(6.0).reshape(2, 3)), "a.npy"), unit="nm", spacing=("2 um", "1 um"))
+    assert isinstance(surface, Surface)
+    assert surface.heights.tolist() == [[0, 0.001, 0.002], [0.003, 0.004, 0.005]]
+    assert surface.spacing == (2.0, 1.0)
+
+
+@pytest.mark.parametrize("shape", [(5, 1), (1, 5)])
+def test_a_matrix_of_one_row_or_column_is_a_profile(file, shape):
+    path = file(npy(np.reshape(HEIGHTS, shape)), "a.npy")
+    for read in (read_profile, read_measurement):
+        assert read(path, unit="um", spacing="1 um").heights.tolist() == HEIGHTS
+    assert "holds a profile of 5 points" in refusal(path, read_surface, unit="um", spacing="1 um")
+
+
 # ---- NumPy arrays and writing ---------------------------------------------------------------------------------------
 
 
@@ -305,7 +327,7 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
     ],
 )
 def test_bad_arguments_are_named(file, options, said):
-    for read in (read_profile, read_surface):
+    for read in (read_profile, read_surface, read_measurement):
         with pytest.raises(ValueError, match=said) as caught:
             read(file(TEXTS["comma"]), **options)
         assert not isinstance(caught.value, FormatError)

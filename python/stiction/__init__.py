@@ -20,6 +20,7 @@ from stiction.studies.study import Study, study_names
 from stiction.surfaces.formats import (
     FormatError,
     FormatWarning,
+    read_measurement,
     read_profile,
     read_surface,
     write_profile,
@@ -81,6 +82,7 @@ __all__ = [
     "power_spectrum",
     "press",
     "random_phases",
+    "read_measurement",
     "read_profile",
     "read_surface",
     "roughness_parameters",

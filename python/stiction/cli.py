@@ -17,6 +17,9 @@ from stiction import __version__
 from stiction.mechanics.contact import Validity
 from stiction.studies.runner import available_cores, run
 from stiction.studies.study import Study, StudyError, differences, study_names
+from stiction.surfaces.formats import read_measurement
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 app = typer.Typer(
     name="stiction",
@@ -42,6 +45,29 @@ Scheduler = Annotated[
 Changes = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as in ensemble.repetitions=10. Repeatable."),
+]
+
+# Of every command that reads measured profiles or surfaces.
+Unit = Annotated[
+    str | None,
+    typer.Option(
+        "--unit",
+        metavar="UNIT",
+        help='Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
+        show_default=False,
+    ),
+]
+Spacing = Annotated[
+    str | None,
+    typer.Option(
+        "--spacing",
+        metavar="LENGTH",
+        help='Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
+        show_default=False,
+    ),
+]
+MissingPoints = Annotated[
+    str, typer.Option("--missing", metavar="error|interpolate", help="What to do about points without a height.")
 ]
 
 
@@ -183,6 +209,15 @@ def studies(
         return
     for each in study_names():
         typer.echo(each)
+
+
+def _measurement(file: Path, unit: str | None, spacing: str | None, missing: str) -> Profile | Surface:
+    """What a file holds, by the options that every command takes for it."""
+    return read_measurement(file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing)  # type: ignore[arg-type]
+
+
+def _one_or_pair(text: str | None) -> Any:
+    return text if text is None or "," not in text else tuple(part.strip() for part in text.split(","))
 
 
 def _executor(

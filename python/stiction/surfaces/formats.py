@@ -6,6 +6,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -28,7 +29,15 @@ from stiction.surfaces.surface import Surface
 from stiction.surfaces.text import read_text
 from stiction.surfaces.x3p import read_x3p
 
-__all__ = ["FormatError", "FormatWarning", "read_profile", "read_surface", "write_profile", "write_surface"]
+__all__ = [
+    "FormatError",
+    "FormatWarning",
+    "read_measurement",
+    "read_profile",
+    "read_surface",
+    "write_profile",
+    "write_surface",
+]
 
 Missing = Literal["error", "interpolate"]
 
@@ -46,7 +55,7 @@ _SPACINGS = (1e-6, 1e6)
 _HIGHEST = 1e9
 """µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points."""
 
-_Body = TypeVar("_Body", Profile, Surface)
+_Body = TypeVar("_Body", bound=Profile | Surface)
 _Length = TypeVar("_Length", float, Floats)
 
 
@@ -100,27 +109,8 @@ def read_profile(
     Positions need not be more uniform than their printed digits can show. The spacing is (last - first)/(n - 1), unless
     the argument or the text above the data gives one that fits all positions as printed.
     """
-    choice("missing", missing, Missing)
-    position_unit, height_unit = _units(unit)
-    given = _given("spacing", spacing)
-
-    def make(raw: Raw) -> Profile:
-        if raw.heights.ndim != 1:
-            raise FormatError(
-                f"holds {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
-                "heights or two of positions and heights, and read_surface() reads surfaces"
-            )
-        if raw.heights.size < FEWEST_POINTS:
-            raise FormatError(f"holds {raw.heights.size} point(s); a profile needs at least {FEWEST_POINTS}")
-        heights = _heights(raw, height_unit)
-        dx, steps = _profile_spacing(raw, position_unit, given)
-        if dx < 0:
-            heights, dx = heights[::-1], -dx
-            steps.append("turned round, because its positions decreased")
-        heights, filled = _line_without_gaps(heights, missing)
-        return Profile(heights, spacing=_sane(dx), history=(f"read from {Path(path).name}", *steps, *filled))
-
-    return _made(path, make)
+    asked = _asked(unit, spacing, missing)
+    return _made(path, lambda raw, name: _profile(raw, name, asked))
 
 
 def read_surface(
@@ -152,42 +142,65 @@ def read_surface(
     FormatError, ValueError
         As `read_profile`.
     """
-    choice("missing", missing, Missing)
-    position_unit, height_unit = _units(unit)
-    pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
-    if len(pair) != 2:
-        raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
-    given = [_given("spacing", each) for each in pair]
+    asked = _asked(unit, spacing, missing)
+    return _made(path, lambda raw, name: _surface(raw, name, asked))
 
-    def make(raw: Raw) -> Surface:
-        if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
-            raise FormatError(f"holds a profile of {raw.heights.size} points; read_profile() reads profiles")
-        heights = _heights(raw, height_unit)
-        if raw.spacing is not None:
-            length = _unit("positions", raw.position_unit, position_unit)
-            spacings = [_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, given, strict=True)]
-        elif None in given:
-            raise FormatError('holds no spacing; give it, as in spacing="0.5 um" or spacing=("2 um", "0.5 um")')
-        else:
-            spacings = [float(each) for each in given if each is not None]
-        heights, filled = _area_without_gaps(heights, missing)
-        return Surface(
-            heights,
-            spacing=(_sane(spacings[0]), _sane(spacings[1])),
-            history=(f"read from {Path(path).name}", *filled),
-        )
 
-    return _made(path, make)
+def read_measurement(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | tuple[str, str] | None = None,
+    spacing: str | tuple[str, str] | None = None,
+    missing: Missing = "error",
+) -> Profile | Surface:
+    """Read a measured profile or surface, whichever the file holds.
+
+    Parameters
+    ----------
+    path, unit, missing
+        As for `read_profile`.
+    spacing : str or (str, str), optional
+        As for `read_surface`; a profile has one.
+
+    Returns
+    -------
+    Profile or Surface
+
+    Raises
+    ------
+    FormatError, ValueError
+        As `read_profile`.
+    """
+    asked = _asked(unit, spacing, missing)
+    return _made(path, lambda raw, name: (_profile if raw.heights.ndim == 1 else _surface)(raw, name, asked))
 
 
 # ---- From a file to numbers -----------------------------------------------------------------------------------------
 
 
-def _made(path: str | os.PathLike[str], make: Callable[[Raw], _Body]) -> _Body:
-    """What is made of a file; every error names the file."""
+@dataclass(frozen=True)
+class _Asked:
+    """What the caller says of a file."""
+
+    position_unit: str | None
+    height_unit: str | None
+    spacing: tuple[Quantity | None, Quantity | None]
+    missing: Missing
+
+
+def _asked(unit: Any, spacing: Any, missing: Missing) -> _Asked:
+    choice("missing", missing, Missing)
+    pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
+    if len(pair) != 2:
+        raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
+    return _Asked(*_units(unit), (_given("spacing", pair[0]), _given("spacing", pair[1])), missing)
+
+
+def _made(path: str | os.PathLike[str], make: Callable[[Raw, str], _Body]) -> _Body:
+    """What is made of a file and its name; every error says the whole path."""
     path = Path(path)
     try:
-        return make(_raw(path))
+        return make(_unfolded(_raw(path)), path.name)
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise FormatError(f"{path}: cannot be read: {reason}") from None
@@ -195,6 +208,49 @@ def _made(path: str | os.PathLike[str], make: Callable[[Raw], _Body]) -> _Body:
         raise FormatError(f"{path}: is too large for the memory of this machine") from None
     except ValueError as error:
         raise FormatError(f"{path}: {error}") from None
+
+
+def _unfolded(raw: Raw) -> Raw:
+    """A matrix of one row or one column as the profile that it is."""
+    if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
+        return raw
+    along = int(raw.heights.shape[1] > 1)
+    return replace(raw, heights=raw.heights.ravel(), spacing=None if raw.spacing is None else (raw.spacing[along],))
+
+
+def _profile(raw: Raw, name: str, asked: _Asked) -> Profile:
+    if raw.heights.ndim != 1:
+        raise FormatError(
+            f"holds {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
+            "heights or two of positions and heights, and read_surface() reads surfaces"
+        )
+    if raw.heights.size < FEWEST_POINTS:
+        raise FormatError(f"holds {raw.heights.size} point(s); a profile needs at least {FEWEST_POINTS}")
+    given, other = asked.spacing
+    if given != other:
+        raise FormatError("holds a profile, which has one spacing; two are given")
+    heights = _heights(raw, asked.height_unit)
+    dx, steps = _profile_spacing(raw, asked.position_unit, given)
+    if dx < 0:
+        heights, dx = heights[::-1], -dx
+        steps.append("turned round, because its positions decreased")
+    heights, filled = _line_without_gaps(heights, asked.missing)
+    return Profile(heights, spacing=_sane(dx), history=(f"read from {name}", *steps, *filled))
+
+
+def _surface(raw: Raw, name: str, asked: _Asked) -> Surface:
+    if raw.heights.ndim != 2:
+        raise FormatError(f"holds a profile of {raw.heights.size} points; read_profile() reads profiles")
+    heights = _heights(raw, asked.height_unit)
+    if raw.spacing is not None:
+        length = _unit("positions", raw.position_unit, asked.position_unit)
+        dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, asked.spacing, strict=True))
+    elif asked.spacing[0] is not None and asked.spacing[1] is not None:
+        dy, dx = float(asked.spacing[0]), float(asked.spacing[1])
+    else:
+        raise FormatError('holds no spacing; give it, as in "0.5 um", or "2 um" for rows and "0.5 um" for columns')
+    heights, filled = _area_without_gaps(heights, asked.missing)
+    return Surface(heights, spacing=(_sane(dy), _sane(dx)), history=(f"read from {name}", *filled))
 
 
 def _raw(path: Path) -> Raw:
@@ -317,7 +373,7 @@ def _unit(what: str, of_file: str | None, of_caller: str | None) -> str:
         raise FormatError(f"says that its {what} are in {of_file}, but unit says {of_caller}")
     unit = known if known is not None else caller
     if unit is None:
-        raise FormatError(f'does not say in which unit its {what} are; give it, as in unit="um"')
+        raise FormatError(f'does not say in which unit its {what} are; give the unit, as in "um"')
     return unit
 
 
@@ -355,7 +411,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                 raise FormatError(f"says that its spacing is {stated[0]:g} µm, but spacing says {given.text}")
             return given if given is not None else stated[0], []
         if given is None:
-            raise FormatError('holds heights only; give the distance of its points, as in spacing="0.5 um"')
+            raise FormatError('holds heights only; give the spacing of its points, as in "0.5 um"')
         return given, []
     length = _unit("positions", raw.position_unit, unit)
     digit = np.zeros(raw.positions.shape) if raw.digit is None else raw.digit
@@ -383,7 +439,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                 f"its spacing is said to be {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
                 "which is taken",
                 FormatWarning,
-                stacklevel=5,
+                stacklevel=6,
             )
         step += f", where it says {stated[0]:g} µm"
     return measured, [step]
@@ -416,7 +472,7 @@ def _worst_of(x: Floats, measured: float, digit: Floats) -> None:
     if not even and abs(x[-1] - x[0]) < TELLING * digit.max():
         raise FormatError(
             f"has positions with too few digits to tell their spacing ({abs(measured):.3g} µm?); give it, as in "
-            'spacing="0.5 um"'
+            '"0.5 um"'
         )
 
 
@@ -477,7 +533,7 @@ def _refuse_gaps(gaps: np.ndarray[Any, Any], missing: Missing) -> None:
         first = " ".join(str(int(index) + 1) for index in np.argwhere(gaps)[0])
         raise FormatError(
             f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {first}; "
-            'missing="interpolate" puts them on a line between their neighbours'
+            '"interpolate" for missing puts them on a line between their neighbours'
         )
 
 
