@@ -34,6 +34,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.lines import LineRoughness, line_roughness
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
@@ -58,6 +59,7 @@ __all__ = [
     "HertzSphere",
     "HurstEstimate",
     "JacksonGreen",
+    "LineRoughness",
     "LoadCurve",
     "PowerSpectrum",
     "Profile",
@@ -78,6 +80,7 @@ __all__ = [
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
+    "line_roughness",
     "on_common_grid",
     "power_spectrum",
     "press",
