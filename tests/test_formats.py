@@ -301,7 +301,9 @@ def test_files_that_are_not_what_they_should_be_are_refused(file, content, name,
 
 def test_what_cannot_be_opened_is_refused(tmp_path):
     assert "No such file" in refusal(tmp_path / "none.csv")
-    assert "Is a directory" in refusal(tmp_path)
+    assert "is a directory" in refusal(tmp_path)
+    os.mkfifo(tmp_path / "pipe.csv")  # which would be waited for
+    assert "is not a file" in refusal(tmp_path / "pipe.csv")
 
 
 def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):

@@ -256,9 +256,11 @@ def _surface(raw: Raw, name: str, asked: _Asked) -> Surface:
 def _raw(path: Path) -> Raw:
     suffix = path.suffix.lower()
     if not path.is_file():
-        path.open("rb").close()  # which says why there is none
-        raise FormatError("is not a file")
+        path.stat()  # which says why there is none
+        raise FormatError("is a directory" if path.is_dir() else "is not a file")
     size = path.stat().st_size
+    if size == 0:
+        raise FormatError("is empty")
     if size > MOST_BYTES:
         raise FormatError(f"has {size} bytes; at most {MOST_BYTES} can be read")
     with path.open("rb") as file:
@@ -326,10 +328,11 @@ def _instrument(path: Path) -> Raw:
     except FormatError:
         raise
     except Exception as error:  # forty readers have as many ways to fail
-        said = " ".join(str(error).split())[:120]
+        said = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        if type(error).__name__ == "CannotDetectFileFormat":  # which goes on with what each of the forty says
+            said = "none of its formats"
         raise FormatError(
-            f"is no profile or surface that SurfaceTopography reads ({type(error).__name__}: {said}); "
-            "text should end in .csv or .txt"
+            f"is no profile or surface that SurfaceTopography reads ({said}); text should end in .csv or .txt"
         ) from None
     # SurfaceTopography has x along the first axis.
     return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit)

@@ -403,7 +403,7 @@ def hurst_exponent_of(
     if not periodic:
         place = np.arange(heights.size) - (heights.size - 1) / 2
         levelled = heights - place * (heights @ place / (place @ place))
-        if not np.abs(levelled).max() > _ROUND_OFF * np.abs(heights).max():
+        if not np.abs(levelled).max() > _ROUND_OFF * np.abs(profile.heights).max():
             raise ValueError("a straight line has no roughness")
         heights = levelled
     spectrum = _spectrum(heights / np.abs(heights).max(), profile.spacing, windowed=not periodic)
@@ -462,7 +462,7 @@ FEWEST_HARMONICS = 8
 """To fit a Hurst exponent to."""
 
 _ROUND_OFF = 1e-13
-"""Of heights of order 1 after a line has been taken off."""
+"""Of the largest height, what is left of a straight line after it has been taken off."""
 
 _UNTRUSTED = 2
 """Lowest harmonics after a Hann window: what the window makes of the mean and of what is longer than the profile."""

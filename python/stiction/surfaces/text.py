@@ -74,7 +74,7 @@ def _decoded(data: bytes) -> str:
     if control:
         raise FormatError(f"is binary, not text ({control} control characters)")
     if not text.strip():
-        raise FormatError("is empty" if not data else "holds nothing but blanks")
+        raise FormatError("holds nothing but blanks")
     return text if "\n" in text else text.replace("\r", "\n")
 
 
