@@ -3,7 +3,6 @@ import io
 import os
 import zipfile
 from collections import Counter
-from pathlib import Path
 
 import fuzzing
 import numpy as np
@@ -23,8 +22,6 @@ from stiction import (
     write_surface,
 )
 from stiction.surfaces import formats
-
-MEASURED = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
 HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 
@@ -459,21 +456,20 @@ def test_x3p_that_contradicts_itself_is_refused(file, change, said):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not (MEASURED / "dektak-1.csv").exists(), reason="the measured files are not here")
-def test_a_stylus_profile():
-    profile = read_profile(MEASURED / "dektak-1.csv")
+def test_a_stylus_profile(measured):
+    path = measured("dektak-1.csv")
+    profile = read_profile(path)
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
     assert profile.history[1] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
-    assert read_profile(MEASURED / "dektak-1.csv", spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but spacing says 0.156 um" in refusal(MEASURED / "dektak-1.csv", spacing="0.156 um")
+    assert read_profile(path, spacing="0.15625 um").extent == 1500.0
+    assert "0.1562454 µm, but spacing says 0.156 um" in refusal(path, spacing="0.156 um")
 
 
-@pytest.mark.skipif(not (MEASURED / "di-4.di").exists(), reason="the measured files are not here")
-def test_a_surface_of_an_atomic_force_microscope():
+def test_a_surface_of_an_atomic_force_microscope(measured):
     pytest.importorskip("SurfaceTopography")
-    surface = read_surface(MEASURED / "di-4.di")
+    surface = read_surface(measured("di-4.di"))
     assert surface.heights.shape == (512, 512)
     assert surface.extent == pytest.approx((10.0, 10.0))
     level = levelled(surface, "plane")
