@@ -1,0 +1,27 @@
+"""The terrain about the Jacksboro fault, 1 m as 1 µm: slopes and Hurst exponents know no scale."""
+
+import math
+
+import numpy as np
+from matplotlib.cbook import get_sample_data
+from stiction import Surface, levelled, line_roughness
+from stiction.views.characterisation import surface_characterisation_figure, surface_characterisation_text
+
+METRES_PER_DEGREE = 111_200  # of latitude
+
+# Elevations in whole metres on a grid of 1/1200 degree, the first row in the north.
+terrain = get_sample_data("jacksboro_fault_dem.npz")
+north_south = float(terrain["dy"]) * METRES_PER_DEGREE
+east_west = float(terrain["dx"]) * METRES_PER_DEGREE * math.cos(math.radians(float(terrain["ymin"])))
+surface = levelled(
+    Surface(
+        terrain["elevation"][::-1].astype(np.float64),
+        spacing=(north_south, east_west),
+        history=("terrain about the Jacksboro fault, 1 m as 1 µm",),
+    ),
+    "plane",
+)
+
+along_x, along_y = (line_roughness(surface, along) for along in ("x", "y"))
+print(surface_characterisation_text(surface, along_x, along_y), end="")
+surface_characterisation_figure(surface, along_x, along_y).savefig("fault_surface.png")
