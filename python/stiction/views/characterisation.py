@@ -267,10 +267,16 @@ def _spectrum_panel(axes: Axes, profile: Profile, estimate: HurstEstimate | None
 
 
 def _label_spectrum(axes: Axes) -> None:
+    from matplotlib.ticker import NullFormatter
+
     axes.set_xlabel("wave number $q = 2\\pi/\\lambda$ (1/µm)")
     axes.set_ylabel("$C^{1D}$ (µm³)")
     wavelength = axes.secondary_xaxis("top", functions=(_other, _other))
     wavelength.set_xlabel(r"wavelength $\lambda$ (µm)")
+    lowest, highest = axes.get_xlim()
+    if highest > 10 * lowest:  # the powers of ten are enough, and the others would overlap
+        for axis in (axes.xaxis, wavelength.xaxis):
+            axis.set_minor_formatter(NullFormatter())
 
 
 def surface_characterisation_figure(surface: Surface, along_x: LineRoughness, along_y: LineRoughness) -> Figure:

@@ -90,7 +90,7 @@ def save_picture(figure: Figure, path: Path) -> None:
     try:
         if path.exists():
             with path.open("rb") as file:
-                if _MADE_BY.encode() not in file.read(1000):
+                if (start := file.read(1000)) and _MADE_BY.encode() not in start:
                     raise ValueError(f"{path}: exists already and is no figure of stiction; choose another name")
         figure.savefig(path, metadata={"Software": f"{_MADE_BY} {__version__}"})
     except OSError as error:
