@@ -1,6 +1,22 @@
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 from stiction import Profile, random_phases, weierstrass_mandelbrot
+
+
+@pytest.fixture(scope="session")
+def measured():
+    """measured(name): the path of a file of an instrument; where it is not there, the test is skipped."""
+    folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
+
+    def path(name):
+        if not (folder / name).exists():
+            pytest.skip(f"the measured file {name} is not here")
+        return folder / name
+
+    return path
 
 
 @pytest.fixture(scope="session")

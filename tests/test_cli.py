@@ -154,7 +154,7 @@ def test_studies_lists_and_prints(tmp_path):
 
 def test_version_and_help(tmp_path):
     assert stiction_command("--version", cwd=tmp_path).stdout.strip() == f"stiction {stiction.__version__}"
-    for command in ([], ["run"], ["plot"], ["info"], ["export"], ["studies"]):
+    for command in ([], ["run"], ["plot"], ["info"], ["export"], ["studies"], ["characterise"]):
         done = stiction_command(*command, "--help", cwd=tmp_path)
         assert done.returncode == 0
         assert "Usage" in done.stdout

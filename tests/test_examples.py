@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import stiction
 
@@ -40,6 +41,22 @@ def test_python_of_the_page_on_measured_surfaces(code, capsys, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "measured.md", "exec"), {})
     assert "turned over" in capsys.readouterr().out
+
+
+def test_table_and_commands_of_the_page_on_measured_surfaces(tmp_path):
+    example = [sys.executable, ROOT / "examples/characterise_profile.py"]
+    said = subprocess.run(example, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True).stdout
+    assert blocks("docs/measured.md", "text") == [said]
+    for side in ("upper", "lower"):
+        scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
+        stiction.write_profile(scan, tmp_path / f"{side}.csv")
+    np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
+    commands = [line.split(" #")[0] for block in blocks("docs/measured.md", "sh") for line in block.splitlines()]
+    for command in commands:
+        shell = command.replace("stiction ", f"{sys.executable} -m stiction ", 1)
+        done = subprocess.run(shell, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+        assert done.returncode == 0, (command, done.stderr)
+    assert {"lapped.png", "curved.png", "map.png"} <= {path.name for path in tmp_path.iterdir()}
 
 
 @pytest.mark.parametrize("code", blocks("README.md", "python"))

@@ -3,7 +3,6 @@ import io
 import os
 import zipfile
 from collections import Counter
-from pathlib import Path
 
 import fuzzing
 import numpy as np
@@ -23,8 +22,6 @@ from stiction import (
     write_surface,
 )
 from stiction.surfaces import formats
-
-MEASURED = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
 HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 
@@ -70,6 +67,8 @@ TEXTS = {
     "Greek mu": "x (μm),z (μm)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n",
     "ångström": "x (um),z (Å)\n0,5000\n0.1,-2500\n0.2,10000\n0.3,1250\n0.4,20000\n",
     "decreasing": "x (um),z (um)\n0.4,2\n0.3,0.125\n0.2,1\n0.1,-0.25\n0,0.5\n",
+    "end of a DOS file": "x (um),z (um)\r\n0,0.5\r\n0.1,-0.25\r\n0.2,1\r\n0.3,0.125\r\n0.4,2\r\n\x1a\x1a",
+    "three decimals after commas": "x (um);z (um)\n1,000;0,500\n1,100;-0,250\n1,200;1,000\n1,300;0,125\n1,400;2,000\n",
     "old line ends": "x (um),z (um)\r0,0.5\r0.1,-0.25\r0.2,1\r0.3,0.125\r0.4,2\r",
 }  # fmt: skip
 
@@ -140,6 +139,9 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\nend of data\n", "line 6 ('end of data'), after the data, is none"),
         ("z in um\n0,5\n1\n2,5\n3,5\n", "may be two columns or one with decimal commas"),
         ("0,5\n1,5\n2,5\n3,5\n", "may be two columns or one with decimal commas"),
+        ("x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)), "as in '1,008', may be decimal or part"),
+        ("x (um);z (um)\n1.000,5;0,1\n1.001,5;0,2\n1.002,5;0,3\n1.003,5;0,2\n", "no numbers were found"),
+        ('x (um),z (um)\n"1,000.5",0.1\n"1,001.5",0.2\n"1,002.5",0.3\n', "no numbers were found"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.25,1\n0.3,5\n0.4,1\n", "is not uniform: point 3 is at 0.25 µm, 0.05 µm away"),
         ("x (um),z (um)\n0,1\n0,2.5\n0,1\n0,5\n", "first and last point at the same position"),
         (
@@ -227,6 +229,34 @@ def test_a_matrix_of_one_row_or_column_is_a_profile(file, shape):
     assert "holds a profile of 5 points" in refusal(path, read_surface, unit="um", spacing="1 um")
 
 
+def test_positions_are_no_heights_of_a_matrix(file):
+    heights = np.random.default_rng(2).normal(size=(20, 30))
+    x, y = 0.5 * np.arange(30), 0.25 * np.arange(20)
+    options = {"read": read_surface, "unit": "um", "spacing": "1 um"}
+    labelled = np.block([[np.zeros((1, 1)), x[np.newaxis]], [y[:, np.newaxis], heights]])
+    for matrix, said in (
+        (np.c_[y, heights[:, :2]], "20 rows of 3 columns, of which the first column counts evenly"),
+        (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row counts evenly"),
+        (labelled, "of which the first row and column count evenly, as positions do; leave the heights alone"),
+    ):
+        assert said in refusal(file(npy(matrix), "a.npy"), **options)
+        text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
+        if matrix.shape[1] > 3:
+            assert said in refusal(file(text, "a.txt"), **options)
+    tilted = heights.copy()
+    tilted[0] = x  # a lost line that was levelled
+    for matrix in (heights, tilted, x + y[:, np.newaxis]):
+        assert np.array_equal(read_surface(file(npy(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
+
+
+def test_a_spacing_said_above_a_matrix_is_one_of_those_given(file):
+    path = file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
+    assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
+    assert "says that its spacing is 0.5 µm, but 2 µm and 1 µm are given" in refusal(
+        path, read_surface, spacing=("2 um", "1 um")
+    )
+
+
 # ---- NumPy arrays and writing ---------------------------------------------------------------------------------------
 
 
@@ -301,7 +331,9 @@ def test_files_that_are_not_what_they_should_be_are_refused(file, content, name,
 
 def test_what_cannot_be_opened_is_refused(tmp_path):
     assert "No such file" in refusal(tmp_path / "none.csv")
-    assert "Is a directory" in refusal(tmp_path)
+    assert "is a directory" in refusal(tmp_path)
+    os.mkfifo(tmp_path / "pipe.csv")  # which would be waited for
+    assert "is not a file" in refusal(tmp_path / "pipe.csv")
 
 
 def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
@@ -401,6 +433,34 @@ def test_x3p_surfaces_and_profiles(file, stored, off):
     assert with_positions.spacing == pytest.approx(0.5)
 
 
+def test_increments_of_x3p_multiply_whole_numbers(file):
+    whole = x3p(METRES, stored="I", increment=1e-9, change=[("<Increment>1e-09</Increment>", "")])
+    assert "has whole numbers for Z, but no Increment" in refusal(file(whole, "a.x3p"), read_surface)
+    for increment in ("", "<Increment>0.0</Increment>"):  # which numbers with decimals do not need
+        path = file(x3p(METRES, change=[("<Increment>1.0</Increment>", increment)]), "a.x3p")
+        assert np.abs(read_surface(path).heights - 1e6 * METRES).max() < 1e-15
+
+
+def test_x3p_with_a_namespace_for_all_its_elements(file):
+    change = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
+    assert read_surface(file(x3p(METRES, change=change), "a.x3p")).heights.shape == METRES.shape
+
+
+def test_x3p_profiles_that_do_not_run_along_x_are_refused(file):
+    along_y = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
+    old = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"
+    points = "".join(
+        f"<Datum>{1e-6 * i!r};{y!r};{z!r}</Datum>" for i, (y, z) in enumerate((1e-6 * np.eye(9)[:, :2]).tolist())
+    )
+    data = x3p(METRES[0], listed=True, positions=np.arange(9.0), change=[(old, along_y)])
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        main = archive.read("main.xml").decode()
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("main.xml", main[: main.index("<Datum>")] + points + main[main.index("</DataList>") :])
+    assert "points move along y as well" in refusal(file(stream.getvalue(), "a.x3p"))
+
+
 def test_x3p_agrees_with_another_reader(file):
     topography = pytest.importorskip("SurfaceTopography")
     path = file(x3p(METRES), "a.x3p")
@@ -457,21 +517,20 @@ def test_x3p_that_contradicts_itself_is_refused(file, change, said):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not (MEASURED / "dektak-1.csv").exists(), reason="the measured files are not here")
-def test_a_stylus_profile():
-    profile = read_profile(MEASURED / "dektak-1.csv")
+def test_a_stylus_profile(measured):
+    path = measured("dektak-1.csv")
+    profile = read_profile(path)
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
     assert profile.history[1] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
-    assert read_profile(MEASURED / "dektak-1.csv", spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but spacing says 0.156 um" in refusal(MEASURED / "dektak-1.csv", spacing="0.156 um")
+    assert read_profile(path, spacing="0.15625 um").extent == 1500.0
+    assert "0.1562454 µm, but spacing says 0.156 um" in refusal(path, spacing="0.156 um")
 
 
-@pytest.mark.skipif(not (MEASURED / "di-4.di").exists(), reason="the measured files are not here")
-def test_a_surface_of_an_atomic_force_microscope():
+def test_a_surface_of_an_atomic_force_microscope(measured):
     pytest.importorskip("SurfaceTopography")
-    surface = read_surface(MEASURED / "di-4.di")
+    surface = read_surface(measured("di-4.di"))
     assert surface.heights.shape == (512, 512)
     assert surface.extent == pytest.approx((10.0, 10.0))
     level = levelled(surface, "plane")

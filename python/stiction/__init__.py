@@ -37,6 +37,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.lines import LineRoughness, line_roughness
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
@@ -61,6 +62,7 @@ __all__ = [
     "HertzSphere",
     "HurstEstimate",
     "JacksonGreen",
+    "LineRoughness",
     "LoadCurve",
     "PowerSpectrum",
     "Profile",
@@ -82,6 +84,7 @@ __all__ = [
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
+    "line_roughness",
     "nondimensional",
     "on_common_grid",
     "paired_lines",

@@ -51,6 +51,9 @@ TELLING = 1000
 """Last printed digits that the length must have, if they make up for uneven positions: the spacing is then good to
 1/1000."""
 
+FEW = 8
+"""Columns, or rows, of positions and some heights; a surface has more."""
+
 _SPACINGS = (1e-6, 1e6)
 _HIGHEST = 1e9
 """µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points."""
@@ -247,6 +250,9 @@ def _surface(raw: Raw, name: str, asked: _Asked) -> Surface:
         dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, asked.spacing, strict=True))
     elif asked.spacing[0] is not None and asked.spacing[1] is not None:
         dy, dx = float(asked.spacing[0]), float(asked.spacing[1])
+        own, off = _stated(raw) or (dx, 0.0)  # of one of the two, whichever
+        if min(abs(own - dy), abs(own - dx)) > off:
+            raise FormatError(f"says that its spacing is {own:g} µm, but {dy:g} µm and {dx:g} µm are given")
     else:
         raise FormatError('holds no spacing; give it, as in "0.5 um", or "2 um" for rows and "0.5 um" for columns')
     heights, filled = _area_without_gaps(heights, asked.missing)
@@ -256,9 +262,11 @@ def _surface(raw: Raw, name: str, asked: _Asked) -> Surface:
 def _raw(path: Path) -> Raw:
     suffix = path.suffix.lower()
     if not path.is_file():
-        path.open("rb").close()  # which says why there is none
-        raise FormatError("is not a file")
+        path.stat()  # which says why there is none
+        raise FormatError("is a directory" if path.is_dir() else "is not a file")
     size = path.stat().st_size
+    if size == 0:
+        raise FormatError("is empty")
     if size > MOST_BYTES:
         raise FormatError(f"has {size} bytes; at most {MOST_BYTES} can be read")
     with path.open("rb") as file:
@@ -268,14 +276,36 @@ def _raw(path: Path) -> Raw:
         names = {".npy": "a NumPy array (.npy)", ".x3p": "a zip archive, as X3P is", "": "neither of .npy nor of .x3p"}
         raise FormatError(f"is named {suffix or 'without an ending'}, but what it holds is {names[kind]}")
     if kind == ".npy":
-        return Raw(_array(path))
+        return _without_positions(Raw(_array(path)))
     if suffix == ".x3p":
         return read_x3p(path.read_bytes())
     if suffix in TEXT_SUFFIXES:
         if size > MOST_TEXT_BYTES:
             raise FormatError(f"has {size} bytes of text; at most {MOST_TEXT_BYTES} can be read: save it as .npy")
-        return read_text(path.read_bytes())
+        return _without_positions(read_text(path.read_bytes()))
     return _instrument(path)
+
+
+def _without_positions(raw: Raw) -> Raw:
+    """What is no more than numbers in rows and columns, unless some of these are positions."""
+    if raw.heights.ndim == 2 and min(raw.heights.shape) > 1:
+        rows, columns = raw.heights.shape
+        first_column, first_row = _even(raw.heights[:, 0]), _even(raw.heights[0])
+        plane = _even(raw.heights[:, -1]) and _even(raw.heights[-1])
+        labelled = first_column and first_row
+        if not plane and (labelled or (first_column and columns < FEW) or (first_row and rows < FEW)):
+            raise FormatError(
+                f"holds {rows} rows of {columns} columns, of which the first "
+                f"{'row and column count' if labelled else 'column counts' if first_column else 'row counts'} "
+                "evenly, as positions do; leave the heights alone"
+            )
+    return raw
+
+
+def _even(values: Floats) -> bool:
+    """Whether values but for the first, which may be a corner, rise or fall in equal steps."""
+    steps = np.diff(values[1:])
+    return steps.size > 2 and bool(np.ptp(steps) <= UNEVEN * abs(steps.mean()) and steps.mean() != 0)
 
 
 def _array(path: Path) -> Floats:
@@ -326,10 +356,11 @@ def _instrument(path: Path) -> Raw:
     except FormatError:
         raise
     except Exception as error:  # forty readers have as many ways to fail
-        said = " ".join(str(error).split())[:120]
+        said = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        if type(error).__name__ == "CannotDetectFileFormat":  # which goes on with what each of the forty says
+            said = "none of its formats"
         raise FormatError(
-            f"is no profile or surface that SurfaceTopography reads ({type(error).__name__}: {said}); "
-            "text should end in .csv or .txt"
+            f"is no profile or surface that SurfaceTopography reads ({said}); text should end in .csv or .txt"
         ) from None
     # SurfaceTopography has x along the first axis.
     return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit)
@@ -398,10 +429,7 @@ def _heights(raw: Raw, unit: str | None) -> Floats:
 
 def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str]]:
     """Spacing of a profile in µm, negative if its positions decrease, and what the history says of it."""
-    stated = None
-    if raw.stated is not None:
-        own = LENGTH_UNITS[raw.stated.unit]
-        stated = (raw.stated.spacing * own, 0.51 * raw.stated.digit * own)
+    stated = _stated(raw)
     if raw.positions is None:
         if raw.spacing is not None:
             own_spacing = _in_um(raw.spacing[0], _unit("positions", raw.position_unit, unit))
@@ -443,6 +471,14 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
             )
         step += f", where it says {stated[0]:g} µm"
     return measured, [step]
+
+
+def _stated(raw: Raw) -> tuple[float, float] | None:
+    """The spacing that stands in words in a file and how far off it may be, µm."""
+    if raw.stated is None:
+        return None
+    factor = LENGTH_UNITS[raw.stated.unit]
+    return raw.stated.spacing * factor, 0.51 * raw.stated.digit * factor
 
 
 def _worst(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:

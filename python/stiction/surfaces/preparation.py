@@ -17,6 +17,9 @@ SurfaceTrend = Literal["mean", "plane"]
 ON_POINT = 1e-9
 """Spacings within which a position is taken as that of a point: 0.3 is the third point of a spacing of 0.1."""
 
+ROUND_OFF = 1e-14
+"""Of the largest height, what is left of a straight line after it has been taken off."""
+
 
 @overload
 def levelled(body: Profile, trend: ProfileTrend) -> Profile: ...
@@ -91,12 +94,15 @@ def _orthogonal(points: int, degree: int) -> list[Floats]:
 
 
 def _without(heights: Floats, basis: list[Floats]) -> Floats:
-    """Heights less their projections on orthogonal functions, one after the other, which keeps the digits."""
+    """Heights less their projections on orthogonal functions, one after the other, which keeps the digits.
+
+    Zero where only round-off is left, which would pass for roughness.
+    """
     rest = heights
     for function in basis:
         norm = np.broadcast_to(np.square(function), heights.shape).sum()
         rest = rest - (rest * function).sum() / norm * function
-    return rest
+    return rest if np.abs(rest).max() > ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
 def turned_over(profile: Profile) -> Profile:

@@ -385,8 +385,13 @@ def hurst_exponent_of(
     The band is found by cutting the spectrum, in bins of log q, into the pieces of separate power laws that explain it
     best at a price for each piece: roll-off, self-affine, cut-off by a tip or a filter, noise. The widest piece with
     0 < H < 1 is taken, or with 0 < H < 2 if there is none, and a bin is left off where it meets another; so is what a
-    flat roll-off explains better. Lines with gaps between them are no piece of this kind. Bends of less than 10 % of
-    the density are not told from a power law. Any choice of this kind can err: look at the spectrum.
+    flat roll-off explains better, and the shortest wavelengths, if white noise below the power law explains them better
+    and is more than 10 % of it there. Lines with gaps between them are no piece of this kind. Bends of less than 10 %
+    of the density are not told from a power law. Any choice of this kind can err: look at the spectrum.
+
+    The interval is that of a straight spectrum. What bends it gently, it does not know of: in trials of 4096 points,
+    noise of a tenth of Pq lowered a found H of 0.8 to 0.74 and one of 0.3 to 0.28 on average, and a moving mean of nine
+    points raised them to 0.88 and 0.38.
 
     Whittle, Arkiv för Matematik 2 (1953) 423.
 
@@ -403,7 +408,7 @@ def hurst_exponent_of(
     if not periodic:
         place = np.arange(heights.size) - (heights.size - 1) / 2
         levelled = heights - place * (heights @ place / (place @ place))
-        if not np.abs(levelled).max() > _ROUND_OFF * np.abs(heights).max():
+        if not np.abs(levelled).max() > _ROUND_OFF * np.abs(profile.heights).max():
             raise ValueError("a straight line has no roughness")
         heights = levelled
     spectrum = _spectrum(heights / np.abs(heights).max(), profile.spacing, windowed=not periodic)
@@ -418,6 +423,7 @@ def hurst_exponent_of(
     chosen: slice | NDArray[np.bool_]
     if band is None:
         chosen, piece = _self_affine_band(wave_number, power, alike)
+        chosen, piece = _above_noise(wave_number, power, alike, chosen, piece)
     else:
         chosen, piece = _given_band(wave_number, band), None
     q, power = wave_number[chosen], power[chosen]
@@ -462,7 +468,7 @@ FEWEST_HARMONICS = 8
 """To fit a Hurst exponent to."""
 
 _ROUND_OFF = 1e-13
-"""Of heights of order 1 after a line has been taken off."""
+"""Of the largest height, what is left of a straight line after it has been taken off."""
 
 _UNTRUSTED = 2
 """Lowest harmonics after a Hann window: what the window makes of the mean and of what is longer than the profile."""
@@ -594,9 +600,47 @@ def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _B
                     widest, best = width, (slice(first, last + 1), bins.part(whole, end))
             if best is not None:
                 return best
-    raise ValueError(
+    raise _no_band()
+
+
+def _no_band() -> ValueError:
+    return ValueError(
         "the spectrum of the profile has no self-affine band of half a decade or more (0 < H < 2); name one by band"
     )
+
+
+def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _Bins) -> tuple[slice, _Bins]:
+    """A band without its shortest wavelengths where white noise bends the spectrum, and its piece likewise.
+
+    Noise comes up from below over a decade, too smoothly to be a piece with a slope of its own.
+    """
+    from scipy.optimize import minimize_scalar
+
+    bins = _Bins.of(q[chosen], power[chosen])
+    place, weight = bins.log_q - bins.log_q[-1], bins.count / alike
+
+    def loss(exponent: float, noise: float) -> float:
+        """Minus the log-likelihood of a power law and noise, which is a multiple of it at the shortest wavelength."""
+        shape = np.exp(-exponent * place) + noise
+        return float(weight @ np.log(shape) + weight.sum() * math.log(weight @ (bins.power / shape)))
+
+    def best(noise: float) -> tuple[float, float, float]:
+        found = minimize_scalar(loss, bounds=(1.0, 5.0), args=(noise,), method="bounded", options={"xatol": 1e-3})
+        return float(found.fun), float(found.x), noise
+
+    least, exponent, noise = min(best(noise) for noise in _NOISES)
+    if least > best(0.0)[0] - _PARAMETER_PRICE:
+        return chosen, piece
+    # Where the noise is as much as the law may bend.
+    last = math.log(q[chosen][-1]) + min(0.0, math.log(_BEND / noise) / exponent)
+    end = int(np.searchsorted(np.log(q), last, side="right"))
+    if end - chosen.start < FEWEST_HARMONICS or last - math.log(q[chosen.start]) < _NARROWEST:
+        raise _no_band()
+    return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
+
+
+_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())
+"""Multiples of the power law at the shortest wavelength."""
 
 
 def _rolled_off(bins: _Bins, weight: Floats) -> list[_PowerLaw]:
@@ -611,11 +655,11 @@ def _behind_roll_off(bins: _Bins, weight: Floats) -> int:
     A roll-off has few harmonics, too few to be told as a piece with a slope of its own.
     """
     losses = [law.least_loss for law in _rolled_off(bins, weight)]
-    return int(np.argmin(losses)) if min(losses) < losses[0] - _ROLL_OFF_PRICE else 0
+    return int(np.argmin(losses)) if min(losses) < losses[0] - _PARAMETER_PRICE else 0
 
 
-_ROLL_OFF_PRICE = 2.0
-"""Log-likelihood that a roll-off must gain, which has one parameter more."""
+_PARAMETER_PRICE = 2.0
+"""Log-likelihood that a roll-off or noise must gain, which has one parameter more."""
 
 
 def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:

@@ -58,6 +58,8 @@ def read_text(data: bytes) -> Raw:
     """Take a text apart: one column of heights, two of positions and heights, or a matrix of heights."""
     lines = _decoded(data).split("\n")
     dialect = _dialect(lines)
+    if dialect.point == ",":
+        _refuse_thousands(lines, dialect)
     table = _table(lines, dialect)
     return _interpreted(table, lines, dialect)
 
@@ -70,11 +72,12 @@ def _decoded(data: bytes) -> str:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError:
             text = data.decode("latin-1")
+    text = text.rstrip("\x1a")  # with which DOS ends a text
     control = sum(text.count(chr(code)) for code in (*range(9), *range(14, 32)))
     if control:
         raise FormatError(f"is binary, not text ({control} control characters)")
     if not text.strip():
-        raise FormatError("is empty" if not data else "holds nothing but blanks")
+        raise FormatError("holds nothing but blanks")
     return text if "\n" in text else text.replace("\r", "\n")
 
 
@@ -119,6 +122,23 @@ def _dialect(lines: list[str]) -> Dialect:
             'write decimal points, or a header such as "x (um),z (um)"'
         )
     return dialect
+
+
+def _refuse_thousands(lines: list[str], dialect: Dialect) -> None:
+    """Commas that all stand where they could part thousands may be decimal or not: "1,250" is 1.25 or 1250."""
+    doubtful = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
+    example = ""
+    for line in lines:
+        cells = dialect.cells(line.strip(" \r"))
+        if _values(cells, dialect.number) is None:
+            continue
+        for cell in cells:
+            if "," in cell:
+                if doubtful.fullmatch(cell) is None:
+                    return
+                example = cell
+    if example:
+        raise FormatError(f"its commas, as in {example!r}, may be decimal or part thousands; write decimal points")
 
 
 def _header_has_cells(lines: list[str], dialect: Dialect) -> bool:

@@ -38,6 +38,8 @@ def _read(archive: zipfile.ZipFile) -> Raw:
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
         raise FormatError(f"has a document type of its own in {_MAIN}, which X3P has not")
     root = ElementTree.fromstring(text)
+    for element in root.iter():  # the standard has a namespace for the root alone, some programs for all
+        element.tag = element.tag.rpartition("}")[2]
     feature = _text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
         raise FormatError(f"holds the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
@@ -64,6 +66,8 @@ def _read(archive: zipfile.ZipFile) -> Raw:
         )
     if shape[0] != 1:
         raise FormatError(f"holds {shape[0]} profiles; one can be read")
+    if "Y" in absolute and np.ptp(axes["Y"].lengths(columns["Y"])) > 0:
+        raise FormatError("holds a profile whose points move along y as well; one along x can be read")
     if "X" in absolute:
         positions = axes["X"].lengths(columns["X"])
         single = np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64)
@@ -89,7 +93,11 @@ class _Axis:
         self.name = name
         self.absolute = kind == "A"
         self.stored = _TYPES[stored]
-        self.increment = _number(root, f"{path}/Increment", 1.0 if self.absolute else math.nan)
+        self.increment = _number(root, f"{path}/Increment", math.nan)
+        if self.absolute and stored in ("F", "D") and not abs(self.increment) > 0:  # numbers that need no factor
+            self.increment = 1.0
+        elif self.absolute and not abs(self.increment) > 0:
+            raise FormatError(f"has whole numbers for {name}, but no Increment to multiply them by")
         self.offset = _number(root, f"{path}/Offset", 0.0)
 
     def lengths(self, stored: NDArray[Any]) -> Floats:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction import __version__
 from stiction._checks import Floats
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.ensemble import area_map, friction_map
@@ -75,8 +77,32 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
     return paths
 
 
+def save_picture(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, over no other picture than one of this package: instruments write PNGs beside their data.
+
+    Raises
+    ------
+    ValueError
+        If the name does not end in .png, another picture has it, or it cannot be written.
+    """
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"{path}: cannot be written: its name must end in .png")
+    try:
+        if path.exists():
+            with path.open("rb") as file:
+                if (start := file.read(1000)) and _MADE_BY not in start:
+                    raise ValueError(f"{path}: exists already and is no figure of stiction; choose another name")
+        figure.savefig(path, metadata={"Software": f"stiction {__version__}"})
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {os.strerror(error.errno) if error.errno else error}") from None
+
+
+_MADE_BY = b"Software\0stiction"
+"""In the PNG."""
+
+
 def _save(figure: Figure, path: Path) -> Path:
-    figure.savefig(path)
+    save_picture(figure, path)
     return path
 
 

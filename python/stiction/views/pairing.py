@@ -12,7 +12,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.studies.traverse import lower_piece
 from stiction.surfaces.profile import Profile
-from stiction.views.figures import MILLIMETRE, STYLE, WIDTH
+from stiction.views.figures import MILLIMETRE, STYLE, WIDTH, save_picture
 
 if TYPE_CHECKING:
     import xarray
@@ -138,7 +138,7 @@ def save_traverse_figures(
         )  # fmt: skip
     paths = [directory / name for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
-        figure.savefig(path)
+        save_picture(figure, path)
     return paths
 
 

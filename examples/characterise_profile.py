@@ -1,0 +1,20 @@
+"""A stand-in for the scan of a lapped part, written as an instrument might, read, levelled and characterised."""
+
+from pathlib import Path
+
+import numpy as np
+from stiction import Profile, levelled, read_profile, self_affine, write_profile
+from stiction.views.characterisation import characterisation_figure, characterisation_text
+
+# Rough as it was ground, its peaks then worn to a plateau with a finer roughness of its own, on a tilted table.
+ground = self_affine(3, hurst_exponent=0.8, rms=0.2, points=8000, spacing=0.05, longest_wavelength=40.0)
+lapped = self_affine(4, hurst_exponent=0.8, rms=0.01, points=8000, spacing=0.05, longest_wavelength=40.0)
+heights = np.minimum(ground.heights, 0.05 + lapped.heights) + 0.002 * ground.x
+
+scan = Path("lapped.csv")
+scan.unlink(missing_ok=True)
+write_profile(Profile(heights, spacing=0.05), scan)
+
+profile = levelled(read_profile(scan), "line")
+print(characterisation_text(profile), end="")
+characterisation_figure(profile).savefig("characterise_profile.png")

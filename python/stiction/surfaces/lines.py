@@ -1,0 +1,144 @@
+"""Roughness of a measured surface along its lines, as a stylus would find it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from stiction._checks import Floats, choice, read_only
+from stiction.surfaces.preparation import levelled
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.roughness import (
+    HurstEstimate,
+    PowerSpectrum,
+    hurst_exponent_of,
+    power_spectrum,
+    roughness_parameters,
+)
+from stiction.surfaces.surface import Surface
+
+Along = Literal["x", "y"]
+
+MOST_FITTED = 64
+"""Lines that a Hurst exponent is fitted to. Neighbouring lines are alike, so more of them say little more."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineRoughness:
+    """Roughness of the parallel lines of a surface, each about its own least-squares line.
+
+    Attributes
+    ----------
+    lines : int
+    Pq : float, µm
+        Root-mean-square height over all lines.
+    Pdq, Pdq_neighbours : float
+        Root-mean-square slope over all lines, by seven points and by differences of neighbours.
+    spectrum : PowerSpectrum
+        Mean over the lines, after a Hann window.
+    band : (float, float), µm, or None
+        Wavelengths that the Hurst exponents are fitted to, shortest and longest: those given, or the medians of what is
+        found line by line. None if it is found in less than half of the lines.
+    fitted : int
+        Lines that a band was looked for in and a Hurst exponent fitted to, evenly spread over all.
+    with_band : int
+        Those of them in which a band was found; all, if it was given.
+    hurst_exponents : (k,) ndarray of float
+        Of the fitted lines, all in the same band; empty without one. Lines without roughness have none.
+    """
+
+    lines: int
+    Pq: float
+    Pdq: float
+    Pdq_neighbours: float
+    spectrum: PowerSpectrum
+    band: tuple[float, float] | None
+    fitted: int
+    with_band: int
+    hurst_exponents: Floats
+
+
+def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
+    """Roughness of the lines of a surface along one axis.
+
+    Parameters
+    ----------
+    surface : Surface
+        Not flat; levelling does not matter, because each line is levelled by a line of its own.
+    along : {"x", "y"}
+        The rows, or the columns.
+    band : (float, float), µm, optional
+        Shortest and longest wavelength to fit Hurst exponents to.
+
+    Raises
+    ------
+    ValueError
+        If the surface is flat, its lines have fewer than 7 points, or a given band holds too few harmonics.
+
+    Notes
+    -----
+    A line of some hundred points rarely tells its self-affine band well, and exponents of different bands are not to be
+    averaged. So the band is the median one, and all lines are fitted in it.
+
+    Examples
+    --------
+    >>> from stiction import line_roughness, random_phases, weierstrass_mandelbrot_surface
+    >>> surface = weierstrass_mandelbrot_surface(random_phases(1), 1.3, shape=(60, 80), extent=8.0)
+    >>> along_x = line_roughness(surface, "x", band=(0.3, 2.0))
+    >>> along_x.lines, along_x.hurst_exponents.size
+    (60, 60)
+    """
+    choice("along", along, Along)
+    if (surface.heights == surface.heights.flat[0]).all():
+        raise ValueError("a flat surface has no roughness")
+    count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
+    if points < _FEWEST_POINTS:
+        raise ValueError(f"lines along {along} must have at least {_FEWEST_POINTS} points, got {points}")
+    squares, density = np.zeros(3), np.zeros(points // 2)
+    chosen = set(np.linspace(0, count - 1, min(count, MOST_FITTED)).round().astype(int).tolist())
+    fitted = []
+    for index in range(count):
+        measured = surface.row(index) if along == "x" else surface.column(index)
+        line = levelled(measured, "line")
+        spectrum = power_spectrum(line)
+        density += spectrum.density / count
+        if not line.is_flat:
+            parameters = roughness_parameters(line)
+            neighbours = roughness_parameters(line, derivative="neighbours").Pdq
+            squares += np.square([parameters.Pq, parameters.Pdq, neighbours]) / count
+        if index in chosen:
+            fitted.append(measured)
+    found = [fit for line in fitted if (fit := _fit(line, band)) is not None]
+    if band is not None and not found and (rough := [line for line in fitted if not line.is_flat]):
+        hurst_exponent_of(rough[0], band=band)  # which says why
+    estimates = found
+    if band is None and 2 * len(found) >= len(fitted):
+        ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in found], axis=0)
+        band = float(ends[0]), float(ends[1])
+        estimates = [fit for line in fitted if (fit := _fit(line, band)) is not None]
+    rms = np.sqrt(squares)
+    return LineRoughness(
+        lines=count,
+        Pq=float(rms[0]),
+        Pdq=float(rms[1]),
+        Pdq_neighbours=float(rms[2]),
+        spectrum=replace(spectrum, density=read_only(density)),
+        band=band,
+        fitted=len(fitted),
+        with_band=len(found),
+        hurst_exponents=read_only(np.array([fit.value for fit in estimates if band is not None])),
+    )
+
+
+_FEWEST_POINTS = 7
+"""Of a seven-point slope."""
+
+
+def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
+    """None if the line is flat, or no band is found in it."""
+    try:
+        return hurst_exponent_of(line, band=band)
+    except ValueError:
+        return None

@@ -1,0 +1,179 @@
+"""The command for measured profiles and surfaces: what it prints is what the library finds in memory."""
+
+import os
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from stiction import (
+    Profile,
+    levelled,
+    line_roughness,
+    random_phases,
+    self_affine,
+    weierstrass_mandelbrot_surface,
+    write_profile,
+    write_surface,
+)
+from stiction.views.characterisation import characterisation_text, surface_characterisation_text
+from test_cli import assert_refused, stiction_command
+
+
+@pytest.fixture(scope="module")
+def profile():
+    heights = self_affine(1, hurst_exponent=0.7, rms=0.05, points=3000, spacing=0.01).heights
+    return Profile(heights + 1e-3 * np.arange(3000), spacing=0.01)
+
+
+@pytest.fixture(scope="module")
+def surface():
+    return weierstrass_mandelbrot_surface(random_phases(2), 1.4, shape=(60, 90), extent=(3.0, 9.0))
+
+
+@pytest.fixture
+def folder(tmp_path, profile, surface):
+    write_profile(profile, tmp_path / "scan.csv")
+    write_profile(profile, tmp_path / "heights.npy")
+    write_surface(surface, tmp_path / "map.npy")
+    return tmp_path
+
+
+def characterise(*arguments, cwd):
+    """History, the rest of the table, and what was written."""
+    done = stiction_command("characterise", *arguments, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    lines = done.stdout.splitlines()
+    table = next(at for at, line in enumerate(lines) if line.startswith("points"))
+    assert lines[0].startswith("history")
+    assert lines[-1].startswith("wrote ")
+    return [line[20:] for line in lines[:table]], "\n".join([*lines[table:-1], ""]), cwd / lines[-1][6:]
+
+
+def table(text):
+    return text[text.index("points") :]
+
+
+def test_a_file_has_the_table_of_the_profile_in_memory(folder, profile):
+    level = levelled(profile, "line")
+    history, said, figure = characterise("scan.csv", cwd=folder)
+    assert said == table(characterisation_text(level))
+    assert history == ["read from scan.csv", "spacing 0.01 µm as it says, which fits its positions", level.history[-1]]
+    assert figure == folder / "scan.png"
+    assert imread(figure).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
+    history, said, figure = characterise("heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=folder)
+    assert said == table(characterisation_text(level))
+    assert history == ["read from heights.npy", level.history[-1]]
+
+
+def test_units_trend_band_and_output_are_those_asked_for(folder, profile):
+    in_nm = Profile(profile.heights / 1000, spacing=0.01)
+    history, said, figure = characterise(
+        "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
+        "--output", "mine.PNG", cwd=folder,
+    )  # fmt: skip
+    assert said == table(characterisation_text(levelled(in_nm, "quadratic"), band=(0.1, 5.0)))
+    assert history[-1] == "levelled by a parabola"
+    assert figure == folder / "mine.PNG"
+    history, said, _ = characterise("scan.csv", "--level", "none", cwd=folder)
+    assert said == table(characterisation_text(profile))
+    assert not any("levelled" in step for step in history)
+
+
+def test_missing_points_are_interpolated_if_that_is_asked(folder):
+    lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
+    lines[100] = lines[100].split(",")[0] + ",nan"
+    (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
+    assert_refused(stiction_command("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
+    assert "1 missing points interpolated" in characterise("gaps.csv", "--missing", "interpolate", cwd=folder)[0]
+
+
+def test_a_surface_has_the_table_of_its_lines(folder, surface):
+    options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
+    history, said, figure = characterise(*options, cwd=folder)
+    along_x, along_y = (line_roughness(surface, along) for along in ("x", "y"))
+    assert said == table(surface_characterisation_text(levelled(surface, "plane"), along_x, along_y))
+    assert history == ["read from map.npy", "levelled by a plane"]
+    assert imread(figure).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
+    rows = {line[:19].strip(): line[20:].rstrip() for line in said.splitlines()}
+    assert rows["points"] == "90 along x, 100 nm apart, over 9 µm"
+    assert rows["number"].split() == ["60", "90"]
+    assert float(rows["Sq"].split()[0]) == pytest.approx(np.std(levelled(surface, "plane").heights), rel=1e-3)
+    for option, line in (("--row", surface.row(7)), ("--column", surface.column(7))):
+        history, said, _ = characterise(*options, option, 7, cwd=folder)
+        assert said == table(characterisation_text(levelled(line, "line")))
+        assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
+
+
+def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
+    characterise("scan.csv", cwd=folder)
+    before = (folder / "scan.png").read_bytes()
+    characterise("scan.csv", "--band", "0.1 um,1 um", cwd=folder)
+    assert (folder / "scan.png").read_bytes() != before
+    photograph = b"\x89PNG\r\n\x1a\n of the instrument"
+    (folder / "scan.png").write_bytes(photograph)
+    assert_refused(stiction_command("characterise", "scan.csv", cwd=folder), "scan.png: exists already")
+    assert (folder / "scan.png").read_bytes() == photograph
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["none.csv"], "none.csv: cannot be read: No such file or directory"),
+        (["."], ".: is a directory"),
+        (["empty.csv"], "empty.csv: is empty"),
+        (["cut.npy"], "cut.npy: is a damaged .npy file"),
+        (["binary.csv"], "binary.csv: is binary, not text"),
+        (["named.npy"], "named.npy: is named .npy, but what it holds is neither"),
+        (["three.csv"], "three.csv: has 3 columns of numbers"),
+        (["giant.csv"], "giant.csv: has 300000001 bytes of text"),
+        (["heights.npy", "--spacing", "1 um"], "does not say in which unit its heights are; give the unit"),
+        (["heights.npy", "--unit", "um"], 'holds heights only; give the spacing of its points, as in "0.5 um"'),
+        (["map.npy", "--unit", "um"], "map.npy: holds no spacing"),
+        (["heights.npy", "--unit", "um", "--spacing", "1um,2um"], "a profile, which has one spacing; two are given"),
+        (["heights.npy", "--unit", "parrots"], "unit must be a unit of length"),
+        (["scan.csv", "--spacing", "0.02 um"], "that the spacing is 0.01 µm, but spacing says 0.02 um"),
+        (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', got 'zero'"),
+        (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line', 'quadratic', got 'plane'"),
+        (["scan.csv", "--row", "3"], "--row is for surfaces"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "60"], "--row must be at most 59, got 60"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "not for use with --column"),
+        (["scan.csv", "--band", "1 um"], "--band needs two wavelengths"),
+        (["scan.csv", "--band", "1,2"], "--band must be"),
+        (["scan.csv", "--band", "2 um,1 um"], "band must be a finite number above 2 µm"),
+        (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
+        (["scan.csv", "--output", "figure.pdf"], "figure.pdf: cannot be written: its name must end in .png"),
+        (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
+    ],
+)
+def test_bad_input_is_one_message_and_status_2(folder, arguments, said):
+    (folder / "empty.csv").touch()
+    (folder / "cut.npy").write_bytes((folder / "heights.npy").read_bytes()[:5000])
+    (folder / "binary.csv").write_bytes(bytes(range(256)))
+    (folder / "named.npy").write_bytes((folder / "scan.csv").read_bytes())
+    (folder / "three.csv").write_text("1,2,3\n" * 9, encoding="utf-8")
+    (folder / "giant.csv").touch()
+    os.truncate(folder / "giant.csv", 300_000_001)  # of holes
+    done = stiction_command("characterise", *arguments, cwd=folder)
+    assert_refused(done, said)
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith("stiction: ")
+
+
+def test_a_stylus_profile(measured, tmp_path):
+    history, said, _ = characterise(measured("dektak-1.csv"), cwd=tmp_path)
+    assert history[1] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
+    assert "Pq                  94.24 nm\n" in said
+    assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in said
+
+
+def test_a_map_of_an_atomic_force_microscope(measured, tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    _, said, _ = characterise(measured("di-4.di"), cwd=tmp_path)
+    rows = {line[:19].strip(): line[20:].split() for line in said.splitlines()}
+    assert rows["Sq"] == ["79.42", "nm"]
+    assert [float(number) for number in rows["Pq"][::2]] == pytest.approx([38.8, 62.0], abs=0.05)
+    assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)
+    # 0.87 to 0.90 by other means; single lines scatter by 0.2.
+    assert [float(number) for number in rows["Hurst exponent H"][::3]] == pytest.approx([0.88, 0.88], abs=0.06)

@@ -1,0 +1,111 @@
+"""Roughness over the lines of a surface, against the same of its lines one by one."""
+
+import numpy as np
+import pytest
+from stiction import (
+    Profile,
+    Surface,
+    hurst_exponent_of,
+    levelled,
+    line_roughness,
+    power_spectrum,
+    roughness_parameters,
+    self_affine,
+)
+from stiction.surfaces.lines import MOST_FITTED
+
+ROUND_OFF = 1e-12
+
+
+def stack(hurst, lines=40, points=600, **changes):
+    """A surface of independent self-affine rows, tilted along both axes."""
+    rows = [
+        self_affine(9, hurst_exponent=hurst, rms=0.1, points=points, spacing=0.02, repetition=row, **changes).heights
+        for row in range(lines)
+    ]
+    tilt = 0.01 * np.arange(points) + 0.3 * np.arange(lines)[:, np.newaxis]
+    return Surface(np.array(rows) + tilt, spacing=(0.5, 0.02))
+
+
+def test_is_that_of_the_lines_one_by_one():
+    surface = stack(0.6)
+    found = line_roughness(surface, "x", band=(0.1, 2.0))
+    x = np.arange(600)
+    rows = [Profile(z - np.polyval(np.polyfit(x, z, 1), x), spacing=0.02) for z in surface.heights]
+    each = [roughness_parameters(row) for row in rows]
+    assert found.lines == found.fitted == found.with_band == 40
+    assert found.Pq == pytest.approx(np.sqrt(np.mean([row.Pq**2 for row in each])), rel=ROUND_OFF)
+    assert found.Pdq == pytest.approx(np.sqrt(np.mean([row.Pdq**2 for row in each])), rel=ROUND_OFF)
+    slopes = np.diff([row.heights for row in rows], axis=1) / 0.02
+    assert found.Pdq_neighbours == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=ROUND_OFF)
+    assert np.allclose(found.spectrum.density, np.mean([power_spectrum(row).density for row in rows], axis=0))
+    assert found.hurst_exponents == pytest.approx([hurst_exponent_of(row, band=(0.1, 2.0)).value for row in rows])
+
+
+def test_columns_are_the_rows_of_the_surface_on_its_side():
+    surface = stack(0.6, lines=30)
+    on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
+    for one, other in (("x", "y"), ("y", "x")):
+        found, again = line_roughness(surface, one), line_roughness(on_its_side, other)
+        assert again.Pq == found.Pq
+        assert again.band == found.band
+        assert np.array_equal(again.hurst_exponents, found.hurst_exponents)
+        assert np.array_equal(again.spectrum.wave_number, found.spectrum.wave_number)
+
+
+def test_levelling_does_not_matter():
+    surface = stack(0.6)
+    for along in ("x", "y"):
+        found, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
+        assert again.Pq == pytest.approx(found.Pq, rel=1e-9)
+        assert again.hurst_exponents == pytest.approx(found.hurst_exponents, abs=1e-6)
+
+
+@pytest.mark.parametrize("hurst", [0.4, 0.8])
+def test_lines_of_one_hurst_exponent_are_fitted_in_the_band_that_they_share(hurst):
+    found = line_roughness(stack(hurst, lines=MOST_FITTED + 9, longest_wavelength=4.0), "x")
+    assert found.fitted == MOST_FITTED == found.hurst_exponents.size
+    assert found.with_band > 0.9 * found.fitted
+    shortest, longest = found.band
+    assert shortest < 0.1
+    assert 1.5 < longest < 6
+    mean, spread = found.hurst_exponents.mean(), found.hurst_exponents.std()
+    # Of independent lines; the roll-off bends the spectrum a little where the band ends.
+    assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(found.fitted) + 0.02)
+    assert spread < 0.1
+
+
+def test_lines_without_roughness_weigh_in_the_height_and_have_no_exponent():
+    heights = np.array(stack(0.6, lines=40).heights)
+    heights[::2] = 3.0 + 0.01 * np.arange(600)  # dead lines
+    found = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
+    assert found.Pq == pytest.approx(
+        line_roughness(Surface(heights[1::2], spacing=0.02), "x").Pq / np.sqrt(2), rel=1e-9
+    )
+    assert found.hurst_exponents.size == 20 == found.with_band
+    assert found.fitted == 40
+    stripes = Surface(np.repeat([[0.1], [0.7], [0.3], [0.2]] * 3, 50, axis=1), spacing=1.0)
+    found = line_roughness(stripes, "x")
+    assert (found.Pq, found.Pdq, found.band, found.hurst_exponents.size, found.with_band) == (0, 0, None, 0, 0)
+
+
+def test_a_band_that_few_lines_have_is_none():
+    waves = np.sin(np.arange(700) / 20) + np.arange(9)[:, np.newaxis]
+    found = line_roughness(Surface(waves, spacing=1.0), "x")
+    assert found.band is None
+    assert found.hurst_exponents.size == 0
+
+
+@pytest.mark.parametrize(
+    ("surface", "options", "said"),
+    [
+        (Surface(np.ones((9, 9)), spacing=1.0), {"along": "x"}, "a flat surface has no roughness"),
+        (Surface(np.eye(9)[:5], spacing=1.0), {"along": "y"}, "lines along y must have at least 7 points, got 5"),
+        (stack(0.6, lines=8), {"along": "z"}, "along must be one of 'x', 'y', got 'z'"),
+        (stack(0.6, lines=8), {"along": "x", "band": (0.1, 0.1001)}, "band must hold at least 8 harmonics"),
+        (stack(0.6, lines=8), {"along": "x", "band": 3}, "band must be a shortest and a longest wavelength"),
+    ],
+)
+def test_bad_arguments_are_named(surface, options, said):
+    with pytest.raises(ValueError, match=said):
+        line_roughness(surface, **options)
