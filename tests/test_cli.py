@@ -1,13 +1,17 @@
+import contextlib
+import io
 import os
 import shutil
-import subprocess
 import sys
+import warnings
 from pathlib import Path
+from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 import stiction
 import xarray
-from stiction import Study, study_names
+from stiction import Study, cli, study_names
 from stiction.studies import store
 
 TINY = [
@@ -17,15 +21,23 @@ TINY = [
 
 
 def stiction_command(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "stiction", *map(str, arguments)],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-        env=os.environ | {"COLUMNS": "200", "CI": "1"},
-    )
+    """The command in this process, as a shell would see it: a new interpreter for each would take most of the time."""
+    out, err = io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(cwd),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+        warnings.catch_warnings(),  # main() replaces how they are shown
+        mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
+        mock.patch.dict(os.environ, {"COLUMNS": "200", "CI": "1"}),
+    ):
+        warnings.simplefilter("default")
+        try:
+            cli.main()
+            status = 0
+        except SystemExit as end:
+            status = end.code or 0
+    return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())
 
 
 def assert_refused(done, *words):

@@ -1,8 +1,5 @@
 """`stiction pair`, from files to figures."""
 
-import os
-import sys
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +7,6 @@ import pytest
 import xarray
 from stiction import (
     Surface,
-    cli,
     cropped,
     levelled,
     self_affine,
@@ -22,14 +18,7 @@ from stiction import (
 )
 from test_cli import assert_refused, stiction_command
 
-MEASURED = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
-
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
-
-
-def measured(name):
-    path = MEASURED / name
-    return path if path.exists() else pytest.skip(f"{name} is not here")
 
 
 def scan(side, repetition=0, points=2000):
@@ -171,17 +160,9 @@ def test_a_result_is_not_written_over(where, paired):
         (["upper.csv", "lower.csv", "--output", "file/deeper"], ["cannot be written"]),
     ],
 )
-def test_bad_input_is_one_message_and_status_2(where, arguments, words, monkeypatch, capsys):
-    monkeypatch.chdir(where)
-    monkeypatch.setattr(sys, "argv", ["stiction", "pair", *MATERIAL, "--output", "bad", *arguments])
-    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # which main() replaces
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    said = capsys.readouterr().err
-    assert ended.value.code == 2
-    assert len(said.splitlines()) <= 8
-    for word in words:
-        assert word in said
+def test_bad_input_is_one_message_and_status_2(where, arguments, words):
+    done = stiction_command("pair", *MATERIAL, "--output", "bad", *arguments, cwd=where)
+    assert_refused(done, *words)
 
 
 def test_what_is_needed_is_asked_for(where):
@@ -191,7 +172,7 @@ def test_what_is_needed_is_asked_for(where):
 # ---- Measured data ---------------------------------------------------------------------------------------------------
 
 
-def test_a_stylus_profile_shifted_along_itself(tmp_path):
+def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
     file = measured("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN"]
     done = stiction_command("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
@@ -202,7 +183,7 @@ def test_a_stylus_profile_shifted_along_itself(tmp_path):
     assert all(0.2 < value < 0.8 for value in coefficient)
 
 
-def test_an_afm_map_and_a_surrogate(tmp_path):
+def test_an_afm_map_and_a_surrogate(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
     done = stiction_command("pair", file, file, *MATERIAL, "--surrogates", "lower", "--along", "y", cwd=tmp_path)
