@@ -1,18 +1,23 @@
 """Configuration of the documentation."""
 
+import os
+import sys
+import tempfile
 import tomllib
 from pathlib import Path
 
+from sphinx.application import Sphinx
+from sphinx.errors import SphinxError
+
+ROOT = Path(__file__).parents[1]
+
 project = "stiction"
 author = "The stiction developers"
-version = release = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8"))["project"][
-    "version"
-]
+version = release = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
 copyright = author  # noqa: A001
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
-source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build", "*_table.md", "claims_*.md"]
 nitpicky = False
 autodoc_typehints = "none"
@@ -20,3 +25,25 @@ numpydoc_show_class_members = False
 autosummary_generate = False
 html_theme = "furo"
 html_title = f"stiction {version}"
+
+# Pages with code cells are computed anew at every build, each in an empty directory; a cell that fails ends the build.
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+# Cells run commands: those of the environment that builds the pages.
+os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+
+
+def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
+    """End the build if what a cell printed tells where it was built."""
+    for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
+        text = page.read_text("utf-8")
+        for path in (str(ROOT), tempfile.gettempdir() + os.sep, str(Path.home()) + os.sep):
+            if path in text:
+                raise SphinxError(f"{page.name} holds the path {path}")
+
+
+def setup(app: Sphinx) -> None:
+    app.connect("build-finished", refuse_paths)
