@@ -192,6 +192,10 @@ def drawing() -> Figure:
     return figure
 
 
-if __name__ == "__main__":
+def save(path: Path) -> None:
     with mpl.rc_context(STYLE):
-        drawing().savefig(IMAGE, dpi=200)
+        drawing().savefig(path, dpi=200)
+
+
+if __name__ == "__main__":
+    save(IMAGE)
