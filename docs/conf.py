@@ -1,11 +1,13 @@
 """Configuration of the documentation."""
 
+import functools
 import os
 import sys
 import tempfile
 import tomllib
 from pathlib import Path
 
+from myst_nb.core.execute import direct
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
 
@@ -31,9 +33,11 @@ nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_timeout = 120
 nb_execution_raise_on_error = True
-nb_merge_streams = True
-# Cells run commands: those of the environment that builds the pages.
+# IPython hands on what a `%%sh` cell prints in pieces of 100 bytes; without this each would be set on lines of its own.
+direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
+# Cells run commands, those of the environment that builds the pages, and have no terminal to draw bars on.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+os.environ["TTY_COMPATIBLE"] = "0"
 
 
 def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
