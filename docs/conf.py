@@ -6,10 +6,14 @@ import sys
 import tempfile
 import tomllib
 from pathlib import Path
+from typing import NoReturn
 
+from docutils import nodes
+from latex2mathml.converter import convert
 from myst_nb.core.execute import direct
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
+from sphinx.writers.html5 import HTML5Translator
 
 ROOT = Path(__file__).parents[1]
 
@@ -18,7 +22,7 @@ author = "The stiction developers"
 version = release = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
 copyright = author  # noqa: A001
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 exclude_patterns = ["_build", "*_table.md", "claims_*.md"]
 nitpicky = False
@@ -27,6 +31,7 @@ numpydoc_show_class_members = False
 autosummary_generate = False
 html_theme = "furo"
 html_title = f"stiction {version}"
+html_math_renderer = "mathml"
 
 # Pages with code cells are computed anew at every build, each in an empty directory; a cell that fails ends the build.
 nb_execution_mode = "force"
@@ -49,5 +54,19 @@ def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
                 raise SphinxError(f"{page.name} holds the path {path}")
 
 
+def mathml(node: nodes.math | nodes.math_block) -> str:
+    """A formula as browsers know it: MathJax would have to be fetched by whoever reads the pages."""
+    formula = convert(node.astext(), display="block" if isinstance(node, nodes.math_block) else "inline")
+    if ">\\" in formula:  # a command that the converter does not know stands in the page as it is
+        raise SphinxError(f"not all of this formula can be set: {node.astext()}")
+    return formula
+
+
+def put_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:
+    translator.body.append(mathml(node))
+    raise nodes.SkipNode
+
+
 def setup(app: Sphinx) -> None:
+    app.add_html_math_renderer("mathml", (put_formula, None), (put_formula, None))
     app.connect("build-finished", refuse_paths)
