@@ -217,7 +217,7 @@ def test_every_public_name_is_in_the_reference():
     page = ROOT / "docs/api.md"
     if not page.exists():
         pytest.skip("the documents are not here")
-    listed = re.findall(r"^\.\. auto(?:class|function|data):: (\S+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    listed = re.findall(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     assert len(listed) == len(set(listed))
     assert [name for name in stiction.__all__ if name not in listed] == []
 
