@@ -119,7 +119,7 @@ def run_command(line, cwd):
             for study in cwd.glob("*.toml"):
                 study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY).to_toml(), encoding="utf-8")
         case ["./dev", command, *_]:
-            assert command in dev_commands()
+            assert command in dev_commands() or not DEV.exists()
         case ["pip", "install", what]:
             package = re.fullmatch(r"stiction(?:-[\w.-]+\.whl)?(?:\[(\w+(?:,\w+)*)\])?", what)
             assert package, line
@@ -129,10 +129,12 @@ def run_command(line, cwd):
             raise AssertionError(f"nothing tests the command {line!r}")
 
 
+DEV = ROOT / "dev"
+
+
 def dev_commands():
-    if not (ROOT / "dev").exists():
-        pytest.skip("./dev is not here")
-    usage = ast.get_docstring(ast.parse((ROOT / "dev").read_text(encoding="utf-8")))
+    """Of its usage; none where it is not, as among the sources that a wheel is built from."""
+    usage = ast.get_docstring(ast.parse(DEV.read_text(encoding="utf-8"))) if DEV.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
 
@@ -160,9 +162,10 @@ def test_code_of_the_page(page, tmp_path, monkeypatch):
     run_page(page, tmp_path)
 
 
+@pytest.mark.skipif(not DEV.exists(), reason="./dev is not here")
 def test_commands_of_dev_are_those_of_its_usage():
-    for command in dev_commands():
-        assert f'case "{command}":' in (ROOT / "dev").read_text(encoding="utf-8")
+    commands = set(re.findall(r'case "(\w+)":', DEV.read_text(encoding="utf-8")))
+    assert commands == dev_commands()
 
 
 SBATCH = """#!/bin/sh
@@ -217,13 +220,14 @@ def test_every_public_name_is_in_the_reference():
     page = ROOT / "docs/api.md"
     if not page.exists():
         pytest.skip("the documents are not here")
-    listed = re.findall(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    entry = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
+    listed = entry.findall(page.read_text(encoding="utf-8"))
     assert len(listed) == len(set(listed))
     assert [name for name in stiction.__all__ if name not in listed] == []
 
 
-LARGEST_DIFFERENCE = 2.0
-"""Root mean square of grey levels, of 255: letters move by a fraction of a pixel from one matplotlib to another."""
+LARGEST_DIFFERENCE = 5.0
+"""Root mean square of grey levels, of 255: another matplotlib sets letters a little elsewhere; 0.01 µm of approach are 13."""
 
 
 def test_the_drawing_of_the_conventions_is_what_the_library_does_now(tmp_path):
