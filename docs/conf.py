@@ -37,7 +37,7 @@ html_math_renderer = "mathml"
 # Pages with code cells are computed anew at every build, each in an empty directory; a cell that fails ends the build.
 nb_execution_mode = "force"
 nb_execution_in_temp = True
-nb_execution_timeout = 120
+nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 # IPython hands on what a `%%sh` cell prints in pieces of 100 bytes; without this each would be set on lines of its own.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
