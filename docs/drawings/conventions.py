@@ -56,7 +56,9 @@ def pair() -> Pair:
     return Pair(lower, upper, contacts(upper, lower, APPROACH, shear="+x"))
 
 
-def arrow(ax: Axes, start: np.ndarray, end: np.ndarray, colour: str = INK, *, style: str = "-|>", width: float = 0.9):
+def arrow(
+    ax: Axes, start: np.ndarray, end: np.ndarray, colour: str = INK, *, style: str = "-|>", width: float = 0.9
+) -> None:
     ax.annotate(
         "", end, start, annotation_clip=False,
         arrowprops={"arrowstyle": style, "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0,
