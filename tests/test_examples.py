@@ -1,16 +1,27 @@
 """What the documents and docstrings show runs as it stands."""
 
+import ast
 import doctest
 import importlib
+import importlib.util
+import os
 import pkgutil
 import re
+import shlex
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 import stiction
+from markdown_it import MarkdownIt
+from matplotlib.testing.compare import compare_images
+from stiction import Study
+from stiction.studies import store
 
 ROOT = Path(__file__).parents[1]
 MODULES = [
@@ -32,53 +43,213 @@ def test_example_scripts(path, tmp_path):
     assert done.stdout
 
 
-def blocks(document, language):
-    return re.findall(rf"```{language}\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), re.DOTALL)
+# ---- Pages ----------------------------------------------------------------------------------------------------------
+
+PAGES = [
+    path
+    for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+    if path.exists()
+]
+
+RUN_HERE = {"python", "sh"}
+RUN_BY_THE_DOCS = {"{code-cell} ipython3"}
+"""`./dev docs` runs them, and ends where one fails."""
+NO_CODE = {"text", "{eval-rst}", "{figure}", "{image}", "{include}", "{literalinclude}", "{toctree}"}
+"""What a page of another file shows is that file's business; text is a diagram."""
 
 
-@pytest.mark.parametrize("code", blocks("docs/measured.md", "python"))
-def test_python_of_the_page_on_measured_surfaces(code, capsys, tmp_path, monkeypatch):
+class Block(NamedTuple):
+    kind: str
+    text: str
+
+
+def blocks(page):
+    """Everything on a page that is set as code, wherever it stands."""
+    found = []
+    for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
+        if token.type == "fence":
+            kind = token.info.strip()
+            found.append(Block(kind if kind.startswith("{code-cell}") else kind.split(" ")[0], token.content))
+        elif token.type == "code_block":
+            found.append(Block("indented", token.content))
+    return found
+
+
+def named(pages):
+    return pytest.mark.parametrize("page", pages, ids=lambda page: page.name)
+
+
+@named(PAGES)
+def test_every_block_of_a_page_is_run_by_something(page):
+    unknown = [block for block in blocks(page) if block.kind not in RUN_HERE | RUN_BY_THE_DOCS | NO_CODE]
+    assert not unknown, f"nothing runs these blocks of {page.name}; make them python, sh or code cells"
+    if any(block.kind in RUN_BY_THE_DOCS for block in blocks(page)):
+        assert page.parent.name == "docs"
+        assert "file_format: mystnb" in page.read_text(encoding="utf-8").split("---")[1], (
+            "its cells would only be shown"
+        )
+
+
+SMALL = {"surfaces.points": 4000, "surfaces.extent": "2 um", "contact.approach.count": 6}
+SMALL_STUDY = SMALL | {"surfaces.fractal_dimension": [1.1, 1.4], "friction.mu0": [0.4], "ensemble.repetitions": 2}
+
+
+def made_small(command):
+    """A command that does the same with little to compute; more repetitions than before stay more."""
+    match shlex.split(command)[1]:
+        case "run":
+            changes = dict(SMALL_STUDY)
+        case "claims":
+            changes = SMALL | {"ensemble.repetitions": 20}
+        case _:
+            return command
+    command = re.sub(r"--cluster \d+", "--cluster 2", command)
+    if asked := re.search(r"ensemble\.repetitions=(\d+)", command):
+        changes["ensemble.repetitions"] = max(2, int(asked[1]) // 500)
+    return command + "".join(f" --set {shlex.quote(f'{key}={value}')}" for key, value in changes.items())
+
+
+def run_command(line, cwd):
+    """A line of a terminal: those of stiction are run, of others what they name must be there."""
+    line = line.split(" #")[0].strip()
+    match shlex.split(line):
+        case ["stiction", *_]:
+            shell = f"{shlex.quote(sys.executable)} -m {made_small(line)}"
+            done = subprocess.run(shell, shell=True, cwd=cwd, capture_output=True, text=True, timeout=240, check=False)
+            assert done.returncode == 0, (line, done.stderr)
+            for study in cwd.glob("*.toml"):
+                study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY).to_toml(), encoding="utf-8")
+        case ["./dev", command, *_]:
+            assert command in dev_commands() or not DEV.exists()
+        case ["pip", "install", what]:
+            package = re.fullmatch(r"stiction(?:-[\w.*-]+\.whl)?(?:\[(\w+(?:,\w+)*)\])?", what)
+            assert package, line
+            project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+            assert set((package[1] or "").split(",")) <= {"", *project["optional-dependencies"]}
+        case _:
+            raise AssertionError(f"nothing tests the command {line!r}")
+
+
+DEV = ROOT / "dev"
+
+
+def dev_commands():
+    """Of its usage; none where it is not, as among the sources that a wheel is built from."""
+    usage = ast.get_docstring(ast.parse(DEV.read_text(encoding="utf-8"))) if DEV.exists() else ""
+    return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
+
+
+def lines_of(block):
+    return [line for line in block.text.replace("\\\n", " ").splitlines() if line.strip() and not line.startswith("#")]
+
+
+def run_page(page, cwd):
+    """The blocks of a page in their order, in one directory, as its reader would."""
+    for block in blocks(page):
+        if block.kind == "sh":
+            for line in lines_of(block):
+                run_command(line, cwd)
+        if block.kind == "python":
+            exec(compile(block.text, page.name, "exec"), {})
+
+
+def has_code(page):
+    return any(block.kind in RUN_HERE for block in blocks(page))
+
+
+@named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
+def test_code_of_the_page(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    exec(compile(code, "measured.md", "exec"), {})
-    assert "turned over" in capsys.readouterr().out
+    for name in ("upper", "lower", "lapped"):  # files that the reader has
+        side = "lower" if name == "lapped" else name
+        scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
+        stiction.write_profile(scan, tmp_path / f"{name}.csv")
+    np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
+    run_page(page, tmp_path)
 
 
-def test_table_and_commands_of_the_page_on_measured_surfaces(tmp_path):
+@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the documents are not here")
+def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(tmp_path):
     example = [sys.executable, ROOT / "examples/characterise_profile.py"]
     said = subprocess.run(example, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True).stdout
-    assert blocks("docs/measured.md", "text") == [said]
-    for side in ("upper", "lower"):
-        scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
-        stiction.write_profile(scan, tmp_path / f"{side}.csv")
-    np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
-    commands = [line.split(" #")[0] for block in blocks("docs/measured.md", "sh") for line in block.splitlines()]
-    for command in commands:
-        shell = command.replace("stiction ", f"{sys.executable} -m stiction ", 1)
-        done = subprocess.run(shell, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
-        assert done.returncode == 0, (command, done.stderr)
-    assert {"lapped.png", "curved.png", "map.png"} <= {path.name for path in tmp_path.iterdir()}
+    assert [block.text for block in blocks(ROOT / "docs/measured.md") if block.kind == "text"] == [said]
 
 
-@pytest.mark.parametrize("code", blocks("README.md", "python"))
-def test_python_of_the_readme(code, capsys):
-    exec(compile(code, "README.md", "exec"), {})
-    assert capsys.readouterr().out
+@pytest.mark.skipif(not DEV.exists(), reason="./dev is not here")
+def test_commands_of_dev_are_those_of_its_usage():
+    commands = set(re.findall(r'case "(\w+)":', DEV.read_text(encoding="utf-8")))
+    assert commands == dev_commands()
 
 
-def test_commands_of_the_readme(tmp_path):
-    """Every stiction command, made small."""
-    small = "--set surfaces.points=4000 --set 'surfaces.extent=2 um'"
-    run = f"{small} --set 'surfaces.fractal_dimension=[1.1, 1.4]' --set ensemble.repetitions=2"
-    lines = [line.split(" #")[0].strip() for block in blocks("README.md", "sh") for line in block.splitlines()]
-    commands = [line for line in lines if line.startswith("stiction ")]
-    assert len(commands) >= 5
-    for command in commands:
-        shell = command.replace("stiction ", f"{sys.executable} -m stiction ", 1)
-        if " run " in shell:
-            shell = (
-                shell.replace(" --set ensemble.repetitions=10", "").replace("--cluster 8", "--cluster 2") + f" {run}"
-            )
-        if shell.endswith(" claims"):
-            shell += f" {small} --set ensemble.repetitions=20"
-        done = subprocess.run(shell, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
-        assert done.returncode == 0, (command, done.stderr)
+SBATCH = """#!/bin/sh
+job=$(cat "$1")
+setsid sh -c "$job" >/dev/null 2>&1 &
+echo Submitted batch job $!
+"""
+SCANCEL = """#!/bin/sh
+kill -- "-$1"
+"""
+
+
+@named([page for page in PAGES if page.name == "cluster.md"])
+@pytest.mark.filterwarnings("ignore")  # distributed leaves sockets and loops to the collector
+def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
+    """The scheduler that runs somewhere runs here; Slurm starts a job at once, on this machine."""
+    distributed = pytest.importorskip("distributed")
+    for name, script in (("sbatch", SBATCH), ("scancel", SCANCEL)):
+        (tmp_path / name).write_text(script, encoding="utf-8")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    computed = 0
+    with distributed.LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
+
+        def here(text):
+            text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
+            return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
+
+        for block in blocks(page):
+            for part in lines_of(block) if block.kind == "sh" else [block.text]:
+                if block.kind == "sh":
+                    run_command(here(part), tmp_path)
+                elif block.kind == "python":
+                    (tmp_path / "page.py").write_text(here(part), encoding="utf-8")
+                    done = subprocess.run(
+                        [sys.executable, "page.py"],
+                        cwd=tmp_path,
+                        capture_output=True,
+                        text=True,
+                        timeout=120,
+                        check=False,
+                    )
+                    assert done.returncode == 0, done.stderr
+                if (tmp_path / "big").exists():
+                    assert store.info(tmp_path / "big/result.zarr").finished == 2
+                    shutil.rmtree(tmp_path / "big")  # or the next would find nothing to compute
+                    computed += 1
+    assert computed == 4
+
+
+def test_every_public_name_is_in_the_reference():
+    page = ROOT / "docs/api.md"
+    if not page.exists():
+        pytest.skip("the documents are not here")
+    entry = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
+    listed = entry.findall(page.read_text(encoding="utf-8"))
+    assert len(listed) == len(set(listed))
+    assert [name for name in stiction.__all__ if name not in listed] == []
+
+
+LARGEST_DIFFERENCE = 5.0
+"""Root mean square of grey levels, of 255: for letters that lie a little elsewhere; 10 nm of approach are 13."""
+
+
+def test_the_drawing_of_the_conventions_is_what_the_library_does_now(tmp_path):
+    script = ROOT / "docs/drawings/conventions.py"
+    if not script.exists():
+        pytest.skip("the documents are not here")
+    spec = importlib.util.spec_from_file_location("conventions", script)
+    conventions = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(conventions)
+    conventions.save(tmp_path / "now.png")
+    difference = compare_images(str(conventions.IMAGE), str(tmp_path / "now.png"), LARGEST_DIFFERENCE)
+    assert difference is None, f"run docs/drawings/conventions.py and look at it: {difference}"

@@ -1,4 +1,6 @@
+import builtins
 import contextlib
+import importlib.util
 import multiprocessing
 import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -121,6 +123,19 @@ def test_progress_is_drawn_on_request(capfd):
     run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
+
+
+def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):
+    """As text, because what rich would draw with there is not installed: no warning instead of a bar."""
+    if importlib.util.find_spec("ipywidgets"):
+        pytest.skip("ipywidgets is installed")
+
+    class ZMQInteractiveShell:
+        """By its name rich knows a notebook."""
+
+    monkeypatch.setattr(builtins, "get_ipython", ZMQInteractiveShell, raising=False)
+    run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
+    assert "2/2" in capfd.readouterr().err
 
 
 def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):

@@ -247,6 +247,8 @@ def _progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterato
     if not wanted:
         yield lambda: None
         return
+    from importlib.util import find_spec
+
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -266,6 +268,8 @@ def _progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterato
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
+    in_notebook = None if find_spec("ipywidgets") else False
+    with Progress(*columns, console=Console(stderr=True, force_jupyter=in_notebook)) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda: bar.advance(task)

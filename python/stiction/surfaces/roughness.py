@@ -742,7 +742,7 @@ def self_affine(
 
     Notes
     -----
-    .. math:: z(x) = \sum_k a_k \cos(q_k x + φ_k), \qquad \langle a_k^2 \rangle ∝ C(q_k)
+    .. math:: z(x) = \sum_k a_k \cos(q_k x + φ_k), \qquad \langle a_k^2 \rangle \propto C(q_k)
 
     Examples
     --------
