@@ -1,14 +1,27 @@
 # Eigen 3.4 and 5.x refuse each other's version requests: find it without one, then check.
-find_package(Eigen3 REQUIRED NO_MODULE)
-if(Eigen3_VERSION VERSION_LESS 3.4)
-  message(FATAL_ERROR "Eigen 3.4 or newer is needed, found ${Eigen3_VERSION}")
+find_package(Eigen3 QUIET NO_MODULE)
+if(NOT Eigen3_FOUND)
+  message(FATAL_ERROR "Eigen 3.4 or newer is needed to build stiction and was not found. "
+    "Debian and Ubuntu: apt install libeigen3-dev. Fedora: eigen3-devel. Homebrew and conda-forge: eigen.")
+elseif(Eigen3_VERSION VERSION_LESS 3.4)
+  message(FATAL_ERROR "Eigen 3.4 or newer is needed to build stiction, found ${Eigen3_VERSION} in ${Eigen3_DIR}")
 endif()
 
-find_package(GSL 2.7 REQUIRED)
+find_package(GSL QUIET)
+if(NOT GSL_FOUND)
+  message(FATAL_ERROR "The GNU Scientific Library 2.7 or newer is needed to build stiction and was not found. "
+    "Debian and Ubuntu: apt install libgsl-dev. Fedora: gsl-devel. Homebrew and conda-forge: gsl.")
+elseif(GSL_VERSION VERSION_LESS 2.7)
+  message(FATAL_ERROR "GSL 2.7 or newer is needed to build stiction, found ${GSL_VERSION} in ${GSL_INCLUDE_DIRS}")
+endif()
 
-# The extension carries its own GSL, with hidden symbols, so that nobody else's is touched.
-find_library(STICTION_GSL_ARCHIVE NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gsl${CMAKE_STATIC_LIBRARY_SUFFIX})
-find_library(STICTION_GSLCBLAS_ARCHIVE NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gslcblas${CMAKE_STATIC_LIBRARY_SUFFIX})
+# The extension carries its own GSL, with hidden symbols, so that nobody else's is touched: the archives beside the
+# library that was found, which belong to its headers.
+get_filename_component(gsl_folder ${GSL_LIBRARY} DIRECTORY)
+find_library(STICTION_GSL_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
+  NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gsl${CMAKE_STATIC_LIBRARY_SUFFIX})
+find_library(STICTION_GSLCBLAS_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
+  NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gslcblas${CMAKE_STATIC_LIBRARY_SUFFIX})
 mark_as_advanced(STICTION_GSL_ARCHIVE STICTION_GSLCBLAS_ARCHIVE)
 if(STICTION_GSL_ARCHIVE AND STICTION_GSLCBLAS_ARCHIVE)
   set(STICTION_GSL ${STICTION_GSL_ARCHIVE} ${STICTION_GSLCBLAS_ARCHIVE})

@@ -16,16 +16,14 @@ Asperity asperity(double slope, double curvature, Side side) {
 
 Asperities asperities(Values heights, double spacing, Side side) {
   const std::size_t size = heights.size();
-  const auto rows = static_cast<Index>(size);
-  Asperities result{std::vector<double>(size), std::vector<double>(size), Matrix(rows, 2), std::vector<double>(size),
-                    Matrix(rows, 2)};
+  Asperities result{std::vector<double>(size), std::vector<double>(size), std::vector<Vector2>(size),
+                    std::vector<double>(size), std::vector<Vector2>(size)};
   natural_spline(heights, spacing, result.slope, result.curvature);
-  for (Index j = 0; j < rows; ++j) {
-    const auto i = static_cast<std::size_t>(j);
+  for (std::size_t i = 0; i < size; ++i) {
     const Asperity at = asperity(result.slope[i], result.curvature[i], side);
-    result.normal.row(j) = at.normal;
+    result.normal[i] = at.normal;
     result.radius[i] = at.radius;
-    result.centre.row(j) = Vector2(static_cast<double>(j) * spacing, heights[i]) + at.centre_offset();
+    result.centre[i] = Vector2(static_cast<double>(i) * spacing, heights[i]) + at.centre_offset();
   }
   return result;
 }

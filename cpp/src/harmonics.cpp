@@ -300,10 +300,4 @@ void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid
   }
 }
 
-Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
-  Matrix profiles(weights.rows(), std::max<Index>(grid.points, 0));
-  harmonic_profiles(phases, weights, grid, profiles);
-  return profiles;
-}
-
 }  // namespace stiction

@@ -29,13 +29,27 @@ inline Values view(const Array& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
+// What keeps the values for as long as an array shows them.
+template <class T>
+py::capsule owner_of(std::unique_ptr<std::vector<T>> values) {
+  return {values.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); }};
+}
+
 template <class T>
 py::array_t<T> array_from(std::vector<T>&& values) {
   auto owner = std::make_unique<std::vector<T>>(std::move(values));
   T* data = owner->data();
   const auto size = static_cast<py::ssize_t>(owner->size());
-  py::capsule free(owner.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
-  return py::array_t<T>(size, data, free);
+  return py::array_t<T>(size, data, owner_of(std::move(owner)));
+}
+
+// (n, 2).
+inline py::array_t<double> array_from(std::vector<Vector2>&& values) {
+  static_assert(sizeof(Vector2) == 2 * sizeof(double));
+  auto owner = std::make_unique<std::vector<Vector2>>(std::move(values));
+  const double* data = owner->empty() ? nullptr : owner->front().data();
+  const auto size = static_cast<py::ssize_t>(owner->size());
+  return py::array_t<double>({size, py::ssize_t{2}}, data, owner_of(std::move(owner)));
 }
 
 }  // namespace stiction::python

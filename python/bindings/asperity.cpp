@@ -15,7 +15,8 @@ void bind_asperity(py::module_& module) {
           all = asperities(values, spacing, upper ? Side::upper : Side::lower);
         }
         return py::make_tuple(array_from(std::move(all.slope)), array_from(std::move(all.curvature)),
-                              std::move(all.normal), array_from(std::move(all.radius)), std::move(all.centre));
+                              array_from(std::move(all.normal)), array_from(std::move(all.radius)),
+                              array_from(std::move(all.centre)));
       },
       py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("upper"),
       "Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.");

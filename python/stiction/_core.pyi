@@ -46,9 +46,9 @@ def asperities(
 ) -> tuple[
     numpy.typing.NDArray[numpy.float64],
     numpy.typing.NDArray[numpy.float64],
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
     numpy.typing.NDArray[numpy.float64],
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
 ]:
     """
     Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.

@@ -1,6 +1,9 @@
 // Numbers and arrays as the whole library uses them: double precision, row-major, signed indices.
 //
 // Units everywhere: lengths µm, forces mN, pressures GPa (1 GPa = 1 mN/µm², so no factor appears).
+//
+// No compiled function hands over an Eigen array that owns its memory: how Eigen allocates depends on compiler flags
+// (-mavx, -fsanitize=address), which a program and the library need not share.
 #pragma once
 
 #include <Eigen/Core>

@@ -27,9 +27,9 @@ Asperity asperity(double slope, double curvature, Side side);
 struct Asperities {
   std::vector<double> slope;      ///< f' [-]
   std::vector<double> curvature;  ///< f'' [1/µm]
-  Matrix normal;                  ///< (n, 2) [-]
+  std::vector<Vector2> normal;    ///< [-]
   std::vector<double> radius;     ///< R [µm]
-  Matrix centre;                  ///< (n, 2) [µm], point j of the profile lying at (j Δx, y_j)
+  std::vector<Vector2> centre;    ///< [µm], point j of the profile lying at (j Δx, y_j)
 };
 
 Asperities asperities(Values heights, double spacing, Side side);

@@ -8,6 +8,7 @@
 
 #include "stiction/array.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace stiction {
@@ -25,14 +26,18 @@ struct HarmonicGrid {
 /// H = 4 - 2D for a dimension D in the paper's measure, H = 2 - D in the textbooks'.
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
-/// Σ_n weights(d, n) G_n(x_j) as row d, column j [µm].
+/// Σ_n weights(d, n) G_n(x_j) as row d, column j [µm], into the caller's array (rows of weights, points).
 /// phases [rad] is (directions M, frequencies N), weights [µm] is (any number of rows, N).
 /// Accuracy: the phase of a harmonic is a 64-bit fraction of a turn, which wraps exactly however many turns it makes,
 /// so aliased harmonics are as good as the product of a long double wave number and the position. Throws
 /// std::invalid_argument for shapes that do not match, values out of range and unresolvable phases.
-Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid);
-
-/// The same into the caller's array (rows of weights, points).
 void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles);
+
+/// The same as a new array. Inline, because its memory is then the caller's own.
+inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
+  Matrix profiles(weights.rows(), std::max<Index>(grid.points, 0));
+  harmonic_profiles(phases, weights, grid, profiles);
+  return profiles;
+}
 
 }  // namespace stiction

@@ -1,0 +1,63 @@
+// Two rough profiles pressed together: load and coefficient of static friction. And two smooth arcs, as Hertz has it.
+#include <stiction/amplitude.hpp>
+#include <stiction/asperity.hpp>
+#include <stiction/contact.hpp>
+#include <stiction/harmonics.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace {
+
+constexpr double spacing = 0.001;         // µm
+constexpr stiction::Index points = 4000;  // of a profile, which is 4 µm long
+const stiction::ContactModel model{stiction::HertzSphere{10.0}};
+
+/// A fractal profile [µm] of total height 0.1 µm and of dimension 1.3 in the paper's measure, H = 4 - 2D.
+std::vector<double> fractal(unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
+  const stiction::Matrix phases = stiction::Matrix::NullaryExpr(40, 16, [&] { return phase(random); });
+  const std::vector<double> weights = stiction::frequency_weights(4.0 - 2.0 * 1.3, phases.cols(), 1.5, 1.0);
+  const stiction::Matrix sum = stiction::harmonic_profiles(
+      phases, Eigen::Map<const stiction::Matrix>(weights.data(), 1, phases.cols()), {spacing, points});
+  std::vector<double> heights(points);
+  stiction::scale_to_amplitude({sum.data(), heights.size()}, 0.1, stiction::AmplitudeMeasure::height, heights);
+  return heights;
+}
+
+/// An arc of a circle [µm] about the middle of the profile, `sign` +1 for a bump of the lower body, -1 of the upper.
+std::vector<double> arc(double radius, double sign) {
+  std::vector<double> heights(points);
+  for (stiction::Index i = 0; i < points; ++i) {
+    const double x = static_cast<double>(i - points / 2) * spacing;
+    heights[static_cast<std::size_t>(i)] = sign * (std::sqrt(radius * radius - x * x) - radius);
+  }
+  return heights;
+}
+
+}  // namespace
+
+int main() {
+  const double mu0 = 0.4;
+  const std::vector<double> approaches{0.005, 0.010, 0.020};
+  const stiction::LoadSums sums = stiction::press(fractal(3), fractal(13), spacing, approaches, model);
+  for (std::size_t k = 0; k < approaches.size(); ++k) {
+    const double normal = sums.normal_elastic[k] + mu0 * sums.normal_frictional[k];
+    const double tangential = sums.tangential_elastic[k] + mu0 * sums.tangential_frictional[k];
+    std::printf("approach %g um: load %.4g mN, mu_s %.3f\n", approaches[k], normal, tangential / normal);
+  }
+
+  // Two arcs touch at their apexes, so that the overlap is the approach: F = 4/3 E* R^(1/2) overlap^(3/2).
+  const std::vector<double> upper = arc(3.0, -1.0);
+  const std::vector<double> lower = arc(6.0, +1.0);
+  const double overlap = 0.002;
+  const double load = stiction::press(upper, lower, spacing, {&overlap, 1}, model).normal_elastic[0];
+  const double hertz = 4.0 / 3.0 * 10.0 * std::sqrt(1.0 / (1.0 / 3.0 + 1.0 / 6.0)) * std::pow(overlap, 1.5);
+  const double radius = stiction::asperities(lower, spacing, stiction::Side::lower).radius[points / 2];
+  std::printf("two arcs: load %.6g mN, by Hertz %.6g mN; radius of the lower %.6g um\n", load, hertz, radius);
+  return std::abs(load / hertz - 1.0) < 1e-6 && std::abs(radius / 6.0 - 1.0) < 1e-6 ? 0 : 1;
+}
