@@ -25,3 +25,21 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
+    """A file to write, which takes the place of an older one when it is whole; one without the mark is left alone."""
+    partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
+    try:
+        if os.path.lexists(path):
+            with path.open("rb") as file:
+                if file.read(len(mark)) != mark:
+                    raise failure(f"{path}: exists already and is something else; remove it, or choose another name")
+        yield partial
+        partial.replace(path)
+    except OSError as error:
+        raise failure(f"{path}: cannot be written: {os.strerror(error.errno) if error.errno else error}") from None
+    finally:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
