@@ -446,7 +446,12 @@ function layout(xaxis, yaxis, more = {}) {
     paper_bgcolor: "#fff", plot_bgcolor: "#fff", xaxis, yaxis, ...more};
 }
 
-const loadAxis = (range) => ({...LOG_AXIS, range: range.map(Math.log10), title: {text: "normal load <i>F</i><sub>N</sub> (mN)"}});
+/** A logarithmic axis over a range, with powers of ten alone where there are several. */
+function logAxis(text, low, high) {
+  return {...LOG_AXIS, title: {text}, range: [low, high].map(Math.log10), ...(high / low > 300 ? {dtick: 1} : {})};
+}
+
+const loadAxis = (low, high) => logAxis("normal load <i>F</i><sub>N</sub> (mN)", low, high);
 
 // Fill patterns of the map and of its legend.
 const MARKS = {
@@ -459,6 +464,17 @@ const VALIDITY_LINES = [
   ["share_beyond_hertz", "dash", "above: over half of the load on overlaps > radius / 10"],
   ["share_below_grid", "dot", "below: over half of the load on radii < grid spacing"],
 ];
+
+/** Round numbers on the scale of colours, no closer than their labels are long. */
+function colourTicks(low, high, width) {
+  const place = (tick) => (width * Math.log(tick / low)) / Math.log(high / low);
+  let last = -Infinity;
+  return TICKS.filter((tick) => {
+    const isFree = tick >= low * 0.999 && tick <= high * 1.001 && place(tick) - last >= 36;
+    if (isFree) last = place(tick);
+    return isFree;
+  });
+}
 
 /** Outlines, one after the other, of the cells of a status: of each column's runs. */
 function outlines(status, name, x, y) {
@@ -481,9 +497,7 @@ function drawMap() {
   const x = edges(facts.dimensions);
   const y = edges(loads.map(Math.log)).map(Math.exp);
   const [low, high] = state.colours;
-  const ticks = TICKS.filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
-  const every = Math.max(1, Math.ceil(ticks.length / (byId("map").clientWidth < 480 ? 6 : 10)));
-  const some = ticks.filter((_, i) => i % every === 0);
+  const ticks = colourTicks(low, high, byId("map").clientWidth - MARGIN.l - MARGIN.r);
   const traces = [];
   const legend = [];
   for (const [name, mark] of Object.entries(MARKS)) {
@@ -499,8 +513,8 @@ function drawMap() {
     type: "heatmap", x, y, z: map.value.map((row) => row.map((value) => (value === null ? null : Math.log10(Math.max(value, 1e-12))))),
     zmin: Math.log10(low), zmax: Math.log10(high), colorscale: "Viridis", hoverinfo: "none", hoverongaps: true,
     colorbar: {
-      orientation: "h", y: 1.01, yanchor: "bottom", len: 1, thickness: 14, outlinewidth: 0, ticks: "outside",
-      tickvals: some.map(Math.log10), ticktext: some.map(String), title: {text: "<i>μ</i><sub>s</sub>", side: "top"},
+      orientation: "h", yref: "container", y: 1, yanchor: "top", len: 1, thickness: 14, outlinewidth: 0, ticks: "outside",
+      tickvals: ticks.map(Math.log10), ticktext: ticks.map(String), tickangle: 0,
     },
   });
   for (const [name, dash, text] of VALIDITY_LINES) {
@@ -524,8 +538,11 @@ function drawMap() {
   legend.push([ring(), "picked point"]);
   Plotly.react("map", traces, layout(
     {...AXIS, title: {text: "fractal dimension <i>D</i>"}, range: [x[0], x.at(-1)]},
-    {...loadAxis([y[0], y.at(-1)])},
-    {margin: {...MARGIN, t: 64}},
+    loadAxis(y[0], y.at(-1)),
+    {margin: {...MARGIN, t: 48}, annotations: [{
+      text: "<i>μ</i><sub>s</sub>", font: {...FONT, size: 15}, showarrow: false,
+      xref: "paper", x: 0, xanchor: "right", xshift: -6, yref: "paper", y: 1, yanchor: "bottom", yshift: 22,
+    }]},
   ), CONFIG);
   byId("legend").replaceChildren(...legend.map(([picture, text]) => element("li", {}, picture, text)));
 }
@@ -563,16 +580,18 @@ const CURVE = "#0b5cad";
 function drawCurves() {
   const {dimension: d, amplitude: a, mu0} = state;
   const curves = meanCurves(d, a, mu0, tau0());
-  const range = [loads[0], loads.at(-1)];
-  for (const [id, what, values, title, type] of [
-    ["friction", OF_TANGENTIAL, curves.tangential, "friction coefficient <i>μ</i><sub>s</sub>", "linear"],
-    ["area", OF_AREA, curves.area, "true contact area <i>A</i> (µm²)", "log"],
+  for (const [id, what, values, title] of [
+    ["friction", OF_TANGENTIAL, curves.tangential, "friction coefficient <i>μ</i><sub>s</sub>"],
+    ["area", OF_AREA, curves.area, "true contact area <i>A</i> (µm²)"],
   ]) {
     const jack = jackknife(d, a, what, mu0, tau0());
     const points = loads.map((load) => readOff(curves, values, jack, load, id === "friction" ? load : 1));
     const ok = points.filter((point) => point.status === "ok");
-    const axis = {...(type === "log" ? LOG_AXIS : AXIS), title: {text: title}, ...(type === "log" ? {} : {rangemode: "tozero"})};
-    Plotly.react(id, curveTraces(points), layout(loadAxis(range), axis, ok.length ? {} : {
+    const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
+    const axis = id === "friction" || !ends.length
+      ? {...AXIS, title: {text: title}, rangemode: "tozero"}
+      : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
+    Plotly.react(id, curveTraces(points), layout(loadAxis(loads[0], loads.at(-1)), axis, ok.length ? {} : {
       annotations: [{text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5}],
     }), CONFIG);
     byId(`${id}-caption`).textContent = curveCaption(points, ok);
@@ -599,7 +618,7 @@ function curveTraces(points) {
 }
 
 function curveCaption(points, ok) {
-  const words = [`At ${dimensionName(state.dimension)}, μ0 = ${shown(state.mu0, 3)}, τ0 = ${shown(state.tau0, 3)} MPa.`];
+  const words = [`At ${dimensionName(state.dimension)}, μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa.`];
   if (ok.length && ok.every((point) => Number.isFinite(point.lower))) words.push("Shaded: 95 % interval.");
   else if (ok.length) words.push(`No interval: ${whyNoInterval()}.`);
   if (ok.some((point) => point.validity.share_beyond_hertz > 0.5))
@@ -663,22 +682,24 @@ function drawExample() {
   ];
   for (const [opposes, color, symbol] of [[false, ELASTIC, "circle"], [true, OPPOSING, "diamond"]]) {
     const some = found.filter((contact) => contact.opposes === opposes);
-    const arrows = {x: [], y: [], size: [], text: []};
+    const arrows = {x: [], y: [], size: []};
+    const bases = {x: [], y: [], text: []};
     for (const {x: cx, z, normal, force} of some) {
       const length = 14 + 46 * Math.sqrt(force / strongest); // pixels, in the direction that the force has in truth
       const from = [starts[d] + cx, 1000 * z];
       arrows.x.push(from[0], from[0] + length * normal * perPixel[0], null);
       arrows.y.push(from[1], from[1] + length * Math.sqrt(1 - normal ** 2) * perPixel[1], null);
-      arrows.size.push(8, 11, 0);
-      const text = `${shown(force, 3)} mN, slope ${shown((Math.asin(-facts.shear * normal) * 180) / Math.PI, 3)}°`;
-      arrows.text.push(text, text, "");
+      arrows.size.push(0, 11, 0);
+      bases.x.push(from[0]);
+      bases.y.push(from[1]);
+      bases.text.push(`${shown(force, 3)} mN, slope ${shown((Math.asin(-facts.shear * normal) * 180) / Math.PI, 3)}°`);
     }
     traces.push({
-      type: "scatter", mode: "lines+markers", x: arrows.x, y: arrows.y, hoverinfo: "text", text: arrows.text, cliponaxis: true,
-      line: {color, width: 2}, marker: {
-        color, size: arrows.size, opacity: 1, line: {color: "#ffffff", width: 1}, angleref: "previous",
-        symbol: arrows.x.map((_, i) => (i % 3 === 1 ? "arrow" : symbol)), angle: 0,
-      },
+      ...plain, mode: "lines+markers", x: arrows.x, y: arrows.y, line: {color, width: 2},
+      marker: {color, size: arrows.size, opacity: 1, symbol: "arrow", angleref: "previous"},
+    }, {
+      ...plain, mode: "markers", x: bases.x, y: bases.y, hoverinfo: "text", text: bases.text,
+      marker: {color, size: 10, symbol, opacity: 1, line: {color: "#ffffff", width: 1.5}},
     });
   }
   const exaggeration = perPixel[0] / (perPixel[1] / 1000);
@@ -697,7 +718,7 @@ function drawExample() {
   const contacts = found.length + leftOut;
   byId("profiles-caption").textContent = [
     `The first pair at ${dimensionName(dimensions[d])}, amplitude ${lengthName(facts.amplitudes[amplitudes[a]])}: ` +
-    `${points} points of it around where the two first touch; heights drawn ${shown(exaggeration, 2)} times too large.`,
+    `${points} points of it around where the two first touch. Vertical exaggeration: ${shown(exaggeration, 2)}.`,
     contacts
       ? `${contacts} ${contacts === 1 ? "contact" : "contacts"} here at this approach: ${opposing} on slopes that oppose the motion ` +
         `(diamonds), ${found.length - opposing} others (circles). Arrows: normal force on the upper body, in its true direction, ` +
@@ -769,7 +790,7 @@ function range(id, taken) {
     });
   }
   return (ends) => {
-    [low.value, high.value] = ends;
+    [low.value, high.value] = ends.map((end) => (end < 1e-3 ? end.toExponential() : end));
     for (const each of [low, high]) each.setCustomValidity("");
     taken(ends);
   };
@@ -858,7 +879,7 @@ async function begin() {
     for (const id of ["map", "friction", "area"]) byId(id).closest("section").hidden = true;
     byId("controls").hidden = true;
   } else if (K === 1) {
-    say("This study has one approach, and a load is read off between two: the page has no value to show but at its very load.");
+    say("This study has one approach. Values at a load are read off between two, so there are none to show.");
   }
   connect();
   redraw(...MAP_CHANGED, "example");
