@@ -443,7 +443,7 @@ const LOG_AXIS = {...AXIS, type: "log", minor: {ticks: "outside", ticklen: 3, ti
 
 function layout(xaxis, yaxis, more = {}) {
   return {font: FONT, margin: MARGIN, dragmode: false, showlegend: false, hovermode: "closest",
-    paper_bgcolor: "#fff", plot_bgcolor: "#fff", xaxis, yaxis, ...more};
+    paper_bgcolor: "#ffffff", plot_bgcolor: "#fefefe", xaxis, yaxis, ...more};
 }
 
 /** A logarithmic axis over a range, with powers of ten alone where there are several. */
@@ -453,7 +453,8 @@ function logAxis(text, low, high) {
 
 const loadAxis = (low, high) => logAxis("normal load <i>F</i><sub>N</sub> (mN)", low, high);
 
-// Fill patterns of the map and of its legend.
+// Fill patterns of the map and of its legend. The first is the map's background, which costs nothing to draw.
+const BACKGROUND = "not-reached";
 const MARKS = {
   "not-reached": {shape: "/", fgcolor: "#8c959f", bgcolor: "#ffffff", text: "load not reached"},
   "below-range": {shape: "\\", fgcolor: "#57606a", bgcolor: "#e6eaee", text: "below the loads computed"},
@@ -461,8 +462,8 @@ const MARKS = {
   "self-locked": {shape: "", fgcolor: "#7a0019", bgcolor: "#7a0019", text: "self-locked: F_N ≤ 0"},
 };
 const VALIDITY_LINES = [
-  ["share_beyond_hertz", "dash", "above: over half of the load on overlaps > radius / 10"],
-  ["share_below_grid", "dot", "below: over half of the load on radii < grid spacing"],
+  ["share_beyond_hertz", "solid", "above: over half of the load on overlaps > radius / 10"],
+  ["share_below_grid", "2px,2px", "below: over half of the load on radii < grid spacing"],
 ];
 
 /** Round numbers on the scale of colours, no closer than their labels are long. */
@@ -492,6 +493,24 @@ function outlines(status, name, x, y) {
   return [xs, ys];
 }
 
+/** Edges between the cells that have a share above a half and those that have not. */
+function boundary(shares, x, y) {
+  const xs = [];
+  const ys = [];
+  const differ = (one, other) => one !== null && other !== null && one !== undefined && other !== undefined && one > 0.5 !== other > 0.5;
+  shares.forEach((row, l) => row.forEach((share, d) => {
+    if (differ(share, row[d + 1])) {
+      xs.push(x[d + 1], x[d + 1], null);
+      ys.push(y[l], y[l + 1], null);
+    }
+    if (differ(share, shares[l + 1]?.[d])) {
+      xs.push(x[d], x[d + 1], null);
+      ys.push(y[l + 1], y[l + 1], null);
+    }
+  }));
+  return [xs, ys];
+}
+
 function drawMap() {
   const map = frictionMap(state.amplitude, loads, state.mu0, tau0());
   const x = edges(facts.dimensions);
@@ -503,11 +522,12 @@ function drawMap() {
   for (const [name, mark] of Object.entries(MARKS)) {
     const [xs, ys] = outlines(map.status, name, x, y);
     if (!xs.length) continue;
+    legend.push([swatch(mark), mark.text]);
+    if (name === BACKGROUND) continue;
     traces.push({
       type: "scatter", mode: "lines", x: xs, y: ys, fill: "toself", hoverinfo: "skip", line: {width: 0},
       fillcolor: mark.bgcolor, fillpattern: {shape: mark.shape, fgcolor: mark.fgcolor, bgcolor: mark.bgcolor, size: 7, solidity: 0.2},
     });
-    legend.push([swatch(mark), mark.text]);
   }
   traces.push({
     type: "heatmap", x, y, z: map.value.map((row) => row.map((value) => (value === null ? null : Math.log10(Math.max(value, 1e-12))))),
@@ -518,22 +538,15 @@ function drawMap() {
     },
   });
   for (const [name, dash, text] of VALIDITY_LINES) {
-    const shares = map[name].flat().filter((share) => share !== null);
-    const isLine = Math.min(facts.dimensions.length, loads.length) > 1 && Math.min(...shares) < 0.5 && Math.max(...shares) > 0.5;
-    if (!isLine) continue;
-    const contour = (width, color) => ({
-      type: "contour", x: facts.dimensions, y: loads, z: map[name], hoverinfo: "skip", showscale: false, connectgaps: false,
-      contours: {start: 0.5, end: 0.5, size: 1, coloring: "none"}, line: {color, dash, width, smoothing: 0},
-    });
-    traces.push(contour(2, "#ffffff"));
+    const [xs, ys] = boundary(map[name], x, y);
+    if (!xs.length) continue;
+    traces.push({type: "scatter", mode: "lines", x: xs, y: ys, hoverinfo: "skip", line: {color: "#ffffff", dash, width: 2}});
     legend.push([line(dash), text]);
   }
-  traces.push({
-    type: "scatter", mode: "markers", x: [facts.dimensions[state.dimension]], y: [loads[state.load]], hoverinfo: "skip",
-    marker: {symbol: "circle-open", size: 13, color: "#ffffff", line: {width: 5}},
-  }, {
-    type: "scatter", mode: "markers", x: [facts.dimensions[state.dimension]], y: [loads[state.load]], hoverinfo: "skip",
-    marker: {symbol: "circle-open", size: 13, color: "#d1005d", line: {width: 2.5}},
+  const [dimension, load] = [facts.dimensions[state.dimension], loads[state.load]];
+  traces.push({ // a ring on a wider one
+    type: "scatter", mode: "markers", x: [dimension, dimension], y: [load, load], hoverinfo: "skip",
+    marker: {symbol: "circle-open", size: 13, color: ["#ffffff", "#d1005d"], line: {width: [5.5, 2.5]}},
   });
   legend.push([ring(), "picked point"]);
   Plotly.react("map", traces, layout(
@@ -568,10 +581,8 @@ function swatch(mark) {
   return svg(24, ["rect", {...frame, fill: mark.bgcolor}], ...pattern, ["rect", {...frame, fill: "none", stroke: "#57606a"}]);
 }
 
-function line(dash) {
-  return svg(36, ["rect", {width: 36, height: 16, fill: "#3b528b"}],
-    ["path", {d: "M2 8 H34", stroke: "#ffffff", "stroke-width": 2, "stroke-dasharray": dash === "dot" ? "2 3" : "8 5"}]);
-}
+const line = (dash) => svg(28, ["rect", {width: 28, height: 16, fill: "#3b528b"}],
+  ["path", {d: "M0 8 H28", stroke: "#ffffff", "stroke-width": 2, "stroke-dasharray": dash === "solid" ? "none" : "2 2"}]);
 
 const ring = () => svg(16, ["circle", {cx: 8, cy: 8, r: 5.5, fill: "none", stroke: "#d1005d", "stroke-width": 2.5}]);
 
