@@ -15,7 +15,7 @@ from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views.report import MARK, ReportError, report_page, save_report
 
-plotly = pytest.importorskip("plotly", reason="the extra 'report' is not installed")
+pytest.importorskip("plotly", reason="the extra 'report' is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
 in_browser = pytest.mark.skipif(
@@ -208,7 +208,9 @@ def test_every_way_to_read_off_is_that_of_the_library(driver, tmp_path, reached)
 @in_browser
 def test_quantiles_of_student(opened):
     freedom = np.concatenate([np.linspace(1, 12, 50), np.geomspace(13, 1e5, 30)])
-    found = opened.execute_script("return arguments[0].map((freedom) => studentQuantile(0.975, freedom))", freedom.tolist())
+    found = opened.execute_script(
+        "return arguments[0].map((freedom) => studentQuantile(0.975, freedom))", freedom.tolist()
+    )
     assert found == pytest.approx(stdtrit(freedom, 0.975), rel=1e-10)
 
 
@@ -305,7 +307,9 @@ def test_the_tabulator_reaches_every_control(opened):
     for _ in range(len(controls) + 3):
         ActionChains(opened).send_keys(Keys.TAB).perform()
         reached.append(
-            opened.execute_script("const e = document.activeElement; return [e.id || e.tagName, getComputedStyle(e).outlineStyle]")
+            opened.execute_script(
+                "const e = document.activeElement; return [e.id || e.tagName, getComputedStyle(e).outlineStyle]"
+            )
         )
     assert len(controls) >= 14
     assert set(controls) <= {name for name, _ in reached}
@@ -375,9 +379,17 @@ def test_only_reports_are_replaced(result, tmp_path):
     path.write_text(f"{MARK}old")
     save_report(result, path)
     assert len(path.read_bytes()) > 1_000_000
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ReportError, match="something else"):  # and does not wait for somebody to write into it
+        save_report(result, tmp_path / "pipe")
+    (tmp_path / "pipe").unlink()
     other = tmp_path / "thesis.html"
     other.write_text("years of work")
-    for bad, reason in ((other, "something else"), (tmp_path, "directory"), (tmp_path / "no/report.html", "No such")):
+    for bad, reason in (
+        (other, "something else"),
+        (tmp_path, "something else"),
+        (tmp_path / "no/report.html", "No such"),
+    ):
         with pytest.raises(ReportError, match=reason):
             save_report(result, bad)
     assert other.read_text() == "years of work"
@@ -391,7 +403,13 @@ def test_the_command_writes_where_it_says(tmp_path):
     def report(*arguments):
         command = [sys.executable, "-m", "stiction", "report", *arguments]
         return subprocess.run(
-            command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False, env=os.environ | {"CI": "1"}
+            command,
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+            env=os.environ | {"CI": "1"},
         )
 
     done = report("study")
@@ -400,7 +418,11 @@ def test_the_command_writes_where_it_says(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     shutil.copytree(tmp_path / "study", tmp_path / "damaged")
     (tmp_path / "damaged/result.zarr/zarr.json").write_text("{}")
-    for arguments, word in ((["nowhere"], "not a result"), (["damaged"], "damaged"), (["study", "-o", "mine.txt"], "else")):
+    for arguments, word in (
+        (["nowhere"], "not a result"),
+        (["damaged"], "damaged"),
+        (["study", "-o", "mine.txt"], "else"),
+    ):
         done = report(*arguments)
         assert done.returncode == 2
         assert len(done.stderr.splitlines()) == 1

@@ -140,7 +140,8 @@ function jackknife(d, a, what, mu0, tau0) {
   if (carrying < 2) return null;
   return {
     normal, values, meanNormal: meanOf(normal), meanValues: meanOf(values),
-    othersNormal: leftOut(normal), othersValues: leftOut(values), least: values.some((value) => value < 0) ? -Infinity : 0,
+    othersNormal: leftOut(normal), othersValues: leftOut(values),
+    least: values.some((value) => value < 0) ? -Infinity : 0,
   };
 }
 
@@ -363,8 +364,14 @@ function shown(value, digits = 4) {
   return value.toPrecision(digits).replace("-", "−");
 }
 
+const CONVENTION = facts.classical ? " (classical)" : "";
 const dimensionName = (d) => `D = ${facts.dimensions[d].toFixed(3)}`;
-const lengthName = (value) => (value < 1 ? `${Number((1000 * value).toPrecision(4))} nm` : `${Number(value.toPrecision(4))} µm`);
+
+/** A length, µm, in the unit that suits it. */
+function lengthName(value) {
+  const [size, unit] = value < 1 ? [1000 * value, "nm"] : [value, "µm"];
+  return `${Number(size.toPrecision(4))} ${unit}`;
+}
 
 /** An element with attributes and children; text is never markup. */
 function element(name, attributes = {}, ...children) {
@@ -391,7 +398,8 @@ function drawReadout() {
   ];
   if (at.status === "ok") {
     children.push(
-      element("p", {class: "value"}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, shown(at.value))),
+      element("p", {class: "value"}, element("i", {}, "μ"), element("sub", {}, "s"), " = ",
+        data(at.value, shown(at.value))),
       element("p", {class: "interval"}, ...intervalText(at)),
     );
   } else {
@@ -409,7 +417,8 @@ function drawReadout() {
   }
   children.push(list);
   if (at.status === "ok") {
-    const full = [at.value, at.lower, at.upper].map((value) => (Number.isFinite(value) ? value.toPrecision(9) : "none"));
+    const inFull = (value) => (Number.isFinite(value) ? value.toPrecision(9) : "none");
+    const full = [at.value, at.lower, at.upper].map(inFull);
     children.push(element("p", {class: "full"},
       `In full: ${full[0]} [${full[1]}, ${full[2]}] at D = ${facts.dimensions[d]}, ${at.load} mN, ` +
       `μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa`));
@@ -432,7 +441,7 @@ function whyNoInterval() {
 
 // ---- Plots ----------------------------------------------------------------------------------------------------------
 
-const FONT = {family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif", size: 13, color: "#1b1f24"};
+const FONT = {family: getComputedStyle(document.body).fontFamily, size: 13, color: "#1b1f24"};
 const MARGIN = {l: 64, r: 16, t: 8, b: 48};
 const CONFIG = {displayModeBar: false, responsive: true, scrollZoom: false, doubleClick: false};
 const AXIS = {
@@ -497,7 +506,8 @@ function outlines(status, name, x, y) {
 function boundary(shares, x, y) {
   const xs = [];
   const ys = [];
-  const differ = (one, other) => one !== null && other !== null && one !== undefined && other !== undefined && one > 0.5 !== other > 0.5;
+  const isKnown = (share) => typeof share === "number";
+  const differ = (one, other) => isKnown(one) && isKnown(other) && one > 0.5 !== other > 0.5;
   shares.forEach((row, l) => row.forEach((share, d) => {
     if (differ(share, row[d + 1])) {
       xs.push(x[d + 1], x[d + 1], null);
@@ -526,21 +536,26 @@ function drawMap() {
     if (name === BACKGROUND) continue;
     traces.push({
       type: "scatter", mode: "lines", x: xs, y: ys, fill: "toself", hoverinfo: "skip", line: {width: 0},
-      fillcolor: mark.bgcolor, fillpattern: {shape: mark.shape, fgcolor: mark.fgcolor, bgcolor: mark.bgcolor, size: 7, solidity: 0.2},
+      fillcolor: mark.bgcolor,
+      fillpattern: {shape: mark.shape, fgcolor: mark.fgcolor, bgcolor: mark.bgcolor, size: 7, solidity: 0.2},
     });
   }
+  const logarithm = (value) => (value === null ? null : Math.log10(Math.max(value, 1e-12)));
   traces.push({
-    type: "heatmap", x, y, z: map.value.map((row) => row.map((value) => (value === null ? null : Math.log10(Math.max(value, 1e-12))))),
+    type: "heatmap", x, y, z: map.value.map((row) => row.map(logarithm)),
     zmin: Math.log10(low), zmax: Math.log10(high), colorscale: "Viridis", hoverinfo: "none", hoverongaps: true,
     colorbar: {
-      orientation: "h", yref: "container", y: 1, yanchor: "top", len: 1, thickness: 14, outlinewidth: 0, ticks: "outside",
+      orientation: "h", yref: "container", y: 1, yanchor: "top", len: 1, thickness: 14, outlinewidth: 0,
+      ticks: "outside",
       tickvals: ticks.map(Math.log10), ticktext: ticks.map(String), tickangle: 0,
     },
   });
   for (const [name, dash, text] of VALIDITY_LINES) {
     const [xs, ys] = boundary(map[name], x, y);
     if (!xs.length) continue;
-    traces.push({type: "scatter", mode: "lines", x: xs, y: ys, hoverinfo: "skip", line: {color: "#ffffff", dash, width: 2}});
+    traces.push({
+      type: "scatter", mode: "lines", x: xs, y: ys, hoverinfo: "skip", line: {color: "#ffffff", dash, width: 2},
+    });
     legend.push([line(dash), text]);
   }
   const [dimension, load] = [facts.dimensions[state.dimension], loads[state.load]];
@@ -550,7 +565,7 @@ function drawMap() {
   });
   legend.push([ring(), "picked point"]);
   Plotly.react("map", traces, layout(
-    {...AXIS, title: {text: "fractal dimension <i>D</i>"}, range: [x[0], x.at(-1)]},
+    {...AXIS, title: {text: `fractal dimension <i>D</i>${CONVENTION}`}, range: [x[0], x.at(-1)]},
     loadAxis(y[0], y.at(-1)),
     {margin: {...MARGIN, t: 48}, annotations: [{
       text: "<i>μ</i><sub>s</sub>", font: {...FONT, size: 15}, showarrow: false,
@@ -574,15 +589,19 @@ function svg(width, ...shapes) {
 
 function swatch(mark) {
   const stroke = {stroke: mark.fgcolor, "stroke-width": 1.3};
-  const slanted = [-8, 0, 8, 16].map((x) => ["path", {d: mark.shape === "/" ? `M${x} 16 l16 -16` : `M${x} 0 l16 16`, ...stroke}]);
+  const rising = mark.shape === "/";
+  const slanted = [-8, 0, 8, 16].map((x) => ["path", {d: rising ? `M${x} 16 l16 -16` : `M${x} 0 l16 16`, ...stroke}]);
   const dots = [4, 12, 20].flatMap((x) => [4, 12].map((y) => ["circle", {cx: x, cy: y, r: 1.3, fill: mark.fgcolor}]));
   const pattern = {"/": slanted, "\\": slanted, ".": dots, "": []}[mark.shape];
   const frame = {x: 0.5, y: 0.5, width: 23, height: 15};
-  return svg(24, ["rect", {...frame, fill: mark.bgcolor}], ...pattern, ["rect", {...frame, fill: "none", stroke: "#57606a"}]);
+  const outline = {...frame, fill: "none", stroke: "#57606a"};
+  return svg(24, ["rect", {...frame, fill: mark.bgcolor}], ...pattern, ["rect", outline]);
 }
 
-const line = (dash) => svg(28, ["rect", {width: 28, height: 16, fill: "#3b528b"}],
-  ["path", {d: "M0 8 H28", stroke: "#ffffff", "stroke-width": 2, "stroke-dasharray": dash === "solid" ? "none" : "2 2"}]);
+function line(dash) {
+  const stroke = {stroke: "#ffffff", "stroke-width": 2, "stroke-dasharray": dash === "solid" ? "none" : "2 2"};
+  return svg(28, ["rect", {width: 28, height: 16, fill: "#3b528b"}], ["path", {d: "M0 8 H28", ...stroke}]);
+}
 
 const ring = () => svg(16, ["circle", {cx: 8, cy: 8, r: 5.5, fill: "none", stroke: "#d1005d", "stroke-width": 2.5}]);
 
@@ -602,9 +621,12 @@ function drawCurves() {
     const axis = id === "friction" || !ends.length
       ? {...AXIS, title: {text: title}, rangemode: "tozero"}
       : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
-    Plotly.react(id, curveTraces(points), layout(loadAxis(loads[0], loads.at(-1)), axis, ok.length ? {} : {
-      annotations: [{text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5}],
-    }), CONFIG);
+    const nothing = {
+      text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
+    };
+    Plotly.react(id, curveTraces(points), layout(
+      loadAxis(loads[0], loads.at(-1)), axis, {annotations: ok.length ? [] : [nothing]},
+    ), CONFIG);
     byId(`${id}-caption`).textContent = curveCaption(points, ok);
   }
 }
@@ -613,9 +635,9 @@ function curveTraces(points) {
   const x = points.map((point) => point.load);
   const put = (name) => points.map((point) => (Number.isFinite(point[name]) ? point[name] : null));
   const band = points.filter((point) => Number.isFinite(point.lower));
-  const trusted = points.map((point) => (point.validity && point.validity.share_beyond_hertz <= 0.5 ? point.value : null));
-  const text = points.map((point) => (point.status !== "ok" ? "" : `${shown(point.value)}` +
-    (Number.isFinite(point.lower) ? ` [${shown(point.lower)}, ${shown(point.upper)}]` : "") + `<br>at ${shown(point.load)} mN`));
+  const trusted = points.map((point) => (point.validity?.share_beyond_hertz <= 0.5 ? point.value : null));
+  const ends = (point) => (Number.isFinite(point.lower) ? ` [${shown(point.lower)}, ${shown(point.upper)}]` : "");
+  const text = points.map((point) => `${shown(point.value)}${ends(point)}<br>at ${shown(point.load)} mN`);
   const plain = {type: "scatter", hoverinfo: "skip"};
   return [
     {...plain, mode: "lines", line: {width: 0}, fill: "toself", fillcolor: "rgba(11, 92, 173, 0.2)",
@@ -636,7 +658,8 @@ function curveCaption(points, ok) {
     words.push("Dotted: over half of the load on overlaps above a tenth of the radius.");
   const counts = new Map();
   for (const point of points) if (point.status !== "ok") counts.set(point.status, (counts.get(point.status) ?? 0) + 1);
-  for (const [status, count] of counts) words.push(`At ${count} of ${points.length} loads ${status}: ${STATUS[status]}.`);
+  for (const [status, count] of counts)
+    words.push(`At ${count} of ${points.length} loads ${status}: ${STATUS[status]}.`);
   return words.join(" ");
 }
 
@@ -646,7 +669,10 @@ const ELASTIC = "#0b5cad";
 const OPPOSING = "#b34700";
 
 /** Which of some indices is nearest to one. */
-const nearest = (indices, index) => indices.reduce((best, each, i) => (Math.abs(each - index) < Math.abs(indices[best] - index) ? i : best), 0);
+function nearest(indices, index) {
+  const distances = indices.map((each) => Math.abs(each - index));
+  return distances.indexOf(Math.min(...distances));
+}
 
 function exampleContactsOf(d, a, k) {
   const {amplitudes, approaches, counts} = facts.example;
@@ -665,7 +691,10 @@ function drawExample() {
   const approach = 1000 * facts.approaches[approaches[k]];
   const factor = (1000 * facts.amplitudes[amplitudes[a]]) / facts.amplitudes[amplitudes[0]];
   const x = Array.from({length: points}, (_, i) => starts[d] + i * spacing);
-  const body = (side) => Array.from(exampleProfiles.subarray((2 * d + side) * points, (2 * d + side + 1) * points), (z) => factor * z);
+  const body = (side) => {
+    const first = (2 * d + side) * points;
+    return Array.from(exampleProfiles.subarray(first, first + points), (z) => factor * z);
+  };
   const lower = body(0);
   const upper = body(1).map((z) => z - approach);
   const bottom = Math.min(...lower);
@@ -687,9 +716,9 @@ function drawExample() {
   const flat = (z) => ({...plain, x: [x[0], x.at(-1)], y: [z, z], line: {width: 0}});
   const traces = [
     flat(range[0]),
-    {...plain, x, y: lower, line: {color: "#57606a", width: 1.2}, fill: "tonexty", fillcolor: "rgba(87, 96, 106, 0.25)"},
+    {...plain, x, y: lower, line: {color: "#57606a", width: 1.2}, fill: "tonexty", fillcolor: "rgba(87,96,106,0.25)"},
     flat(range[1]),
-    {...plain, x, y: upper, line: {color: "#5b3b8c", width: 1.2}, fill: "tonexty", fillcolor: "rgba(91, 59, 140, 0.18)"},
+    {...plain, x, y: upper, line: {color: "#5b3b8c", width: 1.2}, fill: "tonexty", fillcolor: "rgba(91,59,140,0.18)"},
   ];
   for (const [opposes, color, symbol] of [[false, ELASTIC, "circle"], [true, OPPOSING, "diamond"]]) {
     const some = found.filter((contact) => contact.opposes === opposes);
@@ -720,22 +749,26 @@ function drawExample() {
     {...AXIS, title: {text: "position <i>x</i> (µm)"}, range: [x[0], x.at(-1)]},
     {...AXIS, title: {text: "height (nm)"}, range},
     {margin, annotations: [
-      label(`upper body, about to move ${facts.shear > 0 ? "to the right →" : "← to the left"}`, 0.99, "top", "#4a2f75"),
+      label(`upper body, about to move ${facts.shear > 0 ? "right →" : "left ←"}`, 0.99, "top", "#4a2f75"),
       label("lower body", 0.01, "bottom", "#3d444d"),
     ]},
   ), CONFIG);
 
-  const opposing = found.filter((contact) => contact.opposes).length;
-  const contacts = found.length + leftOut;
-  byId("profiles-caption").textContent = [
-    `The first pair at ${dimensionName(dimensions[d])}, amplitude ${lengthName(facts.amplitudes[amplitudes[a]])}: ` +
+  const words = [
+    `The first pair at ${dimensionName(dimensions[d])}, amplitude ${lengthName(facts.amplitudes[amplitudes[a]])}:`,
     `${points} points of it around where the two first touch. Vertical exaggeration: ${shown(exaggeration, 2)}.`,
-    contacts
-      ? `${contacts} ${contacts === 1 ? "contact" : "contacts"} here at this approach: ${opposing} on slopes that oppose the motion ` +
-        `(diamonds), ${found.length - opposing} others (circles). Arrows: normal force on the upper body, in its true direction, ` +
-        `length by its square root; the strongest is ${shown(strongest, 3)} mN.` + (leftOut ? ` The ${leftOut} weakest are not drawn.` : "")
-      : "No contacts here at this approach.",
-  ].join(" ");
+  ];
+  const opposing = found.filter((contact) => contact.opposes).length;
+  const count = found.length + leftOut;
+  if (count) {
+    words.push(
+      `${count} ${count === 1 ? "contact" : "contacts"} here at this approach; diamonds are on slopes that oppose`,
+      `the motion (${opposing}), circles are not (${found.length - opposing}). Arrows: the normal force on the upper`,
+      `body, in its true direction; lengths go with its square root, and the strongest is ${shown(strongest, 3)} mN.`,
+    );
+  } else words.push("No contacts here at this approach.");
+  if (leftOut) words.push(`The ${leftOut} weakest are not drawn.`);
+  byId("profiles-caption").textContent = words.join(" ");
 }
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
@@ -767,7 +800,7 @@ function friction(id, most, step) {
 function sayIfStrong() {
   const isStrong = state.tau0 > facts.tau0Sane;
   byId("strong").hidden = !isStrong;
-  byId("strong").textContent = isStrong ? `τ0 is above a tenth of the effective modulus (${shown(facts.tau0Sane, 3)} MPa).` : "";
+  byId("strong").textContent = `τ0 is above a tenth of the effective modulus, ${shown(facts.tau0Sane, 3)} MPa.`;
 }
 
 /** A slider over the indices of a list. */
@@ -811,7 +844,7 @@ function connect() {
   for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());
   friction("mu0", facts.mu0Most, 0.01);
   friction("tau0", facts.tau0Most, Number((facts.tau0Most / 200).toPrecision(1)));
-  byId("convention").textContent = facts.classical ? " (classical)" : "";
+  byId("convention").textContent = CONVENTION;
 
   const amplitude = byId("amplitude");
   amplitude.append(...facts.amplitudes.map((value, a) => element("option", {value: a}, lengthName(value))));
@@ -826,7 +859,8 @@ function connect() {
   const load = index("load", "load", facts.loadSteps, (l) => `${shown(loads[l])} mN`, ...MAP_CHANGED);
   const {approaches} = facts.example;
   state.example = Math.floor((2 * approaches.length) / 3);
-  const approach = index("approach", "example", approaches.length, (k) => lengthName(facts.approaches[approaches[k]]), "example");
+  const approachName = (k) => lengthName(facts.approaches[approaches[k]]);
+  const approach = index("approach", "example", approaches.length, approachName, "example");
   [dimension, approach].forEach((slider) => slider.show());
   window.addEventListener("resize", () => redraw("map", "example"));
   if (!facts.loads.length) return;
@@ -845,7 +879,9 @@ function connect() {
   setColours(colourRange(facts.mu0.flatMap((m) => facts.tau0.flatMap(
     (t) => facts.amplitudes.map((_, a) => frictionMap(a, loads, m, t / 1000))))));
   byId("all-loads").addEventListener("click", () => setLoads(facts.loads));
-  byId("fit-colours").addEventListener("click", () => setColours(colourRange([frictionMap(state.amplitude, loads, state.mu0, tau0())])));
+  byId("fit-colours").addEventListener("click", () => {
+    setColours(colourRange([frictionMap(state.amplitude, loads, state.mu0, tau0())]));
+  });
 
   drawMap();
   const map = byId("map");

@@ -83,9 +83,8 @@ def save_report(dataset: xarray.Dataset, path: str | Path) -> None:
         If plotly is not installed, the result is too large for a page, the path holds something that is no report, or
         it cannot be written.
     """
-    page = report_page(dataset).encode()
     with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
-        partial.write_bytes(page)
+        partial.write_bytes(report_page(dataset).encode())
 
 
 def report_page(dataset: xarray.Dataset) -> str:
@@ -110,7 +109,7 @@ def report_page(dataset: xarray.Dataset) -> str:
             f"the result has {values} pairs times approaches, more than the {MOST_MEANS} that a page can hold; "
             "choose fewer fractal dimensions, amplitudes or approaches"
         )
-    has_intervals = 1 < data.sizes["repetition"] and data["normal_elastic"].size * len(PER_REPETITION) <= MOST_SUMS
+    has_intervals = data.sizes["repetition"] > 1 and data["normal_elastic"].size * len(PER_REPETITION) <= MOST_SUMS
     example = _Example.of(data, study)
     packed = {
         "plotly": _packed_bytes(plotly.encode()),
@@ -169,7 +168,7 @@ def _packed_bytes(content: bytes) -> str:
 
 def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str, Any]:
     """What the script knows besides the numbers: axes, ranges, and where there are contacts at all."""
-    counts = data["contact_count"].values.any(axis=2)  # (dimension, amplitude, approach)
+    counts: NDArray[np.bool_] = np.any(data["contact_count"].values, axis=2)  # (dimension, amplitude, approach)
     modulus = float(study.contact.effective_modulus)
     mu0, tau0 = study.friction.mu0, [1000 * float(value) for value in study.friction.tau0]
     return {
@@ -250,9 +249,7 @@ class _Example:
         return cls(np.array(profiles), np.concatenate(columns, axis=1), facts)
 
 
-def _windows(
-    study: Study, dimensions: Floats, amplitude: float
-) -> Iterator[tuple[Profile, Profile, int, int, float]]:
+def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile, int, int, float]]:
     """Of each dimension: the two profiles, cut out; first point of the window and of what is cut out; where they touch.
 
     Scaled to another amplitude they touch at the same point.
@@ -289,13 +286,13 @@ def _windows(
         )  # fmt: skip
 
 
-def _contacts(
-    study: Study, lower: Profile, upper: Profile, factor: float, approach: float
-) -> dict[str, NDArray[Any]]:
+def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, approach: float) -> dict[str, NDArray[Any]]:
     """Index, position (µm), x component of the normal and force (mN) of every contact."""
     contact = study.contact
+    upper, lower = (Profile(factor * body.heights, spacing=body.spacing) for body in (upper, lower))
     found = contacts(
-        *(Profile(factor * body.heights, spacing=body.spacing) for body in (upper, lower)),
+        upper,
+        lower,
         float(approach),
         effective_modulus=float(contact.effective_modulus),
         law=contact.contact_law(),
