@@ -67,6 +67,7 @@ def screenshot(driver, path: Path) -> None:
     for name, value in (("tau0", 50), ("dimension", 26)):
         set_value = "const [e, v] = arguments; e.value = v; e.dispatchEvent(new Event('input'))"
         driver.execute_script(set_value, driver.find_element("id", name), value)
+    driver.execute_script("document.activeElement.blur(); scrollTo(0, 0)")
     browser.frames(driver, 10)
     clip = {"x": 0, "y": 0, "width": 1280, "height": 1960, "scale": 1}
     done = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})

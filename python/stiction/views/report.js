@@ -442,13 +442,15 @@ function whyNoInterval() {
 // ---- Plots ----------------------------------------------------------------------------------------------------------
 
 const FONT = {family: getComputedStyle(document.body).fontFamily, size: 13, color: "#1b1f24"};
-const MARGIN = {l: 64, r: 16, t: 8, b: 48};
+const MARGIN = {l: 72, r: 16, t: 8, b: 48};
 const CONFIG = {displayModeBar: false, responsive: true, scrollZoom: false, doubleClick: false};
 const AXIS = {
   ticks: "outside", ticklen: 5, tickcolor: "#57606a", linecolor: "#57606a", linewidth: 1, mirror: true,
   showline: true, zeroline: false, gridcolor: "#e6eaee", fixedrange: true, exponentformat: "power", minexponent: 4,
 };
 const LOG_AXIS = {...AXIS, type: "log", minor: {ticks: "outside", ticklen: 3, tickcolor: "#8c959f"}};
+
+const titled = (text) => ({text, standoff: 6});
 
 function layout(xaxis, yaxis, more = {}) {
   return {font: FONT, margin: MARGIN, dragmode: false, showlegend: false, hovermode: "closest",
@@ -457,7 +459,7 @@ function layout(xaxis, yaxis, more = {}) {
 
 /** A logarithmic axis over a range, with powers of ten alone where there are several. */
 function logAxis(text, low, high) {
-  return {...LOG_AXIS, title: {text}, range: [low, high].map(Math.log10), ...(high / low > 300 ? {dtick: 1} : {})};
+  return {...LOG_AXIS, title: titled(text), range: [low, high].map(Math.log10), ...(high / low > 300 ? {dtick: 1} : {})};
 }
 
 const loadAxis = (low, high) => logAxis("normal load <i>F</i><sub>N</sub> (mN)", low, high);
@@ -545,7 +547,7 @@ function drawMap() {
     type: "heatmap", x, y, z: map.value.map((row) => row.map(logarithm)),
     zmin: Math.log10(low), zmax: Math.log10(high), colorscale: "Viridis", hoverinfo: "none", hoverongaps: true,
     colorbar: {
-      orientation: "h", yref: "container", y: 1, yanchor: "top", len: 1, thickness: 14, outlinewidth: 0,
+      orientation: "h", yref: "container", y: 1, yanchor: "top", ypad: 0, len: 1, thickness: 14, outlinewidth: 0,
       ticks: "outside",
       tickvals: ticks.map(Math.log10), ticktext: ticks.map(String), tickangle: 0,
     },
@@ -567,9 +569,9 @@ function drawMap() {
   Plotly.react("map", traces, layout(
     {...AXIS, title: {text: `fractal dimension <i>D</i>${CONVENTION}`}, range: [x[0], x.at(-1)]},
     loadAxis(y[0], y.at(-1)),
-    {margin: {...MARGIN, t: 48}, annotations: [{
+    {margin: {...MARGIN, t: 44}, annotations: [{
       text: "<i>μ</i><sub>s</sub>", font: {...FONT, size: 15}, showarrow: false,
-      xref: "paper", x: 0, xanchor: "right", xshift: -6, yref: "paper", y: 1, yanchor: "bottom", yshift: 22,
+      xref: "paper", x: 0, xanchor: "right", xshift: -6, yref: "paper", y: 1, yanchor: "middle", yshift: 37,
     }]},
   ), CONFIG);
   byId("legend").replaceChildren(...legend.map(([picture, text]) => element("li", {}, picture, text)));
@@ -619,7 +621,7 @@ function drawCurves() {
     const ok = points.filter((point) => point.status === "ok");
     const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
     const axis = id === "friction" || !ends.length
-      ? {...AXIS, title: {text: title}, rangemode: "tozero"}
+      ? {...AXIS, title: titled(title), rangemode: "tozero"}
       : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
     const nothing = {
       text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
@@ -747,7 +749,7 @@ function drawExample() {
     showarrow: false, font: {...FONT, color}, bgcolor: "rgba(255, 255, 255, 0.8)"});
   Plotly.react(plot, traces, layout(
     {...AXIS, title: {text: "position <i>x</i> (µm)"}, range: [x[0], x.at(-1)]},
-    {...AXIS, title: {text: "height (nm)"}, range},
+    {...AXIS, title: titled("height (nm)"), range},
     {margin, annotations: [
       label(`upper body, about to move ${facts.shear > 0 ? "right →" : "left ←"}`, 0.99, "top", "#4a2f75"),
       label("lower body", 0.01, "bottom", "#3d444d"),

@@ -314,11 +314,14 @@ def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, appro
 
 def _pairs(data: xarray.Dataset) -> str:
     """How many pairs the page is of."""
-    parts = [_counted(data.sizes["repetition"], "pair of surfaces", "pairs of surfaces")]
-    parts.append(f"at {_counted(data.sizes['fractal_dimension'], 'fractal dimension')}")
+    parts = [
+        _counted(data.sizes["repetition"], "pair of surfaces", "pairs of surfaces"),
+        f"at {'each of ' if data.sizes['fractal_dimension'] > 1 else ''}"
+        + _counted(data.sizes["fractal_dimension"], "fractal dimension"),
+    ]
     if data.sizes["amplitude"] > 1:
-        parts.append(f"and {_counted(data.sizes['amplitude'], 'amplitude')} each")
-    return " ".join([*parts, f"and {_counted(data.sizes['approach'], 'approach', 'approaches')}"])
+        parts.append(f"and {_counted(data.sizes['amplitude'], 'amplitude')}")
+    return f"{' '.join(parts)}, pressed together at {_counted(data.sizes['approach'], 'approach', 'approaches')}"
 
 
 def _counted(count: int, one: str, many: str | None = None) -> str:
