@@ -37,7 +37,7 @@ def steps(driver, slider: str) -> float:
         driver.find_element("id", slider).send_keys(
             "\ue014" if i // 10 % 2 == 0 else "\ue012"
         )  # ten to the right, ten back
-        browser.frames(driver)
+        browser.settle(driver)
     times = driver.execute_script("return times")
     assert len(times) == STEPS, len(times)
     return statistics.median(times)
@@ -68,7 +68,7 @@ def screenshot(driver, path: Path) -> None:
         set_value = "const [e, v] = arguments; e.value = v; e.dispatchEvent(new Event('input'))"
         driver.execute_script(set_value, driver.find_element("id", name), value)
     driver.execute_script("document.activeElement.blur(); scrollTo(0, 0)")
-    browser.frames(driver, 10)
+    browser.settle(driver)
     clip = {"x": 0, "y": 0, "width": 1280, "height": 1960, "scale": 1}
     done = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
     path.write_bytes(base64.b64decode(done["data"]))
@@ -93,7 +93,7 @@ def rows() -> list[tuple[str, str]]:
     return [
         ("size of the page, of 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
         ("to make it, and to open it", f"{made:.1f} s, {opened:.1f} s"),
-        ("a step of the slider of mu0, until it is drawn, median", f"{of_mu0:.0f} ms"),
+        ("a step of the slider of mu0, until what is in view is drawn, median", f"{of_mu0:.0f} ms"),
         ("of tau0, fractal dimension, load, approach", ", ".join(f"{each:.0f}" for each in others) + " ms"),
         (f"largest difference to the library, values and intervals at {POINTS} random points", f"{difference:.0e}"),
     ]  # fmt: skip

@@ -41,15 +41,14 @@ def open_page(driver, path, width=1280, height=900):
     driver.get_log("performance")
     driver.get(path.as_uri())
     WebDriverWait(driver, 60, 0.05).until(lambda driver: driver.execute_script(READY))
-    frames(driver)
+    settle(driver)
 
 
-def frames(driver, count=3):
-    """Let some frames be drawn."""
+def settle(driver):
+    """Let everything be drawn that is to be drawn."""
     driver.execute_async_script(
-        "const [count, done] = arguments; let n = 0;"
-        "const next = () => (n++ < count ? requestAnimationFrame(next) : done()); next();",
-        count,
+        "const done = arguments[0];"
+        "const look = () => requestAnimationFrame(() => (wanted.size ? look() : done())); look();"
     )
 
 

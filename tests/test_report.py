@@ -78,7 +78,7 @@ def enter(driver, name, value):
     from selenium.webdriver.common.keys import Keys
 
     by_id(driver, name).send_keys(Keys.CONTROL + "a" + Keys.NULL, str(value))
-    browser.frames(driver)
+    browser.settle(driver)
 
 
 def map_values(driver):
@@ -119,7 +119,7 @@ def test_numbers_under_the_pointer_are_those_of_the_library(opened, result):
         y = area.rect["height"] * (0.5 - (row + 0.5) / loads.size)
         actions = ActionChains(opened, duration=20).move_to_element_with_offset(area, round(x), round(y) + 3)
         actions.move_by_offset(0, -3).pause(0.2).perform()
-        browser.frames(opened)
+        browser.settle(opened)
         wanted = friction_map(result, [loads[row]], mu0=[mu0], tau0=[tau0 / 1000])
         wanted = wanted.isel(fractal_dimension=d, amplitude=0, load=0, mu0=0, tau0=0)
         status, numbers = shown_in_full(opened)
@@ -142,7 +142,7 @@ def test_a_click_picks_a_cell_that_stays(opened):
     x, y = round(-0.375 * area.rect["width"]), round(0.2 * area.rect["height"])
     ActionChains(opened).move_to_element_with_offset(area, x, y).click().perform()
     ActionChains(opened).move_to_element(by_id(opened, "area-title")).perform()
-    browser.frames(opened)
+    browser.settle(opened)
     assert by_id(opened, "readout").text.startswith("Picked: D = 1.000")
     assert by_id(opened, "dimension").get_attribute("value") == "0"
 
@@ -225,12 +225,12 @@ def test_a_key_on_a_slider_changes_map_curves_and_panel(opened, name, unit):
 
     before, start = drawn(), float(by_id(opened, f"{name}-number").get_attribute("value"))
     by_id(opened, name).send_keys(Keys.ARROW_RIGHT * 5)
-    browser.frames(opened)
+    browser.settle(opened)
     after = drawn()
     assert float(by_id(opened, f"{name}-number").get_attribute("value")) == pytest.approx(start + 5 * unit)
     assert all(one != other for one, other in zip(before, after, strict=True))
     by_id(opened, name).send_keys(Keys.ARROW_LEFT * 5)
-    browser.frames(opened)
+    browser.settle(opened)
     assert drawn() == before
 
 
@@ -240,7 +240,7 @@ def test_amplitude_loads_and_colours_are_picked(opened):
 
     before = map_values(opened)
     Select(by_id(opened, "amplitude")).select_by_visible_text("100 nm")
-    browser.frames(opened)
+    browser.settle(opened)
     other = map_values(opened)
     assert other != before
     assert "100 nm" in by_id(opened, "profiles-caption").text
@@ -263,10 +263,10 @@ def test_profiles_come_nearer_with_the_approach(opened):
     from selenium.webdriver.common.keys import Keys
 
     by_id(opened, "approach").send_keys(Keys.HOME)
-    browser.frames(opened)
+    browser.settle(opened)
     upper = np.array(opened.execute_script("return document.getElementById('profiles').data[3].y"))
     by_id(opened, "approach").send_keys(Keys.END)
-    browser.frames(opened)
+    browser.settle(opened)
     nearer = np.array(opened.execute_script("return document.getElementById('profiles').data[3].y"))
     approaches = SMALL.contact.approaches()
     assert upper - nearer == pytest.approx(1000 * (approaches[-1] - approaches[0]))

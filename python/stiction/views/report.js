@@ -331,22 +331,41 @@ const state = {
 let loads = [];
 const tau0 = () => state.tau0 / 1000; // GPa
 
+// What is drawn, by the id of its place on the page.
+const drawings = {
+  map: drawMap,
+  readout: drawReadout,
+  friction: () => drawCurve("friction"),
+  area: () => drawCurve("area"),
+  profiles: drawExample,
+};
+const FRICTION = ["map", "readout", "friction", "area"];
+const REST = 150; // ms without a change, after which what nobody sees is drawn as well
 const wanted = new Set();
-function redraw(...what) {
-  if (!wanted.size) requestAnimationFrame(draw);
-  what.forEach((each) => wanted.add(each));
+let frame = 0;
+let rest = 0;
+
+function redraw(...places) {
+  if (!facts.loads.length) places = places.filter((place) => !FRICTION.includes(place));
+  places.forEach((place) => wanted.add(place));
+  cancelAnimationFrame(frame);
+  frame = requestAnimationFrame(drawSeen);
 }
 
-function draw() {
-  const what = new Set(wanted);
-  wanted.clear();
-  if (what.has("loads")) loads = geometric(...state.range, facts.loadSteps);
-  if (facts.loads.length) {
-    if (what.has("map")) drawMap();
-    if (what.has("curves")) drawCurves();
-    if (what.has("readout")) drawReadout();
+function drawSeen() {
+  drawSome((place) => {
+    const {top, bottom} = byId(place).getBoundingClientRect();
+    return top < innerHeight && bottom > 0;
+  });
+  clearTimeout(rest);
+  rest = setTimeout(drawSome, REST, () => true);
+}
+
+function drawSome(isChosen) {
+  for (const place of [...wanted].filter(isChosen)) {
+    drawings[place]();
+    wanted.delete(place);
   }
-  if (what.has("example")) drawExample();
 }
 
 // ---- Words and figures ----------------------------------------------------------------------------------------------
@@ -609,28 +628,27 @@ const ring = () => svg(16, ["circle", {cx: 8, cy: 8, r: 5.5, fill: "none", strok
 
 const CURVE = "#0b5cad";
 
-function drawCurves() {
+function drawCurve(id) {
   const {dimension: d, amplitude: a, mu0} = state;
   const curves = meanCurves(d, a, mu0, tau0());
-  for (const [id, what, values, title] of [
-    ["friction", OF_TANGENTIAL, curves.tangential, "friction coefficient <i>μ</i><sub>s</sub>"],
-    ["area", OF_AREA, curves.area, "true contact area <i>A</i> (µm²)"],
-  ]) {
-    const jack = jackknife(d, a, what, mu0, tau0());
-    const points = loads.map((load) => readOff(curves, values, jack, load, id === "friction" ? load : 1));
-    const ok = points.filter((point) => point.status === "ok");
-    const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
-    const axis = id === "friction" || !ends.length
-      ? {...AXIS, title: titled(title), rangemode: "tozero"}
-      : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
-    const nothing = {
-      text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
-    };
-    Plotly.react(id, curveTraces(points), layout(
-      loadAxis(loads[0], loads.at(-1)), axis, {annotations: ok.length ? [] : [nothing]},
-    ), CONFIG);
-    byId(`${id}-caption`).textContent = curveCaption(points, ok);
-  }
+  const [what, values, title] = {
+    friction: [OF_TANGENTIAL, curves.tangential, "friction coefficient <i>μ</i><sub>s</sub>"],
+    area: [OF_AREA, curves.area, "true contact area <i>A</i> (µm²)"],
+  }[id];
+  const jack = jackknife(d, a, what, mu0, tau0());
+  const points = loads.map((load) => readOff(curves, values, jack, load, id === "friction" ? load : 1));
+  const ok = points.filter((point) => point.status === "ok");
+  const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
+  const axis = id === "friction" || !ends.length
+    ? {...AXIS, title: titled(title), rangemode: "tozero"}
+    : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
+  const nothing = {
+    text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
+  };
+  Plotly.react(id, curveTraces(points), layout(
+    loadAxis(loads[0], loads.at(-1)), axis, {annotations: ok.length ? [] : [nothing]},
+  ), CONFIG);
+  byId(`${id}-caption`).textContent = curveCaption(points, ok);
 }
 
 function curveTraces(points) {
@@ -775,8 +793,6 @@ function drawExample() {
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-const MAP_CHANGED = ["map", "curves", "readout"];
-
 /** A slider and a number that mean the same; the number takes any value from 0 on. */
 function friction(id, most, step) {
   const [slider, number] = [byId(id), byId(`${id}-number`)];
@@ -795,7 +811,7 @@ function friction(id, most, step) {
   });
   const changed = () => {
     sayIfStrong();
-    redraw(...MAP_CHANGED);
+    redraw(...FRICTION);
   };
 }
 
@@ -854,24 +870,24 @@ function connect() {
   amplitude.disabled = facts.amplitudes.length < 2;
   amplitude.addEventListener("change", () => {
     state.amplitude = Number(amplitude.value);
-    redraw(...MAP_CHANGED, "example");
+    redraw(...FRICTION, "profiles");
   });
 
-  const dimension = index("dimension", "dimension", facts.dimensions.length, dimensionName, ...MAP_CHANGED, "example");
-  const load = index("load", "load", facts.loadSteps, (l) => `${shown(loads[l])} mN`, ...MAP_CHANGED);
+  const dimension = index("dimension", "dimension", facts.dimensions.length, dimensionName, ...FRICTION, "profiles");
+  const load = index("load", "load", facts.loadSteps, (l) => `${shown(loads[l])} mN`, ...FRICTION);
   const {approaches} = facts.example;
   state.example = Math.floor((2 * approaches.length) / 3);
   const approachName = (k) => lengthName(facts.approaches[approaches[k]]);
-  const approach = index("approach", "example", approaches.length, approachName, "example");
+  const approach = index("approach", "example", approaches.length, approachName, "profiles");
   [dimension, approach].forEach((slider) => slider.show());
-  window.addEventListener("resize", () => redraw("map", "example"));
+  window.addEventListener("resize", () => redraw("map", "profiles"));
   if (!facts.loads.length) return;
 
   const setLoads = range("load", (ends) => {
     state.range = ends;
     loads = geometric(...ends, facts.loadSteps);
     load.show();
-    redraw(...MAP_CHANGED);
+    redraw(...FRICTION);
   });
   const setColours = range("colour", (ends) => {
     state.colours = ends;
@@ -885,7 +901,7 @@ function connect() {
     setColours(colourRange([frictionMap(state.amplitude, loads, state.mu0, tau0())]));
   });
 
-  drawMap();
+  drawMap(); // which makes it something that says what is pointed at
   const map = byId("map");
   const cell = (event) => {
     const [l, d] = event.points.find((point) => point.data.type === "heatmap")?.pointIndex ?? [];
@@ -903,7 +919,7 @@ function connect() {
     const [d, l] = cell(event) ?? [state.dimension, state.load];
     dimension.set(d);
     load.set(l);
-    redraw(...MAP_CHANGED, "example");
+    redraw(...FRICTION, "profiles");
   });
 }
 
@@ -931,7 +947,8 @@ async function begin() {
     say("This study has one approach. Values at a load are read off between two, so there are none to show.");
   }
   connect();
-  redraw(...MAP_CHANGED, "example");
+  redraw(...FRICTION, "profiles");
+  drawSome(() => true);
   byId("main").setAttribute("aria-busy", "false");
 }
 
