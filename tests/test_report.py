@@ -9,11 +9,11 @@ import browser
 import numpy as np
 import pytest
 from scipy.special import stdtrit
-from stiction import Study, friction_map, run
+from stiction import Study, contacts, friction_map, random_phases, run, weierstrass_mandelbrot
 from stiction.studies import store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
-from stiction.views.report import MARK, ReportError, report_page, save_report
+from stiction.views.report import MARK, MOST_CONTACTS, WINDOW, ReportError, report_page, save_report
 
 pytest.importorskip("plotly", reason="the extra 'report' is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
@@ -271,6 +271,32 @@ def test_profiles_come_nearer_with_the_approach(opened):
     approaches = SMALL.contact.approaches()
     assert upper - nearer == pytest.approx(1000 * (approaches[-1] - approaches[0]))
     assert re.search(r"\d+ contacts? here", by_id(opened, "profiles-caption").text)
+
+
+@in_browser
+def test_contacts_in_the_window_are_those_of_the_whole_profiles(opened):
+    surfaces, approaches = SMALL.surfaces, SMALL.contact.approaches()
+    d, a, k = 1, 1, 7
+    upper, lower = (
+        weierstrass_mandelbrot(
+            random_phases(SMALL.ensemble.seed, side=side),
+            surfaces.fractal_dimensions()[d],
+            extent=float(surfaces.extent),
+            points=surfaces.points,
+        ).with_amplitude(surfaces.amplitudes()[a])
+        for side in ("upper", "lower")
+    )
+    found = opened.execute_script(
+        "return exampleContactsOf(...arguments).filter((each) => each.force).map((each) =>"
+        " [each.x + facts.example.starts[arguments[0]], each.normal, each.force, each.opposes])",
+        d, a, k,
+    )  # fmt: skip
+    whole = contacts(upper, lower, approaches[k])
+    first = round(opened.execute_script("return facts.example.starts[arguments[0]]", d) / lower.spacing)
+    inside = (whole.index >= first) & (whole.index < first + WINDOW)
+    expected = np.stack([whole.centre[:, 0], whole.normal[:, 0], whole.force, whole.opposing], axis=1)[inside]
+    assert 1 < len(expected) < MOST_CONTACTS
+    assert np.array(found, float) == pytest.approx(expected, rel=2e-4, abs=1e-4 * lower.spacing)
 
 
 @in_browser
