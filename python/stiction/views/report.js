@@ -639,8 +639,11 @@ function drawCurve(id) {
   const points = loads.map((load) => readOff(curves, values, jack, load, id === "friction" ? load : 1));
   const ok = points.filter((point) => point.status === "ok");
   const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
+  // Intervals may be cut off above, or a wide one would make a flat line of all the rest.
+  const highest = Math.max(...ok.map((point) => point.value));
+  const top = Math.min(1.05 * Math.max(...ends), highest > 0 ? 2.5 * highest : Infinity);
   const axis = id === "friction" || !ends.length
-    ? {...AXIS, title: titled(title), rangemode: "tozero"}
+    ? {...AXIS, title: titled(title), range: [0, ends.length ? top : 1]}
     : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
   const nothing = {
     text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
@@ -717,7 +720,7 @@ function drawExample() {
   };
   const lower = body(0);
   const upper = body(1).map((z) => z - approach);
-  const bottom = Math.min(...lower);
+  const bottom = Math.min(...lower, ...upper);
   const top = Math.max(...upper) + approach;
   const pad = 0.06 * (top - bottom || 1);
   const range = [bottom - pad, top + pad];
