@@ -478,7 +478,8 @@ function layout(xaxis, yaxis, more = {}) {
 
 /** A logarithmic axis over a range, with powers of ten alone where there are several. */
 function logAxis(text, low, high) {
-  return {...LOG_AXIS, title: titled(text), range: [low, high].map(Math.log10), ...(high / low > 300 ? {dtick: 1} : {})};
+  const ticks = high / low > 300 ? {dtick: 1} : {};
+  return {...LOG_AXIS, title: titled(text), range: [low, high].map(Math.log10), ...ticks};
 }
 
 const loadAxis = (low, high) => logAxis("normal load <i>F</i><sub>N</sub> (mN)", low, high);
