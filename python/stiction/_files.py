@@ -1,4 +1,4 @@
-"""Files that people ask for by name: written whole or not at all, and never over another."""
+"""Files that people ask for by name: written whole or not at all, and never over another of another kind."""
 
 from __future__ import annotations
 
@@ -25,3 +25,24 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
+    """A file to write, which takes the place of an older one when it is whole; one without the mark is left alone."""
+    partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
+    try:
+        if os.path.lexists(path) and not (path.is_file() and _begins_with(path, mark)):
+            raise failure(f"{path}: exists already and is something else; remove it, or choose another name")
+        yield partial
+        partial.replace(path)
+    except OSError as error:
+        raise failure(f"{path}: cannot be written: {os.strerror(error.errno) if error.errno else error}") from None
+    finally:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+def _begins_with(path: Path, mark: bytes) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(mark)) == mark

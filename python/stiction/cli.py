@@ -163,6 +163,23 @@ def plot(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a 
 
 
 @app.command()
+def report(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.html", help="The page to write.", show_default="DIR/report.html"),
+    ] = None,
+) -> None:
+    """Make one interactive page, for any browser, of the results of a study, or of what is finished of them."""
+    from stiction.studies import store
+    from stiction.views.report import save_report
+
+    path = output if output is not None else directory / "report.html"
+    save_report(store.read(directory / RESULT), path)
+    typer.echo(f"wrote {path}")
+
+
+@app.command()
 def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
     """Show what a study is, how far it has come, and how far its results are to be trusted."""
     from stiction.studies import store

@@ -1,0 +1,99 @@
+"""How large is the interactive page of figure6, and how fast does it answer in a browser?
+
+The browser is headless Chromium. docs/images/report.png is taken on the way.
+"""
+
+import base64
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import xarray
+from stiction import Study, friction_map, run
+from stiction.views.report import save_report
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+import browser  # noqa: E402
+
+STEPS = 40
+POINTS = 20
+# From the key that was pressed until the frame that it changed has been handed over.
+WATCH = """
+window.times = [];
+for (const slider of document.querySelectorAll("input[type=range]"))
+  slider.addEventListener("input", (event) =>
+    requestAnimationFrame(() => setTimeout(() => times.push(performance.now() - event.timeStamp))));
+"""
+
+
+def steps(driver, slider: str) -> float:
+    """Median time of a step of a slider by a key, ms."""
+    driver.execute_script("times.length = 0")
+    for i in range(STEPS):
+        driver.find_element("id", slider).send_keys(
+            "\ue014" if i // 10 % 2 == 0 else "\ue012"
+        )  # ten to the right, ten back
+        browser.settle(driver)
+    times = driver.execute_script("return times")
+    assert len(times) == STEPS, len(times)
+    return statistics.median(times)
+
+
+def largest_difference(driver, dataset: xarray.Dataset) -> float:
+    """Of values and ends of intervals at random points, relative to the library's."""
+    random = np.random.default_rng(1)
+    largest = 0.0
+    for _ in range(POINTS):
+        d, load = int(random.integers(50)), float(10 ** random.uniform(-5, -1))
+        mu0, tau0 = random.uniform([0, 0], [1.2, 0.3]).tolist()
+        script = (
+            "const at = frictionAt(arguments[0], 0, ...arguments[1]); return [at.status, at.value, at.lower, at.upper]"
+        )
+        status, *found = driver.execute_script(script, d, [load, mu0, tau0])
+        wanted = friction_map(dataset.isel(fractal_dimension=[d]), [load], mu0=[mu0], tau0=[tau0]).squeeze()
+        assert status == str(wanted["status"].values)
+        if status == "ok":
+            expected = np.array([float(wanted[name]) for name in ("friction_coefficient", "lower", "upper")])
+            largest = max(largest, float(np.max(np.abs(np.array(found) / expected - 1))))
+    return largest
+
+
+def screenshot(driver, path: Path) -> None:
+    """The upper part of the page."""
+    for name, value in (("tau0", 50), ("dimension", 26)):
+        set_value = "const [e, v] = arguments; e.value = v; e.dispatchEvent(new Event('input'))"
+        driver.execute_script(set_value, driver.find_element("id", name), value)
+    driver.execute_script("document.activeElement.blur(); scrollTo(0, 0)")
+    browser.settle(driver)
+    clip = {"x": 0, "y": 0, "width": 1280, "height": 1960, "scale": 1}
+    done = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
+    path.write_bytes(base64.b64decode(done["data"]))
+
+
+def rows() -> list[tuple[str, str]]:
+    dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6/result.zarr")
+    with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
+        page = Path(folder) / "report.html"
+        start = time.perf_counter()
+        save_report(dataset, page)
+        made = time.perf_counter() - start
+        start = time.perf_counter()
+        browser.open_page(driver, page)
+        opened = time.perf_counter() - start
+        difference = largest_difference(driver, dataset)
+        assert difference < 1e-6, difference
+        driver.execute_script(WATCH)
+        of_mu0, *others = (steps(driver, name) for name in ("mu0", "tau0", "dimension", "load", "approach"))
+        screenshot(driver, HERE.parent / "docs/images/report.png")
+        size = page.stat().st_size
+    return [
+        ("size of the page, of 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
+        ("to make it, and to open it", f"{made:.1f} s, {opened:.1f} s"),
+        ("a step of the slider of mu0, until what is in view is drawn, median", f"{of_mu0:.0f} ms"),
+        ("of tau0, fractal dimension, load, approach", ", ".join(f"{each:.0f}" for each in others) + " ms"),
+        (f"largest difference to the library, values and intervals at {POINTS} random points", f"{difference:.0e}"),
+    ]  # fmt: skip

@@ -1,0 +1,60 @@
+"""A browser that is driven like a person's: Debian's Chromium, which asks for nothing of its own."""
+
+import json
+import shutil
+from contextlib import contextmanager
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+FLAGS = (
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
+)  # fmt: skip
+READY = "return document.getElementById('main').getAttribute('aria-busy') === 'false'"
+
+
+@contextmanager
+def browser(profile):
+    """A driver with a user-data directory of its own, whose logs have every request and every message."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*FLAGS, f"--user-data-dir={profile}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    driver.set_script_timeout(120)
+    try:
+        yield driver
+    finally:
+        driver.quit()
+
+
+def open_page(driver, path, width=1280, height=900):
+    """Open a report, and wait until it is drawn."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    driver.get("about:blank")
+    driver.get_log("performance")
+    driver.get(path.as_uri())
+    WebDriverWait(driver, 60, 0.05).until(lambda driver: driver.execute_script(READY))
+    settle(driver)
+
+
+def settle(driver):
+    """Let everything be drawn that is to be drawn."""
+    driver.execute_async_script(
+        "const done = arguments[0];"
+        "const look = () => requestAnimationFrame(() => (wanted.size ? look() : done())); look();"
+    )
+
+
+def requests(driver):
+    """Addresses of all requests since the page was opened."""
+    messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
+    return [
+        message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"
+    ]
