@@ -176,7 +176,7 @@ class Elsewhere:
         self.bin = folder / "environment/bin"
         tools = folder / "tools"
         tools.mkdir()
-        for name in ("sh", "mount", "umount"):  # what the tests use
+        for name in ("sh", "cat", "setsid", "mount", "umount"):  # what the tests use
             if found := shutil.which(name):
                 (tools / name).symlink_to(found)
         kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
