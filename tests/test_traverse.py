@@ -63,6 +63,30 @@ def test_every_position_is_press_at_the_approach_of_its_load(pair, result, shear
     assert (at["status"] == "ok").all()
 
 
+@pytest.mark.parametrize("shear", ["+x", "-x"])
+def test_where_the_load_jumps_values_are_in_proportion_between_before_and_behind(rough_pair, shear):
+    upper, lower = rough_pair(1.5, repetition=1)
+    loads = np.geomspace(1e-4, 3e-3, 12)
+    at = traverse(upper, lower, loads, detection="cell", **FRICTION).sel(shear=shear).isel(line=0, offset=0)
+    jumps = 0
+    for place in np.flatnonzero(at["status"] == "ok"):
+        load, approach = loads[place], float(at["approach"][place])
+        curve = press(upper, lower, [approach * (1 - 1e-10), approach], detection="cell", shear=shear)
+        normal, tangential = curve.normal_load(**FRICTION), curve.tangential_load(**FRICTION)
+        jumps += normal[1] > 1.1 * load
+        for name, both in (
+            ("tangential_load", tangential),
+            ("contact_area", curve.contact_area),
+            ("contact_count", curve.contact_count),
+        ):
+            assert float(at[name][place]) == pytest.approx(np.interp(load, normal, both), rel=1e-6, abs=1e-12), name
+        coefficient = float(at["friction_coefficient"][place])
+        assert coefficient == pytest.approx(np.interp(load, normal, tangential) / load, rel=1e-6, abs=1e-12)
+        shares = [np.interp(load, normal, part) for part in (curve.load_below_grid, curve.normal_elastic)]
+        assert float(at["share_below_grid"][place]) == pytest.approx(shares[0] / shares[1], rel=1e-6, abs=1e-12)
+    assert jumps > 2
+
+
 def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
     upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01

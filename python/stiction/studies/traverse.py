@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import EFFECTIVE_MODULUS, Shear, press
+from stiction.mechanics.contact import EFFECTIVE_MODULUS, SUMS, LoadCurve, Shear, Validity, press
 from stiction.mechanics.loading import ContactChoices, crossing
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
@@ -45,6 +46,9 @@ SHEARS: tuple[Shear, ...] = get_args(Shear)
 
 _STIFFNESS_STEP = 0.02
 """Share of the approach on both sides of it over which the stiffness is taken."""
+
+_JUST_BEFORE = 1e-11
+"""Share of an approach by which the step before it is closer to first touch: beyond the tolerance of `crossing`."""
 
 _QUANTITIES = {
     "friction_coefficient": ("1", "coefficient of static friction"),
@@ -101,7 +105,8 @@ def traverse(
         friction_coefficient, tangential_load (mN), contact_area (µm²), contact_count, normal_stiffness (mN/µm, dF_N/dδ
         over 2 % of the approach on both sides), approach (µm), the figures of `Validity`, and status, over shear, line,
         offset (µm) and load (mN). The status is "ok", "no-contact", "self-locked", "not-reached" or "below-range" (more
-        than the load is carried at an approach of 0); all else is NaN unless it is "ok".
+        than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N jumps over a load,
+        values are between those before and behind the jump, in the proportion that carries the load.
 
     Raises
     ------
@@ -315,23 +320,33 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
         if not ok.size:
             continue
         there = approach[ok]
-        steps, place = np.unique(np.outer([1 - _STIFFNESS_STEP, 1, 1 + _STIFFNESS_STEP], there), return_inverse=True)
-        before, at, after = place.reshape(3, ok.size)
+        shares = [1 - _STIFFNESS_STEP, 1 - _JUST_BEFORE, 1, 1 + _STIFFNESS_STEP]
+        steps, place = np.unique(np.outer(shares, there), return_inverse=True)
+        low, before, behind, high = place.reshape(len(shares), ok.size)
         curve = press(upper, lower, steps, **directed)
         normal = friction.normal_load(curve, mu0, tau0)
-        tangential = friction.tangential_load(curve, mu0, tau0)[at]
+        at = _across(curve, before, behind, (loads[ok] - normal[before], normal[behind] - normal[before]))
+        tangential = friction.tangential_load(at, mu0, tau0)
         row_values = {
             "friction_coefficient": tangential / loads[ok],
             "tangential_load": tangential,
-            "contact_area": curve.contact_area[at],
-            "contact_count": curve.contact_count[at],
-            "normal_stiffness": (normal[after] - normal[before]) / (steps[after] - steps[before]),
+            "contact_area": at.contact_area,
+            "contact_count": at.contact_count,
+            "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
             "approach": there,
-            **{name: figure[at] for name, figure in vars(curve.validity).items()},
+            **vars(Validity.of(at)),
         }
         for name, value in row_values.items():
             values[name][row, ok] = value
     return {**values, "status": status}
+
+
+def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Any:
+    """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
+    to_load, jump = rise
+    share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)
+    sums = {name: getattr(curve, name) for name in SUMS}
+    return SimpleNamespace(**{name: each[before] + share * (each[behind] - each[before]) for name, each in sums.items()})
 
 
 def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
