@@ -193,6 +193,23 @@ def test_means_are_over_all_positions_with_an_interval(result):
     assert int(mean["positions"]) == 3
 
 
+def test_positions_of_a_line_are_not_independent(pair):
+    upper, lower = pair
+    one = traverse([upper] * 3, [lower] * 3, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
+    shape = one["contact_area"].shape  # shear, line, offset, load
+    values = np.array([1.0, 2.0, 4.0])[:, np.newaxis, np.newaxis] + np.zeros(shape)
+    one["contact_area"] = (one["contact_area"].dims, values)
+    area = traverse_mean(one)["contact_area"].values
+    np.testing.assert_allclose(area[0, 0], ensemble.mean_of_neighbours(np.array([1.0, 2.0, 4.0])))
+    # Fewer answers of a line weigh less.
+    one["status"][:, 2, 1:] = "not-reached"
+    mean, low, high = traverse_mean(one)["contact_area"].values[0, 0]
+    assert mean == pytest.approx((4 * 1 + 4 * 2 + 4) / 9)
+    assert low < mean < high
+    one["status"][:, 1:] = "not-reached"
+    assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 1.0
+
+
 @pytest.mark.parametrize(("correlation", "least"), [(0.0, 0.92), (0.3, 0.89), (0.6, 0.83)])
 def test_the_interval_of_neighbours_covers_their_mean(correlation, least):
     """Lognormal values of which neighbours are alike: 16 of them, 1000 times."""
@@ -266,7 +283,14 @@ def test_lines_of_surfaces_are_paired_a_third_of_their_width_apart():
     uppers, lowers = paired_lines(surface, surface, level=None, lines=4, along="y")
     assert [len(each) for each in uppers] == [9] * 4
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
-    np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 200])
+    np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
+    np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
+    for lines in (1, 2):  # never a line with itself
+        uppers, lowers = paired_lines(surface, surface, level=None, lines=lines)
+        np.testing.assert_array_equal(uppers[0].heights, -surface.heights[0][: len(uppers[0])])
+        np.testing.assert_array_equal(lowers[0].heights, surface.heights[3])
+    two = Surface(surface.heights[:2], spacing=0.01)
+    np.testing.assert_array_equal(paired_lines(two, two, level=None)[1][1].heights, two.heights[0])
     uppers, lowers = paired_lines(surface, scan("upper"), lines=3)
     np.testing.assert_array_equal(lowers[0].heights, lowers[2].heights)
     assert uppers[1].history[:1] == ("row 3",)
