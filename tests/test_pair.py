@@ -165,6 +165,16 @@ def test_bad_input_is_one_message_and_status_2(where, arguments, words):
     assert_refused(done, *words)
 
 
+def test_an_interruption_is_one_line_and_leaves_no_result(where, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("stiction.studies.traverse.crossing", interrupted)
+    done = stiction_command("pair", "upper.csv", "lower.csv", *MATERIAL, "-o", "halfway", cwd=where)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "stiction: interrupted\n")
+    assert list((where / "halfway").iterdir()) == []
+
+
 def test_what_is_needed_is_asked_for(where):
     assert_refused(stiction_command("pair", "upper.csv", "lower.csv", cwd=where), "--effective-modulus")
 
