@@ -270,7 +270,7 @@ def contact_figure(
         whole.set_xlim(x[0], x[-1])
         for ax in (whole, large):
             ax.set_ylabel("height (µm)")
-        large.set_xlabel("$x$ on the lower profile (µm)")
+        large.set_xlabel("$x$ from the start of the upper profile (µm)")
         figure.legend(
             *large.get_legend_handles_labels(), title="heights drawn larger than lengths; arrows in true directions",
             loc="outside lower center", ncols=2,
