@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import scipy.stats
 import stiction
 from stiction import (
     Profile,
@@ -85,6 +86,16 @@ def test_where_the_load_jumps_values_are_in_proportion_between_before_and_behind
         shares = [np.interp(load, normal, part) for part in (curve.load_below_grid, curve.normal_elastic)]
         assert float(at["share_below_grid"][place]) == pytest.approx(shares[0] / shares[1], rel=1e-6, abs=1e-12)
     assert jumps > 2
+
+
+def test_an_offset_is_the_nearest_point(pair):
+    upper, lower = pair
+    assert 0.29 / 0.01 < 29  # by round-off
+    at = traverse(upper, lower, [0.01], offsets=[0.29], **FRICTION).sel(shear="+x")
+    beneath = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
+    wanted = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", **FRICTION)
+    assert float(at["approach"].squeeze()) == pytest.approx(float(wanted), rel=EXACT)
+    assert float(at["offset"].squeeze()) == pytest.approx(0.29)
 
 
 def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
@@ -222,6 +233,18 @@ def test_the_interval_of_neighbours_covers_their_mean(correlation, least):
         _, lower, upper = ensemble.mean_of_neighbours(np.exp(0.4 * noise[50:]))
         covered += lower <= np.exp(0.08) <= upper
     assert least < covered / 1000 < 0.99
+
+
+def test_the_interval_of_neighbours_by_hand():
+    values = np.sort(np.exp(0.4 * np.random.default_rng(3).normal(size=16)))
+    mean, lower, upper = ensemble.mean_of_neighbours(values)
+    deviations = values - values.mean()
+    correlation = np.sum(deviations[1:] * deviations[:-1]) / np.sum(deviations**2) + 1 / 16
+    logarithms = np.log((values.sum() - values) / 15)
+    error = np.sqrt(15 * np.var(logarithms) * (1 + correlation) / (1 - correlation))
+    freedom = 16 * (1 - correlation) / (1 + correlation) - 1
+    half_width = scipy.stats.t.ppf(0.975, max(freedom, 1)) * error
+    assert (lower, upper) == pytest.approx((mean * np.exp(-half_width), mean * np.exp(half_width)))
 
 
 def test_values_that_are_all_equal_have_no_interval():
