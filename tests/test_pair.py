@@ -16,6 +16,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
+from stiction.views.pairing import load_figure
 from test_cli import assert_refused, stiction_command
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
@@ -73,6 +74,7 @@ def test_the_table_is_that_of_the_library_on_the_profiles_in_memory(where, paire
             wanted = factor * mean[name].sel(load=float(load)).transpose("shear", "statistic").values.ravel()
             np.testing.assert_allclose(row(paired.stdout, title, load), wanted, rtol=1e-3)  # four digits
     with xarray.open_dataset(where / "pair" / "result.nc", engine="h5netcdf") as stored:
+        assert stored["load"].values[[0, -1]] == pytest.approx([0.02 / 30, 0.1 * 30])
         kept = stored.sel(load=[0.02, 0.1])
         for name in ("friction_coefficient", "contact_area", "approach", "status"):
             np.testing.assert_array_equal(kept[name].values, result[name].values, err_msg=name)
@@ -113,6 +115,15 @@ def test_options_reach_the_model(where):
     for words in ("6: 3 pairs of lines, 2 offsets", "levelled by the mean", "hertz-cylinder, cell, signed", "seed 4"):
         assert words in done.stdout, done.stdout
     assert (where / "deep/er/contact.png").exists()
+
+
+def test_an_endless_interval_does_not_hide_the_means():
+    result = traverse([scan("upper")] * 2, [scan("lower")] * 2, [0.01, 0.1], mu0=0.3)
+    mean = traverse_mean(result)
+    mean["friction_coefficient"].loc[{"statistic": "upper"}] = 1e14
+    mean["friction_coefficient"].loc[{"statistic": "lower"}] = 0.0
+    highest = float(mean["friction_coefficient"].sel(statistic="mean").max())
+    assert highest < load_figure(mean, [0.01]).axes[0].get_ylim()[1] <= 4 * highest
 
 
 def test_lines_of_a_map_with_itself(where):
@@ -163,6 +174,16 @@ def test_a_result_is_not_written_over(where, paired):
 def test_bad_input_is_one_message_and_status_2(where, arguments, words):
     done = stiction_command("pair", *MATERIAL, "--output", "bad", *arguments, cwd=where)
     assert_refused(done, *words)
+
+
+def test_an_interruption_is_one_line_and_leaves_no_result(where, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("stiction.studies.traverse.crossing", interrupted)
+    done = stiction_command("pair", "upper.csv", "lower.csv", *MATERIAL, "-o", "halfway", cwd=where)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "stiction: interrupted\n")
+    assert list((where / "halfway").iterdir()) == []
 
 
 def test_what_is_needed_is_asked_for(where):

@@ -475,6 +475,16 @@ def test_the_command_says_that_a_file_cannot_be_written_and_goes_on_later(tmp_pa
     assert_same_bits(result, undisturbed)
 
 
+def test_an_export_that_does_not_fit_is_one_message(tmp_path):
+    run(SMALL, store=tmp_path / "out" / "result.zarr")
+    done = subprocess.run(
+        [sys.executable, "-c", SMALL_DISK, "export", "out", "r.nc", "2000"],
+        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (2, "stiction: r.nc: cannot be written: File too large\n")
+    assert os.listdir(tmp_path) == ["out"]
+
+
 @pytest.fixture
 def small_disk(tmp_path):
     """A directory on a file system of 1 MiB."""

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import scipy.stats
 import stiction
 from stiction import (
     Profile,
@@ -61,6 +62,40 @@ def test_every_position_is_press_at_the_approach_of_its_load(pair, result, shear
         ends = press(upper, beneath, [(1 - step) * approach, (1 + step) * approach], **choices).normal_load(**FRICTION)
         assert float(at["normal_stiffness"][index]) == pytest.approx((ends[1] - ends[0]) / (2 * step * approach))
     assert (at["status"] == "ok").all()
+
+
+@pytest.mark.parametrize("shear", ["+x", "-x"])
+def test_where_the_load_jumps_values_are_in_proportion_between_before_and_behind(rough_pair, shear):
+    upper, lower = rough_pair(1.5, repetition=1)
+    loads = np.geomspace(1e-4, 3e-3, 12)
+    at = traverse(upper, lower, loads, detection="cell", **FRICTION).sel(shear=shear).isel(line=0, offset=0)
+    jumps = 0
+    for place in np.flatnonzero(at["status"] == "ok"):
+        load, approach = loads[place], float(at["approach"][place])
+        curve = press(upper, lower, [approach * (1 - 1e-10), approach], detection="cell", shear=shear)
+        normal, tangential = curve.normal_load(**FRICTION), curve.tangential_load(**FRICTION)
+        jumps += normal[1] > 1.1 * load
+        for name, both in (
+            ("tangential_load", tangential),
+            ("contact_area", curve.contact_area),
+            ("contact_count", curve.contact_count),
+        ):
+            assert float(at[name][place]) == pytest.approx(np.interp(load, normal, both), rel=1e-6, abs=1e-12), name
+        coefficient = float(at["friction_coefficient"][place])
+        assert coefficient == pytest.approx(np.interp(load, normal, tangential) / load, rel=1e-6, abs=1e-12)
+        shares = [np.interp(load, normal, part) for part in (curve.load_below_grid, curve.normal_elastic)]
+        assert float(at["share_below_grid"][place]) == pytest.approx(shares[0] / shares[1], rel=1e-6, abs=1e-12)
+    assert jumps > 2
+
+
+def test_an_offset_is_the_nearest_point(pair):
+    upper, lower = pair
+    assert 0.29 / 0.01 < 29  # by round-off
+    at = traverse(upper, lower, [0.01], offsets=[0.29], **FRICTION).sel(shear="+x")
+    beneath = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
+    wanted = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", **FRICTION)
+    assert float(at["approach"].squeeze()) == pytest.approx(float(wanted), rel=EXACT)
+    assert float(at["offset"].squeeze()) == pytest.approx(0.29)
 
 
 def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
@@ -169,6 +204,23 @@ def test_means_are_over_all_positions_with_an_interval(result):
     assert int(mean["positions"]) == 3
 
 
+def test_positions_of_a_line_are_not_independent(pair):
+    upper, lower = pair
+    one = traverse([upper] * 3, [lower] * 3, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
+    shape = one["contact_area"].shape  # shear, line, offset, load
+    values = np.array([1.0, 2.0, 4.0])[:, np.newaxis, np.newaxis] + np.zeros(shape)
+    one["contact_area"] = (one["contact_area"].dims, values)
+    area = traverse_mean(one)["contact_area"].values
+    np.testing.assert_allclose(area[0, 0], ensemble.mean_of_neighbours(np.array([1.0, 2.0, 4.0])))
+    # Fewer answers of a line weigh less.
+    one["status"][:, 2, 1:] = "not-reached"
+    mean, low, high = traverse_mean(one)["contact_area"].values[0, 0]
+    assert mean == pytest.approx((4 * 1 + 4 * 2 + 4) / 9)
+    assert low < mean < high
+    one["status"][:, 1:] = "not-reached"
+    assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 1.0
+
+
 @pytest.mark.parametrize(("correlation", "least"), [(0.0, 0.92), (0.3, 0.89), (0.6, 0.83)])
 def test_the_interval_of_neighbours_covers_their_mean(correlation, least):
     """Lognormal values of which neighbours are alike: 16 of them, 1000 times."""
@@ -181,6 +233,18 @@ def test_the_interval_of_neighbours_covers_their_mean(correlation, least):
         _, lower, upper = ensemble.mean_of_neighbours(np.exp(0.4 * noise[50:]))
         covered += lower <= np.exp(0.08) <= upper
     assert least < covered / 1000 < 0.99
+
+
+def test_the_interval_of_neighbours_by_hand():
+    values = np.sort(np.exp(0.4 * np.random.default_rng(3).normal(size=16)))
+    mean, lower, upper = ensemble.mean_of_neighbours(values)
+    deviations = values - values.mean()
+    correlation = np.sum(deviations[1:] * deviations[:-1]) / np.sum(deviations**2) + 1 / 16
+    logarithms = np.log((values.sum() - values) / 15)
+    error = np.sqrt(15 * np.var(logarithms) * (1 + correlation) / (1 - correlation))
+    freedom = 16 * (1 - correlation) / (1 + correlation) - 1
+    half_width = scipy.stats.t.ppf(0.975, max(freedom, 1)) * error
+    assert (lower, upper) == pytest.approx((mean * np.exp(-half_width), mean * np.exp(half_width)))
 
 
 def test_values_that_are_all_equal_have_no_interval():
@@ -242,7 +306,14 @@ def test_lines_of_surfaces_are_paired_a_third_of_their_width_apart():
     uppers, lowers = paired_lines(surface, surface, level=None, lines=4, along="y")
     assert [len(each) for each in uppers] == [9] * 4
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
-    np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 200])
+    np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
+    np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
+    for lines in (1, 2):  # never a line with itself
+        uppers, lowers = paired_lines(surface, surface, level=None, lines=lines)
+        np.testing.assert_array_equal(uppers[0].heights, -surface.heights[0][: len(uppers[0])])
+        np.testing.assert_array_equal(lowers[0].heights, surface.heights[3])
+    two = Surface(surface.heights[:2], spacing=0.01)
+    np.testing.assert_array_equal(paired_lines(two, two, level=None)[1][1].heights, two.heights[0])
     uppers, lowers = paired_lines(surface, scan("upper"), lines=3)
     np.testing.assert_array_equal(lowers[0].heights, lowers[2].heights)
     assert uppers[1].history[:1] == ("row 3",)

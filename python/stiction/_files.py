@@ -19,8 +19,8 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
         os.link(partial, path)  # unlike a rename, never over another file
     except FileExistsError:
         raise failure(f"{path}: exists already; remove it, or choose another name") from None
-    except (OSError, RuntimeError) as error:  # RuntimeError: what HDF5 makes of a full disk when it closes a file
-        reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else error
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else error
         raise failure(f"{path}: cannot be written: {reason}") from None
     finally:
         with suppress(OSError):

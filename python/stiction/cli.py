@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
+from typer.core import TyperGroup
 
 from stiction import __version__
 from stiction._checks import choice
@@ -25,8 +26,21 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
+
+class _Commands(TyperGroup):
+    """Says that it was interrupted, of which typer makes an exit status without a word."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            _say("interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+
+
 app = typer.Typer(
     name="stiction",
+    cls=_Commands,
     help="The coefficient of static friction of rough surfaces, from their shape.",
     no_args_is_help=True,
     add_completion=False,
@@ -340,7 +354,7 @@ def pair(
     ] = None,
     travel: Annotated[
         str | None,
-        typer.Option("--travel", metavar="LENGTH", help="From first to last position.", show_default="half the length"),
+        typer.Option("--travel", metavar="LENGTH", help="Offset of the last position.", show_default="half the length"),
     ] = None,
     lines: Annotated[int, typer.Option("--lines", min=1, help="Pairs of lines of surfaces, or of surrogates.")] = 16,
     along: Annotated[str, typer.Option("--along", metavar="x|y", help="Direction of the lines of surfaces.")] = "x",

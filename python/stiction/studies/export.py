@@ -31,4 +31,5 @@ def export(dataset: xarray.Dataset, path: str | Path) -> None:
     with new_file(Path(path), ExportError) as partial:
         # Nothing is missing, so no number means that.
         encoding = {name: {"_FillValue": None} for name in dataset.variables}
-        dataset.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
+        # Whole in memory first: HDF5 itself crashes where a disk is full.
+        partial.write_bytes(dataset.to_netcdf(None, engine="h5netcdf", encoding=encoding))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import EFFECTIVE_MODULUS, Shear, press
+from stiction.mechanics.contact import EFFECTIVE_MODULUS, SUMS, LoadCurve, Shear, Validity, press
 from stiction.mechanics.loading import ContactChoices, crossing
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
@@ -45,6 +46,9 @@ SHEARS: tuple[Shear, ...] = get_args(Shear)
 
 _STIFFNESS_STEP = 0.02
 """Share of the approach on both sides of it over which the stiffness is taken."""
+
+_JUST_BEFORE = 1e-11
+"""Share of an approach by which the step before it is closer to first touch: beyond the tolerance of `crossing`."""
 
 _QUANTITIES = {
     "friction_coefficient": ("1", "coefficient of static friction"),
@@ -101,7 +105,8 @@ def traverse(
         friction_coefficient, tangential_load (mN), contact_area (µm²), contact_count, normal_stiffness (mN/µm, dF_N/dδ
         over 2 % of the approach on both sides), approach (µm), the figures of `Validity`, and status, over shear, line,
         offset (µm) and load (mN). The status is "ok", "no-contact", "self-locked", "not-reached" or "below-range" (more
-        than the load is carried at an approach of 0); all else is NaN unless it is "ok".
+        than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N jumps over a load,
+        values are between those before and behind the jump, in the proportion that carries the load.
 
     Raises
     ------
@@ -256,8 +261,8 @@ def paired_lines(
         count = min([count, *(_width(each, along) for each in (upper, lower) if isinstance(each, Surface))])
         if isinstance(upper, Profile) and isinstance(lower, Profile):
             count = 1
-    uppers = _lines("upper", upper, count, along, 0)
-    lowers = _lines("lower", lower, count, along, count // 3 if both else 0)
+    uppers = _lines("upper", upper, count, along)
+    lowers = _lines("lower", lower, count, along, apart=both)
     spacing = min(uppers[0].spacing, lowers[0].spacing)
     for repetition in range(count):
         above, below = uppers[repetition], lowers[repetition]
@@ -287,14 +292,16 @@ def _width(surface: Surface, along: Along) -> int:
     return int(surface.heights.shape[0 if along == "x" else 1])
 
 
-def _lines(name: str, body: Profile | Surface, count: int, along: Along, shift: int) -> list[Profile]:
-    """So many lines in equal distances, beginning with that of a place and going round."""
+def _lines(name: str, body: Profile | Surface, count: int, along: Along, *, apart: bool = False) -> list[Profile]:
+    """So many lines in equal distances, beginning with the first, or a third of the width on and going round."""
     if isinstance(body, Profile):
         return [body] * count
     if not isinstance(body, Surface):
         raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
     line = body.row if along == "x" else body.column
-    return [line((place + shift) % count * _width(body, along) // count) for place in range(count)]
+    width = _width(body, along)
+    start = max(width // 3, 1) if apart else 0
+    return [line((start + place * width // count) % width) for place in range(count)]
 
 
 def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
@@ -315,23 +322,33 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
         if not ok.size:
             continue
         there = approach[ok]
-        steps, place = np.unique(np.outer([1 - _STIFFNESS_STEP, 1, 1 + _STIFFNESS_STEP], there), return_inverse=True)
-        before, at, after = place.reshape(3, ok.size)
+        shares = [1 - _STIFFNESS_STEP, 1 - _JUST_BEFORE, 1, 1 + _STIFFNESS_STEP]
+        steps, place = np.unique(np.outer(shares, there), return_inverse=True)
+        low, before, behind, high = place.reshape(len(shares), ok.size)
         curve = press(upper, lower, steps, **directed)
         normal = friction.normal_load(curve, mu0, tau0)
-        tangential = friction.tangential_load(curve, mu0, tau0)[at]
+        at = _across(curve, before, behind, (loads[ok] - normal[before], normal[behind] - normal[before]))
+        tangential = friction.tangential_load(at, mu0, tau0)
         row_values = {
             "friction_coefficient": tangential / loads[ok],
             "tangential_load": tangential,
-            "contact_area": curve.contact_area[at],
-            "contact_count": curve.contact_count[at],
-            "normal_stiffness": (normal[after] - normal[before]) / (steps[after] - steps[before]),
+            "contact_area": at.contact_area,
+            "contact_count": at.contact_count,
+            "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
             "approach": there,
-            **{name: figure[at] for name, figure in vars(curve.validity).items()},
+            **vars(Validity.of(at)),
         }
         for name, value in row_values.items():
             values[name][row, ok] = value
     return {**values, "status": status}
+
+
+def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Any:
+    """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
+    to_load, jump = rise
+    share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)
+    sums = ((name, getattr(curve, name)) for name in SUMS)
+    return SimpleNamespace(**{name: each[before] + share * (each[behind] - each[before]) for name, each in sums})
 
 
 def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
@@ -353,20 +370,21 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     -----
     All positions carry the same load, so the mean coefficient is the ratio of mean tangential to normal load.
     Neighbouring positions have asperities in common and are not independent: the interval is wider for the correlation
-    of neighbours. It says how well the mean over these two profiles is known, not what other pieces of the same
+    of neighbours. Positions on the same line are alike however far apart, so with several lines it is that of the means
+    of the lines. It says how well the mean over these two profiles is known, not what other pieces of the same
     surfaces would give; that takes more profiles, or surrogates.
     """
     import xarray
 
     data = result.transpose(*_DIMS, ...)
-    shears, loads = data.sizes["shear"], data.sizes["load"]
+    shears, loads, lines = data.sizes["shear"], data.sizes["load"], data.sizes["line"]
     ok = (data["status"].values == friction.STATUS_OK).reshape(shears, -1, loads)
     means = {}
     for name in _QUANTITIES:
         values = data[name].values.reshape(ok.shape)
         statistics = np.full((shears, loads, 3), np.nan)
         for s, load in np.ndindex(shears, loads):
-            statistics[s, load] = ensemble.mean_of_neighbours(values[s, ok[s, :, load], load])
+            statistics[s, load] = ensemble.mean_of_neighbours(_independent(values[s, :, load], ok[s, :, load], lines))
         means[name] = (("shear", "load", "statistic"), statistics, dict(data[name].attrs))
     counts = {
         "ok": (("shear", "load"), ok.sum(axis=1), {"units": "1", "long_name": "positions that have an answer"}),
@@ -374,6 +392,18 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     }
     kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
+
+
+def _independent(values: Floats, ok: NDArray[np.bool_], lines: int) -> Floats:
+    """Values that are ok, line after line; of several lines one for each, weighted so that the mean is that of all."""
+    rows = ok.reshape(lines, -1)
+    answered = rows.any(axis=1)
+    if answered.sum() < 2:
+        return values[ok]
+    sums = np.where(ok, values, 0.0).reshape(rows.shape).sum(axis=1)[answered]
+    counts = rows.sum(axis=1)[answered]
+    mean = sums.sum() / counts.sum()
+    return np.asarray(mean + (sums - counts * mean) / counts.mean())
 
 
 def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:

@@ -36,6 +36,9 @@ _ROWS = {
 _WITHOUT_INTERVAL = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
 
 _COLOURS = {"+x": "C0", "-x": "C1"}
+_SHOWN = 4.0
+"""How many times the highest mean the axis of coefficients reaches at most."""
+
 _ZOOM = 40
 """Spacings on both sides of the contact that is drawn large, at least."""
 
@@ -168,6 +171,9 @@ def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         if (mean["contact_area"].values > 0).any():
             axes[1].set_yscale("log")
         axes[0].set_ylim(bottom=0)
+        if (highest := float(mean["friction_coefficient"].sel(statistic="mean").max())) > 0:
+            # An interval of two or three positions may be wider than all that is worth looking at.
+            axes[0].set_ylim(top=min(axes[0].get_ylim()[1], _SHOWN * highest))
         axes[0].set_ylabel(r"friction coefficient $\mu_s$")
         axes[1].set_ylabel("contact area $A$ (µm²)")
         axes[1].set_xlabel("normal load $F_N$ (mN)")
@@ -215,6 +221,8 @@ def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) 
         places.set_ylim(bins[0] - 0.02 * bins[-1], bins[-1])
         places.set_ylabel(rf"$\mu_s$ at $F_N$ = {float(at['load']):.4g} mN")
         places.set_xlabel("offset of the upper body (µm)" if along == "offset" else "pair of lines")
+        if along == "line":
+            places.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         distribution.set_xlabel("positions")
         distribution.xaxis.set_major_locator(MaxNLocator(3, integer=True))
         missing = int((at["status"] != friction.STATUS_OK).sum())
@@ -270,7 +278,7 @@ def contact_figure(
         whole.set_xlim(x[0], x[-1])
         for ax in (whole, large):
             ax.set_ylabel("height (µm)")
-        large.set_xlabel("$x$ on the lower profile (µm)")
+        large.set_xlabel("$x$ from the start of the upper profile (µm)")
         figure.legend(
             *large.get_legend_handles_labels(), title="heights drawn larger than lengths; arrows in true directions",
             loc="outside lower center", ncols=2,
