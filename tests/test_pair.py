@@ -1,5 +1,6 @@
 """`stiction pair`, from files to figures."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +125,26 @@ def test_an_endless_interval_does_not_hide_the_means():
     mean["friction_coefficient"].loc[{"statistic": "lower"}] = 0.0
     highest = float(mean["friction_coefficient"].sel(statistic="mean").max())
     assert highest < load_figure(mean, [0.01]).axes[0].get_ylim()[1] <= 4 * highest
+
+
+def test_columns_stay_apart_and_most_positions_must_have_an_answer(where):
+    given = ["--unit", "um", "--spacing", "0.01 um", "--load", "1e-6 nN", "--load", "1 N"]
+    done = stiction_command("pair", "map.npy", "map.npy", *MATERIAL, *given, "-o", "light", cwd=where)
+    assert done.returncode == 0, done.stderr
+    for block in done.stdout.split("\n\n")[1:]:
+        rows = [line for line in block.splitlines()[2:] if not line.startswith(("wrote", "no mean"))]
+        assert all(len(re.split(r" {2,}", row.strip())) == 3 for row in rows), block
+        few = any(int(answer) < 3 for answer in re.findall(r"(\d) of 6", block))
+        assert few == ("no mean where fewer" in block)
+    assert done.stdout.count("no mean where fewer") >= 1
+
+
+def test_the_spread_of_the_positions_is_told(where, paired):
+    with xarray.open_dataset(where / "pair" / "result.nc", engine="h5netcdf") as stored:
+        values = stored["friction_coefficient"].sel(load=0.02, shear="+x").values
+    line = next(line for line in paired.stdout.splitlines() if line.startswith("  four of five positions"))
+    lowest, _, highest = line.split("positions")[1].split()[:3]
+    np.testing.assert_allclose([float(lowest), float(highest)], np.quantile(values, [0.1, 0.9]), rtol=1e-3)
 
 
 def test_lines_of_a_map_with_itself(where):

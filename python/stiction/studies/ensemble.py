@@ -131,8 +131,9 @@ def mean_of_neighbours(values: Floats) -> tuple[float, float, float]:
     """Mean of values (r,) in the order in which they are neighbours, and its interval.
 
     The interval is that of `_read_off` for independent values, wider by the square root of (1 + ρ)/(1 - ρ), with ρ the
-    correlation of neighbours, and with Student's t for as many fewer values. It is NaN for fewer than two values, and
-    where all are equal: their spread is then not known.
+    correlation of neighbours, and with Student's t for as many fewer values. It is NaN for fewer than two values, where
+    all are equal, because their spread is then not known, and where it would go from a thirtieth to thirty times the
+    mean and beyond.
     """
     mean = float(values.mean()) if values.size else math.nan
     if values.size < 2 or (values == values[0]).all():
@@ -142,10 +143,16 @@ def mean_of_neighbours(values: Floats) -> tuple[float, float, float]:
     left_out = (values.sum() - values[:, np.newaxis]) / (values.size - 1)
     if (left_out > 0).all():
         half_width = float(_half_width(np.log(left_out), values.size / wider**2)[0]) * wider
+        if half_width > _ENDLESS:
+            return mean, math.nan, math.nan
         return mean, mean * math.exp(-half_width), mean * math.exp(half_width)
     half_width = float(_half_width(left_out, values.size / wider**2)[0]) * wider
     least = 0.0 if (values >= 0).all() else -math.inf
     return mean, max(mean - half_width, least), mean + half_width
+
+
+_ENDLESS = math.log(30)
+"""Logarithm of the factor to both sides beyond which an interval says nothing; so few values have none."""
 
 
 def _correlation_of_neighbours(values: Floats) -> float:

@@ -72,7 +72,7 @@ def characterisation_text(profile: Profile, *, band: tuple[float, float] | None 
         ("Nayak's parameter", f"{moments.nayak_parameter:.4g} (m0 m4 / m2²)"),
     ]
     if estimate is None:
-        rows.append(("Hurst exponent H", "none: the spectrum has no self-affine band; see it, and name one"))
+        rows.append(("Hurst exponent H", "none: no self-affine band was found; look at the spectrum, then give a band"))
     else:
         rows += [
             ("Hurst exponent H", f"{estimate.value:.3f} [{estimate.lower:.3f}, {estimate.upper:.3f}] (95 %)"),

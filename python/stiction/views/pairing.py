@@ -70,16 +70,23 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         at = mean.sel(load=load, method="nearest")
         shears = [str(shear) for shear in at["shear"].values]
         pressure = 1000 * load / area
-        lines += [
-            "",
-            f"at F_N = {load:.4g} mN ({pressure:.4g} MPa of nominal pressure), means and 95 % intervals",
-            f"{'':<26}" + "".join(f"{'upper body to ' + shear:<30}" for shear in shears).rstrip(),
-        ]
+        lines += ["", f"at F_N = {load:.4g} mN ({pressure:.4g} MPa of nominal pressure), means and 95 % intervals"]
+        table = [["", *(f"upper body to {shear}" for shear in shears)]]
+        there = [result.sel(shear=shear).sel(load=load, method="nearest") for shear in shears]
+        enough = [2 * int(at["ok"].sel(shear=shear)) >= positions for shear in shears]
         for name, (title, factor) in _ROWS.items():
-            cells = [_cell(factor * at[name].sel(shear=shear).values, name) for shear in shears]
-            lines.append(f"{title:<26}" + "".join(f"{cell:<30}" for cell in cells).rstrip())
-        cells = [_answers(result.sel(shear=shear).sel(load=load, method="nearest")) for shear in shears]
-        lines.append(f"{'positions with an answer':<26}" + "".join(f"{cell:<30}" for cell in cells).rstrip())
+            cells = (
+                _cell(factor * at[name].sel(shear=shear).values, name) if told else "none"
+                for shear, told in zip(shears, enough, strict=True)
+            )
+            table.append([title, *cells])
+            if name == "friction_coefficient":
+                table.append(["  four of five positions", *(_spread(each) for each in there)])
+        table.append(["positions with an answer", *(_answers(each) for each in there)])
+        widths = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
+        lines += ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
+        if not all(enough):
+            lines.append("no mean where fewer than half of the positions have an answer; result.nc holds all of them")
     return "\n".join(lines) + "\n"
 
 
@@ -99,6 +106,13 @@ def _cell(statistics: Any, name: str) -> str:
         return f"{mean:.2g}"
     interval = "no interval" if np.isnan(lower) else f"[{lower:.4g}, {upper:.4g}]"
     return f"{mean:.4g} {interval}"
+
+
+def _spread(at: xarray.Dataset) -> str:
+    """Between which coefficients all but the lowest and the highest tenth of the positions are."""
+    values = at["friction_coefficient"].values
+    known = values[np.isfinite(values)]
+    return f"{np.quantile(known, 0.1):.4g} to {np.quantile(known, 0.9):.4g}" if known.size else "none"
 
 
 def _answers(at: xarray.Dataset) -> str:
