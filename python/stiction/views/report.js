@@ -434,15 +434,16 @@ function drawReadout() {
       element("dd", beyond ? {class: "beyond"} : {}, beyond ? "⚠ " : "", data(value, text)),
     );
   }
-  children.push(list);
+  const figures = [list];
   if (at.status === "ok") {
     const inFull = (value) => (Number.isFinite(value) ? value.toPrecision(9) : "none");
     const full = [at.value, at.lower, at.upper].map(inFull);
-    children.push(element("p", {class: "full"},
+    figures.push(element("p", {class: "full"},
       `In full: ${full[0]} [${full[1]}, ${full[2]}] at D = ${facts.dimensions[d]}, ${at.load} mN, ` +
       `μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa`));
   }
-  readout.replaceChildren(...children);
+  byId("answer").replaceChildren(...children);
+  byId("figures").replaceChildren(...figures);
 }
 
 function intervalText(at) {
@@ -465,7 +466,7 @@ const MARGIN = {l: 72, r: 16, t: 8, b: 48};
 const CONFIG = {displayModeBar: false, responsive: true, scrollZoom: false, doubleClick: false};
 const AXIS = {
   ticks: "outside", ticklen: 5, tickcolor: "#57606a", linecolor: "#57606a", linewidth: 1, mirror: true,
-  showline: true, zeroline: false, gridcolor: "#e6eaee", fixedrange: true, exponentformat: "power", minexponent: 4,
+  showline: true, zeroline: false, gridcolor: "#e6eaee", fixedrange: true, tickangle: 0, exponentformat: "power", minexponent: 4,
 };
 const LOG_AXIS = {...AXIS, type: "log", minor: {ticks: "outside", ticklen: 3, tickcolor: "#8c959f"}};
 
@@ -659,7 +660,7 @@ function drawCurve(id) {
   if (isLog) {
     low = Math.max(Math.min(...ends) / 1.3, least / MOST_BAND_LOG);
     high = Math.min(Math.max(...ends) * 1.3, most * MOST_BAND_LOG);
-    const missing = Math.max(1, Math.sqrt(DECADE / (high / low)));
+    const missing = Math.max(1, Math.sqrt((1.01 * DECADE) / (high / low)));
     [low, high] = [low / missing, high * missing];
   } else if (values.length) {
     high = Math.min(1.05 * Math.max(...ends), MOST_BAND * most);
