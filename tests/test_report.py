@@ -147,6 +147,51 @@ def test_a_click_picks_a_cell_that_stays(opened):
     assert by_id(opened, "dimension").get_attribute("value") == "0"
 
 
+@in_browser
+def test_a_tap_takes_the_place_of_the_pointer(opened):
+    area = opened.find_element("css selector", "#map .nsewdrag")
+    opened.execute_script("arguments[0].scrollIntoView({block: 'center'})", area)
+    left, top, width, height = opened.execute_script(
+        "const r = arguments[0].getBoundingClientRect(); return [r.left, r.top, r.width, r.height]", area
+    )
+    for d in (0, 2):  # of four; the finger does not leave as a pointer does
+        at = {"x": left + width * (d + 0.5) / 4, "y": top + 0.7 * height}
+        opened.execute_cdp_cmd("Input.synthesizeTapGesture", at)
+        browser.settle(opened)
+        assert float(by_id(opened, "readout").get_attribute("data-dimension")) == pytest.approx(1 + 0.2 * d)
+        assert by_id(opened, "dimension").get_attribute("value") == str(d)
+
+
+@in_browser
+def test_a_map_without_values_says_why(opened):
+    from selenium.webdriver import ActionChains
+
+    enter(opened, "load-high", 1000)
+    enter(opened, "load-low", 500)
+    area = opened.find_element("css selector", "#map .nsewdrag")
+    opened.execute_script("arguments[0].scrollIntoView({block: 'center'})", area)
+    x = round(0.375 * area.rect["width"])
+    actions = ActionChains(opened, duration=20).move_to_element_with_offset(area, x, 3).move_by_offset(0, -3)
+    actions.pause(0.2).perform()
+    browser.settle(opened)
+    assert by_id(opened, "readout").text.startswith("Under the pointer: D = 1.600")
+    assert shown_in_full(opened) == ("not-reached", None)
+
+
+@in_browser
+def test_a_band_that_is_cut_off_is_said_to_be(driver, tmp_path, result):
+    for data, is_cut in ((result.isel(repetition=[0, 1]), True), (result, False)):
+        save_report(data, tmp_path / "report.html")
+        browser.open_page(driver, tmp_path / "report.html")
+        highest, top = driver.execute_script(
+            "const {data, layout} = document.getElementById('friction');"
+            "return [Math.max(...data[0].y), layout.yaxis.range[1]]"
+        )
+        assert highest <= top
+        assert (highest == top) == is_cut
+        assert ("cut off above" in by_id(driver, "friction-caption").text) == is_cut
+
+
 def invented(reached):
     """Sums that are of no surface: loads that rise and fall, fall below zero, and repetitions that carry nothing."""
     data = empty_dataset(SMALL)
@@ -255,7 +300,12 @@ def test_amplitude_loads_and_colours_are_picked(opened):
     for name, wrong in (("mu0-number", "-1"), ("load-high", "0"), ("tau0-number", "e")):
         enter(opened, name, wrong)
         assert not opened.execute_script("return arguments[0].validity.valid", by_id(opened, name))
+        assert by_id(opened, f"{name.split('-')[0]}-wrong").is_displayed()
         assert map_values(opened) == kept
+    enter(opened, "load-high", 1)
+    by_id(opened, "mu0").send_keys("\ue014")
+    shown = [e.get_attribute("id") for e in opened.find_elements("css selector", ".wrong") if e.is_displayed()]
+    assert shown == ["tau0-wrong"]
 
 
 @in_browser

@@ -7,7 +7,7 @@ const CONFIDENCE = 0.95;
 const STATUS = {
   "ok": "",
   "no-contact": "no pair touches within the approaches",
-  "self-locked": "friction locks the contacts: mean F_N is zero or below at the largest approach",
+  "self-locked": "friction locks the contacts: at the largest approach the mean load is zero or below",
   "not-reached": "no approach carries this load",
   "below-range": "the smallest approach carries more than this load",
 };
@@ -434,15 +434,16 @@ function drawReadout() {
       element("dd", beyond ? {class: "beyond"} : {}, beyond ? "⚠ " : "", data(value, text)),
     );
   }
-  children.push(list);
+  const figures = [list];
   if (at.status === "ok") {
     const inFull = (value) => (Number.isFinite(value) ? value.toPrecision(9) : "none");
     const full = [at.value, at.lower, at.upper].map(inFull);
-    children.push(element("p", {class: "full"},
+    figures.push(element("p", {class: "full"},
       `In full: ${full[0]} [${full[1]}, ${full[2]}] at D = ${facts.dimensions[d]}, ${at.load} mN, ` +
       `μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa`));
   }
-  readout.replaceChildren(...children);
+  byId("answer").replaceChildren(...children);
+  byId("figures").replaceChildren(...figures);
 }
 
 function intervalText(at) {
@@ -465,7 +466,7 @@ const MARGIN = {l: 72, r: 16, t: 8, b: 48};
 const CONFIG = {displayModeBar: false, responsive: true, scrollZoom: false, doubleClick: false};
 const AXIS = {
   ticks: "outside", ticklen: 5, tickcolor: "#57606a", linecolor: "#57606a", linewidth: 1, mirror: true,
-  showline: true, zeroline: false, gridcolor: "#e6eaee", fixedrange: true, exponentformat: "power", minexponent: 4,
+  showline: true, zeroline: false, gridcolor: "#e6eaee", fixedrange: true, tickangle: 0, exponentformat: "power", minexponent: 4,
 };
 const LOG_AXIS = {...AXIS, type: "log", minor: {ticks: "outside", ticklen: 3, tickcolor: "#8c959f"}};
 
@@ -476,9 +477,9 @@ function layout(xaxis, yaxis, more = {}) {
     paper_bgcolor: "#ffffff", plot_bgcolor: "#fefefe", xaxis, yaxis, ...more};
 }
 
-/** A logarithmic axis over a range, with powers of ten alone where there are several. */
+/** A logarithmic axis over a range: powers of ten alone where there are several, else 2 and 5 between them. */
 function logAxis(text, low, high) {
-  const ticks = high / low > 300 ? {dtick: 1} : {};
+  const ticks = high / low > 300 ? {dtick: 1} : high / low >= DECADE ? {dtick: "D2"} : {};
   return {...LOG_AXIS, title: titled(text), range: [low, high].map(Math.log10), ...ticks};
 }
 
@@ -490,7 +491,7 @@ const MARKS = {
   "not-reached": {shape: "/", fgcolor: "#8c959f", bgcolor: "#ffffff", text: "load not reached"},
   "below-range": {shape: "\\", fgcolor: "#57606a", bgcolor: "#e6eaee", text: "below the loads computed"},
   "no-contact": {shape: ".", fgcolor: "#57606a", bgcolor: "#ffffff", text: "no contact"},
-  "self-locked": {shape: "", fgcolor: "#7a0019", bgcolor: "#7a0019", text: "self-locked: F_N ≤ 0"},
+  "self-locked": {shape: "", fgcolor: "#7a0019", bgcolor: "#7a0019", text: "self-locked: no load is carried"},
 };
 const VALIDITY_LINES = [
   ["share_beyond_hertz", "solid", "above: over half of the load on overlaps > radius / 10"],
@@ -562,9 +563,12 @@ function drawMap() {
       fillpattern: {shape: mark.shape, fgcolor: mark.fgcolor, bgcolor: mark.bgcolor, size: 7, solidity: 0.2},
     });
   }
+  const values = map.value.flat().filter((value) => value !== null);
+  // Plotly has no pointer for a map without any value, so a row beyond the axis always has some.
+  const beyond = facts.dimensions.map(() => low);
   const logarithm = (value) => (value === null ? null : Math.log10(Math.max(value, 1e-12)));
   traces.push({
-    type: "heatmap", x, y, z: map.value.map((row) => row.map(logarithm)),
+    type: "heatmap", x, y: [...y, 2 * y.at(-1)], z: [...map.value, beyond].map((row) => row.map(logarithm)),
     zmin: Math.log10(low), zmax: Math.log10(high), colorscale: "Viridis", hoverinfo: "none", hoverongaps: true,
     colorbar: {
       orientation: "h", yref: "container", y: 1, yanchor: "top", ypad: 0, len: 1, thickness: 14, outlinewidth: 0,
@@ -586,6 +590,8 @@ function drawMap() {
     marker: {symbol: "circle-open", size: 13, color: ["#ffffff", "#d1005d"], line: {width: [5.5, 2.5]}},
   });
   legend.push([ring(), "picked point"]);
+  if (values.some((value) => value > high)) legend.push([colour("#fde725"), `${shown(high, 2)} and above`]);
+  if (values.some((value) => value < low)) legend.push([colour("#440154"), `${shown(low, 2)} and below`]);
   Plotly.react("map", traces, layout(
     {...AXIS, title: {text: `fractal dimension <i>D</i>${CONVENTION}`}, range: [x[0], x.at(-1)]},
     loadAxis(y[0], y.at(-1)),
@@ -620,6 +626,8 @@ function swatch(mark) {
   return svg(24, ["rect", {...frame, fill: mark.bgcolor}], ...pattern, ["rect", outline]);
 }
 
+const colour = (fill) => svg(24, ["rect", {x: 0.5, y: 0.5, width: 23, height: 15, fill, stroke: "#57606a"}]);
+
 function line(dash) {
   const stroke = {stroke: "#ffffff", "stroke-width": 2, "stroke-dasharray": dash === "solid" ? "none" : "2 2"};
   return svg(28, ["rect", {width: 28, height: 16, fill: "#3b528b"}], ["path", {d: "M0 8 H28", ...stroke}]);
@@ -628,34 +636,46 @@ function line(dash) {
 const ring = () => svg(16, ["circle", {cx: 8, cy: 8, r: 5.5, fill: "none", stroke: "#d1005d", "stroke-width": 2.5}]);
 
 const CURVE = "#0b5cad";
+const MOST_BAND = 2.5; // times the highest value, of a band on a linear scale
+const MOST_BAND_LOG = 100; // times the highest or lowest value, on a logarithmic one
+const DECADE = 10; // and at least as much of it, so that a power of ten is among its ticks
 
 function drawCurve(id) {
   const {dimension: d, amplitude: a, mu0} = state;
   const curves = meanCurves(d, a, mu0, tau0());
-  const [what, values, title] = {
+  const [what, curve, title] = {
     friction: [OF_TANGENTIAL, curves.tangential, "friction coefficient <i>μ</i><sub>s</sub>"],
     area: [OF_AREA, curves.area, "true contact area <i>A</i> (µm²)"],
   }[id];
   const jack = jackknife(d, a, what, mu0, tau0());
-  const points = loads.map((load) => readOff(curves, values, jack, load, id === "friction" ? load : 1));
+  const points = loads.map((load) => readOff(curves, curve, jack, load, id === "friction" ? load : 1));
   const ok = points.filter((point) => point.status === "ok");
   const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
-  // Intervals may be cut off above, or a wide one would make a flat line of all the rest.
-  const highest = Math.max(...ok.map((point) => point.value));
-  const top = Math.min(1.05 * Math.max(...ends), highest > 0 ? 2.5 * highest : Infinity);
-  const axis = id === "friction" || !ends.length
-    ? {...AXIS, title: titled(title), range: [0, ends.length ? top : 1]}
-    : logAxis(title, Math.min(...ends) / 1.3, Math.max(...ends) * 1.3);
+  const values = ok.map((point) => point.value).filter((value) => value > 0);
+  const [least, most] = [Math.min(...values), Math.max(...values)];
+  const isLog = id === "area" && values.length > 0;
+  let low = 0;
+  let high = 1;
+  // A band may be cut off, or a wide one would make a flat line of all the rest.
+  if (isLog) {
+    low = Math.max(Math.min(...ends) / 1.3, least / MOST_BAND_LOG);
+    high = Math.min(Math.max(...ends) * 1.3, most * MOST_BAND_LOG);
+    const missing = Math.max(1, Math.sqrt((1.01 * DECADE) / (high / low)));
+    [low, high] = [low / missing, high * missing];
+  } else if (values.length) {
+    high = Math.min(1.05 * Math.max(...ends), MOST_BAND * most);
+  }
+  const axis = isLog ? logAxis(title, low, high) : {...AXIS, title: titled(title), range: [low, high]};
   const nothing = {
     text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
   };
-  Plotly.react(id, curveTraces(points), layout(
+  Plotly.react(id, curveTraces(points, low, high), layout(
     loadAxis(loads[0], loads.at(-1)), axis, {annotations: ok.length ? [] : [nothing]},
   ), CONFIG);
-  byId(`${id}-caption`).textContent = curveCaption(points, ok);
+  byId(`${id}-caption`).textContent = curveCaption(points, ok, low, high);
 }
 
-function curveTraces(points) {
+function curveTraces(points, low, high) {
   const x = points.map((point) => point.load);
   const put = (name) => points.map((point) => (Number.isFinite(point[name]) ? point[name] : null));
   const band = points.filter((point) => Number.isFinite(point.lower));
@@ -666,7 +686,8 @@ function curveTraces(points) {
   return [
     {...plain, mode: "lines", line: {width: 0}, fill: "toself", fillcolor: "rgba(11, 92, 173, 0.2)",
       x: [...band.map((point) => point.load), ...band.map((point) => point.load).reverse()],
-      y: [...band.map((point) => point.lower), ...band.map((point) => point.upper).reverse()]},
+      y: [...band.map((point) => Math.max(point.lower, low)),
+        ...band.map((point) => Math.min(point.upper, high)).reverse()]},
     {...plain, mode: "lines", x, y: put("value"), line: {color: CURVE, width: 2, dash: "dot"}, hoverinfo: "text", text},
     {...plain, mode: "lines", x, y: trusted, line: {color: CURVE, width: 2.5}},
     {...plain, mode: "markers", x: [loads[state.load]], y: [points[state.load].value],
@@ -674,16 +695,25 @@ function curveTraces(points) {
   ];
 }
 
-function curveCaption(points, ok) {
-  const words = [`At ${dimensionName(state.dimension)}, μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa.`];
-  if (ok.length && ok.every((point) => Number.isFinite(point.lower))) words.push("Shaded: 95 % interval.");
+function curveCaption(points, ok, low, high) {
+  const amplitude = lengthName(facts.amplitudes[state.amplitude]);
+  const words = [
+    `At ${dimensionName(state.dimension)}, amplitude ${amplitude}, μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa.`,
+  ];
+  if (ok.length && ok.every((point) => Number.isFinite(point.lower))) {
+    words.push("Shaded: 95 % interval.");
+    const cut = [];
+    if (ok.some((point) => point.upper > high)) cut.push("above");
+    if (ok.some((point) => point.lower < low)) cut.push("below");
+    if (cut.length) words.push(`It is cut off ${cut.join(" and ")}; pointing at the curve tells its ends.`);
+  }
   else if (ok.length) words.push(`No interval: ${whyNoInterval()}.`);
   if (ok.some((point) => point.validity.share_beyond_hertz > 0.5))
     words.push("Dotted: over half of the load on overlaps above a tenth of the radius.");
   const counts = new Map();
   for (const point of points) if (point.status !== "ok") counts.set(point.status, (counts.get(point.status) ?? 0) + 1);
   for (const [status, count] of counts)
-    words.push(`At ${count} of ${points.length} loads ${status}: ${STATUS[status]}.`);
+    words.push(`No value at ${count} of ${points.length} loads (${status}): ${STATUS[status]}.`);
   return words.join(" ");
 }
 
@@ -804,10 +834,12 @@ function friction(id, most, step) {
   slider.value = number.value = state[id];
   slider.addEventListener("input", () => {
     number.value = slider.value;
+    byId(`${id}-wrong`).hidden = true;
     state[id] = Number(slider.value);
     changed();
   });
   number.addEventListener("input", () => {
+    byId(`${id}-wrong`).hidden = number.validity.valid;
     if (!number.validity.valid) return;
     state[id] = Number(number.value);
     slider.value = number.value;
@@ -844,20 +876,26 @@ function index(id, key, count, name, ...changes) {
   return {show, set: (value) => { slider.value = state[key] = value; show(); }};
 }
 
+const NARROWEST = 1.01; // of a range: the loads in it are told apart by five digits
+
 /** Two numbers, the lower and the higher end of a range. */
 function range(id, taken) {
-  const [low, high] = [byId(`${id}-low`), byId(`${id}-high`)];
+  const [low, high, wrong] = ["low", "high", "wrong"].map((part) => byId(`${id}-${part}`));
+  const setWrong = (isWrong) => {
+    wrong.hidden = !isWrong;
+    for (const each of [low, high]) each.setCustomValidity(isWrong ? wrong.textContent : "");
+  };
   for (const end of [low, high]) {
     end.addEventListener("input", () => {
       const ends = [Number(low.value), Number(high.value)];
-      const ordered = ends[0] > 0 && ends[1] > ends[0] && ends.every(Number.isFinite);
-      for (const each of [low, high]) each.setCustomValidity(ordered ? "" : "two numbers above 0, the lower one first");
+      const ordered = ends[0] > 0 && ends[1] >= NARROWEST * ends[0] && ends.every(Number.isFinite);
+      setWrong(!ordered);
       if (ordered) taken(ends);
     });
   }
   return (ends) => {
     [low.value, high.value] = ends.map((end) => (end < 1e-3 ? end.toExponential() : end));
-    for (const each of [low, high]) each.setCustomValidity("");
+    setWrong(false);
     taken(ends);
   };
 }
@@ -921,6 +959,7 @@ function connect() {
   });
   map.on("plotly_click", (event) => {
     const [d, l] = cell(event) ?? [state.dimension, state.load];
+    state.pointed = null; // a finger that taps never leaves
     dimension.set(d);
     load.set(l);
     redraw(...FRICTION, "profiles");
