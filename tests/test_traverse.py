@@ -218,7 +218,7 @@ def test_positions_of_a_line_are_not_independent(pair):
     assert mean == pytest.approx((4 * 10 + 4 * 11 + 13) / 9)
     assert low < mean < high
     one["status"][:, 1:] = "not-reached"
-    assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 1.0
+    assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 10.0
 
 
 @pytest.mark.parametrize(("correlation", "least"), [(0.0, 0.92), (0.3, 0.89), (0.6, 0.83)])
