@@ -127,6 +127,13 @@ def test_an_endless_interval_does_not_hide_the_means():
     assert highest < load_figure(mean, [0.01]).axes[0].get_ylim()[1] <= 4 * highest
 
 
+def test_lines_on_a_long_profile_lie_at_its_start(where):
+    given = ["--unit", "um", "--unit", "um", "--spacing", "0.01 um"]
+    done = stiction_command("pair", "map.npy", "lower.csv", *MATERIAL, *given, "-o", "long", cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert "6: 6 pairs of lines, 1 offset (0 µm)" in done.stdout
+
+
 def test_columns_stay_apart_and_most_positions_must_have_an_answer(where):
     given = ["--unit", "um", "--spacing", "0.01 um", "--load", "1e-6 nN", "--load", "1 N"]
     done = stiction_command("pair", "map.npy", "map.npy", *MATERIAL, *given, "-o", "light", cwd=where)

@@ -423,7 +423,9 @@ def pair(
     result = traverses.traverse(
         uppers, lowers, traverses.loads_around(loads),
         mu0=mu0, tau0=_quantity("--tau0", tau0, "pressure"),
-        offsets=room * np.arange(1, positions + 1) / positions,  # a body on itself is no pair at 0
+        # One line on itself is no pair at 0; several are not on themselves.
+        offsets=0.0 if len(uppers) > 1 and positions == 1 and travel is None
+        else room * np.arange(1, positions + 1) / positions,
         progress=sys.stderr.isatty(), **contact,
     )  # fmt: skip
     mean = traverses.traverse_mean(result)
