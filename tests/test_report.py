@@ -9,7 +9,7 @@ import browser
 import numpy as np
 import pytest
 from scipy.special import stdtrit
-from stiction import Study, contacts, friction_map, random_phases, run, weierstrass_mandelbrot
+from stiction import Study, area_map, contacts, friction_map, random_phases, run, weierstrass_mandelbrot
 from stiction.studies import store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
@@ -248,6 +248,30 @@ def test_every_way_to_read_off_is_that_of_the_library(driver, tmp_path, reached)
             assert found[..., column].astype(float) == pytest.approx(expected, rel=AGREEMENT, abs=1e-12, nan_ok=True)
     assert set(statuses) == {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
     assert no_complaints(driver)
+
+
+@in_browser
+@pytest.mark.parametrize(("name", "of"), [("friction", friction_map), ("area", area_map)])
+def test_curves_against_load_are_those_of_the_library(opened, result, name, of):
+    enter(opened, "mu0-number", 0.37)
+    enter(opened, "tau0-number", 41)
+    dimension, amplitude, loads, curve, band = opened.execute_script(
+        "const [band, curve] = document.getElementById(arguments[0]).data;"
+        "return [state.dimension, state.amplitude, curve.x, curve.y, band.y]", name
+    )  # fmt: skip
+    wanted = of(result, loads, mu0=[0.37], tau0=[0.041]).isel(
+        fractal_dimension=dimension, amplitude=amplitude, mu0=0, tau0=0
+    )
+    values = wanted["contact_area" if name == "area" else "friction_coefficient"].values
+    assert np.isfinite(values).sum() > 20
+    assert np.array(curve, dtype=float) == pytest.approx(values, rel=AGREEMENT, nan_ok=True)
+    banded = np.isfinite(wanted["lower"].values)
+    ends = np.concatenate([wanted["lower"].values[banded], wanted["upper"].values[banded][::-1]])
+    drawn = np.array(band, dtype=float)
+    # The band is cut where it leaves the axis; most of it does not.
+    inside = (drawn > drawn.min() * (1 + 1e-9)) & (drawn < drawn.max() * (1 - 1e-9))
+    assert inside.mean() > 0.5
+    assert drawn[inside] == pytest.approx(ends[inside], rel=AGREEMENT)
 
 
 @in_browser
