@@ -329,10 +329,7 @@ def _band(text: str | None) -> tuple[float, float] | None:
     parts = text.split(",")
     if len(parts) != 2:
         raise ValueError(f'--band needs two wavelengths, as in "1 um,100 um", got {text!r}')
-    try:
-        shortest, longest = (quantity(part.strip(), "length") for part in parts)
-    except ValueError as error:
-        raise ValueError(f"--band {error}") from None
+    shortest, longest = (_quantity("--band", part.strip(), "length") for part in parts)
     return shortest, longest
 
 

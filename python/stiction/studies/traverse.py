@@ -23,6 +23,7 @@ from stiction.mechanics.loading import ContactChoices, crossing
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
 from stiction.surfaces.fractal import Side
+from stiction.surfaces.lines import Along
 from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import surrogate
@@ -31,7 +32,6 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray
 
-Along = Literal["x", "y"]
 Surrogates = Literal["none", "upper", "lower", "both"]
 
 AROUND = 30.0
