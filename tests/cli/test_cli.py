@@ -1,52 +1,17 @@
-import contextlib
-import io
-import os
 import shutil
-import sys
-import warnings
 from pathlib import Path
-from types import SimpleNamespace
-from unittest import mock
 
 import pytest
 import stiction
 import xarray
-from stiction import Study, cli, study_names
+from command import assert_refused, stiction_command
+from stiction import Study, study_names
 from stiction.studies import store
 
 TINY = [
     "--set", "surfaces.fractal_dimension=[1.1, 1.4]", "--set", "surfaces.points=4000", "--set", "surfaces.extent=2 um",
     "--set", "ensemble.repetitions=3", "--set", "contact.approach.count=5",
 ]  # fmt: skip
-
-
-def stiction_command(*arguments, cwd):
-    """The command in this process, as a shell would see it: a new interpreter for each would take most of the time."""
-    out, err = io.StringIO(), io.StringIO()
-    with (
-        contextlib.chdir(cwd),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-        warnings.catch_warnings(),  # main() replaces how they are shown
-        mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
-        mock.patch.dict(os.environ, {"COLUMNS": "200", "CI": "1"}),
-    ):
-        warnings.simplefilter("default")
-        try:
-            cli.main()
-            status = 0
-        except SystemExit as end:
-            status = end.code or 0
-    return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())
-
-
-def assert_refused(done, *words):
-    """One message of a few lines on standard error, exit status 2, no traceback."""
-    assert done.returncode == 2, done
-    assert "Traceback" not in done.stderr
-    assert len(done.stderr.splitlines()) <= 8, done.stderr
-    for word in words:
-        assert word in done.stderr, done.stderr
 
 
 @pytest.fixture(scope="module")

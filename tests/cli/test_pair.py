@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from command import assert_refused, stiction_command
 from stiction import (
     Surface,
     cropped,
@@ -18,7 +19,6 @@ from stiction import (
     write_surface,
 )
 from stiction.views.pairing import load_figure
-from test_cli import assert_refused, stiction_command
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
 

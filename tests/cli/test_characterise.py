@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 import pytest
+from command import assert_refused, stiction_command
 from matplotlib.image import imread
 from stiction import (
     Profile,
@@ -16,7 +17,6 @@ from stiction import (
     write_surface,
 )
 from stiction.views.characterisation import characterisation_text, surface_characterisation_text
-from test_cli import assert_refused, stiction_command
 
 
 @pytest.fixture(scope="module")
