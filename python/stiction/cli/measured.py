@@ -13,7 +13,7 @@ import typer
 from stiction._checks import choice
 from stiction._units import quantity
 from stiction.cli.application import app
-from stiction.surfaces.formats import read_measurement
+from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface

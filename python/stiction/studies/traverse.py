@@ -22,11 +22,9 @@ from stiction.mechanics.contact import EFFECTIVE_MODULUS, SUMS, LoadCurve, Shear
 from stiction.mechanics.loading import ContactChoices, crossing
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
-from stiction.surfaces.fractal import Side
-from stiction.surfaces.lines import Along
 from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import surrogate
+from stiction.surfaces.profile import Along, Profile, Side
+from stiction.surfaces.self_affine import surrogate
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:

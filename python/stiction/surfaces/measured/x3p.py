@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction.surfaces.measured.raw import MOST_BYTES, MOST_TEXT_BYTES, FormatError, Raw
 from stiction.surfaces.profile import MOST_POINTS
-from stiction.surfaces.raw import MOST_BYTES, MOST_TEXT_BYTES, FormatError, Raw
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"

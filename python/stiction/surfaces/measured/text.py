@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stiction.surfaces.raw import FormatError, Raw, Stated, length_unit
+from stiction.surfaces.measured.raw import FormatError, Raw, Stated, length_unit
 
 _NUMBER = r"([+-]?)([0-9]{{0,40}})(?:{point}([0-9]{{0,40}}))?(?:[eE]([+-]?[0-9]{{1,3}}))?"
 _MISSING = re.compile(r"|nan|\*{1,20}|-{2,20}", re.IGNORECASE)

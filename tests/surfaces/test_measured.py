@@ -21,7 +21,8 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.surfaces import formats
+from stiction.surfaces.measured import npy as npy_files
+from stiction.surfaces.measured import raw
 
 HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 
@@ -317,8 +318,8 @@ def npy(array):
         (npy(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
         (npy(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
         (npy(np.zeros(9)), "a.csv", "is named .csv, but what it holds is a NumPy array (.npy)"),
-        (b"0,1\n", "a.npy", "is named .npy, but what it holds is neither"),
-        (b"0,1\n", "a.x3p", "is named .x3p, but what it holds is neither"),
+        (b"0,1\n", "a.npy", "is named .npy, but what it holds is not a NumPy array (.npy)"),
+        (b"0,1\n", "a.x3p", "is named .x3p, but what it holds is not a zip archive"),
         (bytes(range(256)) * 9, "a.csv", "is binary, not text"),
         (b"\x93NUMPY\x01\x00" + b"\xff" * 300, "a.npy", "damaged"),
         (b"PK\x03\x04" + b"\xff" * 300, "a.x3p", "damaged X3P"),
@@ -337,11 +338,11 @@ def test_what_cannot_be_opened_is_refused(tmp_path):
 
 
 def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
-    for name, size in (("a.csv", formats.MOST_TEXT_BYTES + 1), ("a.npy", formats.MOST_BYTES + 1)):
+    for name, size in (("a.csv", raw.MOST_TEXT_BYTES + 1), ("a.npy", raw.MOST_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # of holes
         assert f"has {size} bytes" in refusal(tmp_path / name)
-    monkeypatch.setattr(formats, "MOST_POINTS", 8)
+    monkeypatch.setattr(npy_files, "MOST_POINTS", 8)
     (tmp_path / "b.npy").write_bytes(npy(np.zeros(9)))
     assert "holds 9 points; at most 8" in refusal(tmp_path / "b.npy")
 
