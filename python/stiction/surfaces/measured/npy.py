@@ -8,11 +8,11 @@ import warnings
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import FormatError, Raw
+from stiction.surfaces.measured.raw import FormatError, Table
 from stiction.surfaces.profile import MOST_POINTS
 
 
-def read_npy(data: bytes) -> Raw:
+def read_npy(data: bytes) -> Table:
     """Take an array apart; no objects are loaded."""
     file = io.BytesIO(data)
     try:
@@ -30,9 +30,11 @@ def read_npy(data: bytes) -> Raw:
     points, rest = math.prod(shape), len(data) - file.tell()
     if min(shape) < 0 or points * kind.itemsize > rest:
         raise FormatError(f"is a damaged .npy file: of {points} points it holds {rest} bytes")
+    if points == 0:
+        raise FormatError("holds an array without points")
     if points > MOST_POINTS:
         raise FormatError(f"holds {points} points; at most {MOST_POINTS} can be read")
     stored = np.frombuffer(data, dtype=kind, count=points, offset=file.tell())
     with np.errstate(all="ignore"):
         heights = np.array(stored.reshape(shape, order="F" if fortran_order else "C"), dtype=np.float64, order="C")
-    return Raw(heights)
+    return Table(heights.reshape(-1, 1) if heights.ndim == 1 else heights, area=True)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import read_instrument
 from stiction.surfaces.measured.npy import read_npy
-from stiction.surfaces.measured.raw import MOST_BYTES, MOST_TEXT_BYTES, FormatError, FormatWarning, Raw
+from stiction.surfaces.measured.raw import MOST_BYTES, MOST_TEXT_BYTES, Content, FormatError, FormatWarning, Raw
 from stiction.surfaces.measured.settle import (
     Asked,
     Missing,
@@ -19,6 +20,7 @@ from stiction.surfaces.measured.settle import (
     settled_profile,
     settled_surface,
 )
+from stiction.surfaces.measured.table import Chosen, raw_of
 from stiction.surfaces.measured.text import read_text
 from stiction.surfaces.measured.x3p import read_x3p
 from stiction.surfaces.profile import Profile
@@ -26,16 +28,17 @@ from stiction.surfaces.surface import Surface
 
 TEXT_SUFFIXES = ("", ".txt", ".csv", ".tsv", ".dat", ".asc", ".prn", ".xy", ".text")
 
-READERS: dict[str, Callable[[bytes], Raw]] = {
+READERS: dict[str, Callable[[bytes], Content]] = {
     ".npy": read_npy,
     ".x3p": read_x3p,
+    ".xlsx": read_excel,
     **dict.fromkeys(TEXT_SUFFIXES, read_text),
 }
 """What takes a file apart, by the ending of its name in lower case; SurfaceTopography is asked about all others."""
 
 _BEGINNINGS = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
-    b"PK": ((".x3p",), "a zip archive, as X3P is"),
+    b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
 """What the files of some endings begin with, and no others, and what it is."""
 
@@ -48,6 +51,8 @@ def read_profile(
     unit: str | tuple[str, str] | None = None,
     spacing: str | None = None,
     missing: Missing = "error",
+    channel: Chosen | None = None,
+    columns: Chosen | Sequence[Chosen] | None = None,
 ) -> Profile:
     """Read a measured profile.
 
@@ -55,7 +60,8 @@ def read_profile(
     ----------
     path : path
         Text or CSV with one column of heights or two of positions and heights, below any other text; a NumPy array
-        (.npy); X3P; or, with the package SurfaceTopography installed (``pip install "stiction[formats]"``), what that
+        (.npy), likewise; X3P; with the package openpyxl (``pip install "stiction[excel]"``) a workbook (.xlsx); or,
+        with the package SurfaceTopography installed (``pip install "stiction[formats]"``), what that
         reads of line scans.
     unit : str or (str, str), optional
         Of all lengths in the file ("um"), or of positions and of heights (("mm", "um")): m, mm, um, nm, pm. Needed
@@ -67,6 +73,12 @@ def read_profile(
         What to do about points without a height, which are empty, NaN, or written as stars or dashes. "interpolate"
         puts them on a straight line between their neighbours and leaves them out at the ends; how many is said in the
         history.
+    channel : str or int, optional
+        Name or number, from 0 on, of what to read of a file of an instrument, or of the sheet of a workbook. By default
+        the first of heights, or the only sheet; which one it is, and what else there is, is said in the history.
+    columns : (str or int, str or int), or str or int, optional
+        Of a table, names or numbers, from 0 on, of the columns of positions and of heights, or of heights alone. The
+        unit in a name may be left out.
 
     Returns
     -------
@@ -92,7 +104,7 @@ def read_profile(
     Positions need not be more uniform than their printed digits can show. The spacing is (last - first)/(n - 1), unless
     the argument or the text above the data gives one that fits all positions as printed.
     """
-    return _read(path, asked(unit, spacing, missing), settled_profile)
+    return _read(path, asked(unit, spacing, missing, channel, columns), settled_profile)
 
 
 def read_surface(
@@ -101,15 +113,18 @@ def read_surface(
     unit: str | tuple[str, str] | None = None,
     spacing: str | tuple[str, str] | None = None,
     missing: Missing = "error",
+    channel: Chosen | None = None,
 ) -> Surface:
     """Read a measured surface.
 
     Parameters
     ----------
     path : path
-        Text or CSV with a matrix of heights of at least four columns, the columns along x; a NumPy array (.npy); X3P;
-        or, with the package SurfaceTopography installed (``pip install "stiction[formats]"``), what that reads.
-    unit, missing
+        Text or CSV with a matrix of heights of at least four columns, the columns along x, of which a header as that of
+        Gwyddion may give width and height; a NumPy array (.npy); X3P; with the package openpyxl (``pip install
+        "stiction[excel]"``) a workbook (.xlsx); or, with the package SurfaceTopography installed (``pip install
+        "stiction[formats]"``), what that reads.
+    unit, missing, channel
         As for `read_profile`. Missing points lie on a line between their neighbours in the row, and where these are
         missing too, in the column.
     spacing : str or (str, str), optional
@@ -124,7 +139,7 @@ def read_surface(
     FormatError, ValueError
         As `read_profile`.
     """
-    return _read(path, asked(unit, spacing, missing), settled_surface)
+    return _read(path, asked(unit, spacing, missing, channel), settled_surface)
 
 
 def read_measurement(
@@ -133,12 +148,14 @@ def read_measurement(
     unit: str | tuple[str, str] | None = None,
     spacing: str | tuple[str, str] | None = None,
     missing: Missing = "error",
+    channel: Chosen | None = None,
+    columns: Chosen | Sequence[Chosen] | None = None,
 ) -> Profile | Surface:
     """Read a measured profile or surface, whichever the file holds.
 
     Parameters
     ----------
-    path, unit, missing
+    path, unit, missing, channel, columns
         As for `read_profile`.
     spacing : str or (str, str), optional
         As for `read_surface`; a profile has one.
@@ -152,7 +169,7 @@ def read_measurement(
     FormatError, ValueError
         As `read_profile`.
     """
-    return _read(path, asked(unit, spacing, missing), settled_measurement)
+    return _read(path, asked(unit, spacing, missing, channel, columns), settled_measurement)
 
 
 def _read(
@@ -161,7 +178,8 @@ def _read(
     """What is made of a file; every error and warning says the whole path."""
     path = Path(path)
     try:
-        body, doubts = settled(_raw(path), path.name, asked)
+        raw = raw_of(_content(path), asked.channel, asked.columns)
+        body, doubts = settled(raw, path.name, asked)
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise FormatError(f"{path}: cannot be read: {reason}") from None
@@ -174,7 +192,7 @@ def _read(
     return body
 
 
-def _raw(path: Path) -> Raw:
+def _content(path: Path) -> Content:
     suffix = path.suffix.lower()
     if not path.is_file():
         path.stat()  # which says why there is none

@@ -9,22 +9,16 @@ import numpy as np
 
 from stiction._checks import Floats, choice
 from stiction._units import Quantity, quantity
-from stiction.surfaces.measured.raw import LENGTH_UNITS, FormatError, Raw, length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, FormatError, Raw, Stated, length_unit
+from stiction.surfaces.measured.table import UNEVEN, Chosen
 from stiction.surfaces.profile import FEWEST_POINTS, Profile
 from stiction.surfaces.surface import Surface
 
 Missing = Literal["error", "interpolate"]
 
-UNEVEN = 1e-3
-"""Spacings by which a point may be off a uniform grid: nothing in the heights shows it, and positions that went through
-single precision have it."""
-
 TELLING = 1000
 """Last printed digits that the length must have, if they make up for uneven positions: the spacing is then good to
 1/1000."""
-
-FEW = 8
-"""Columns, or rows, of positions and some heights; a surface has more."""
 
 _SPACINGS = (1e-6, 1e6)
 _HIGHEST = 1e9
@@ -41,21 +35,29 @@ class Asked:
     height_unit: str | None
     spacing: tuple[Quantity | None, Quantity | None]
     missing: Missing
+    channel: Chosen | None
+    columns: tuple[Chosen, ...] | None
 
 
-def asked(unit: Any, spacing: Any, missing: Missing) -> Asked:
+def asked(unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None) -> Asked:
     """What the caller says of a file, checked."""
     choice("missing", missing, Missing)
     pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
     if len(pair) != 2:
         raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
-    return Asked(*_units(unit), (_given("spacing", pair[0]), _given("spacing", pair[1])), missing)
+    if columns is not None:
+        columns = (columns,) if isinstance(columns, (str, int)) else columns
+        if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2):
+            raise ValueError(f"columns must be one of heights, or two of positions and heights, got {columns!r}")
+    for name, each in (("channel", channel), *(("columns", column) for column in columns or ())):
+        if each is not None and (isinstance(each, bool) or not isinstance(each, (str, int))):
+            raise ValueError(f"{name} must be a name or a number from 0 on, got {each!r}")
+    columns = None if columns is None else tuple(columns)
+    return Asked(*_units(unit), (_given("spacing", pair[0]), _given("spacing", pair[1])), missing, channel, columns)
 
 
 def _unfolded(raw: Raw) -> Raw:
     """A matrix of one row or one column as the profile that it is."""
-    if raw.heights.ndim == 2 and raw.spacing is None:
-        _refuse_positions(raw.heights)
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
     along = int(raw.heights.shape[1] > 1)
@@ -86,7 +88,7 @@ def settled_profile(raw: Raw, name: str, asked: Asked) -> tuple[Profile, list[st
         heights, dx = heights[::-1], -dx
         steps.append("turned round, because its positions decreased")
     heights, filled = _line_without_gaps(heights, asked.missing)
-    return Profile(heights, spacing=_sane(dx), history=(f"read from {name}", *steps, *filled)), doubts
+    return Profile(heights, spacing=_sane(dx), history=(f"read from {name}", *raw.history, *steps, *filled)), doubts
 
 
 def settled_surface(raw: Raw, name: str, asked: Asked) -> tuple[Surface, list[str]]:
@@ -95,7 +97,10 @@ def settled_surface(raw: Raw, name: str, asked: Asked) -> tuple[Surface, list[st
     if raw.heights.ndim != 2:
         raise FormatError(f"holds a profile of {raw.heights.size} points; read_profile() reads profiles")
     heights = _heights(raw, asked.height_unit)
-    if raw.spacing is not None:
+    steps: list[str] = []
+    if raw.size is not None and raw.spacing is None:
+        (dy, dx), steps = _of_size(raw.size, heights.shape, asked.spacing)
+    elif raw.spacing is not None:
         length = _unit("positions", raw.position_unit, asked.position_unit)
         dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, asked.spacing, strict=True))
     elif asked.spacing[0] is not None and asked.spacing[1] is not None:
@@ -106,29 +111,8 @@ def settled_surface(raw: Raw, name: str, asked: Asked) -> tuple[Surface, list[st
     else:
         raise FormatError('holds no spacing; give it, as in "0.5 um", or "2 um" for rows and "0.5 um" for columns')
     heights, filled = _area_without_gaps(heights, asked.missing)
-    return Surface(heights, spacing=(_sane(dy), _sane(dx)), history=(f"read from {name}", *filled)), []
-
-
-def _refuse_positions(heights: Floats) -> None:
-    """Refuse a matrix some of whose columns or rows are positions; a row or a column alone is heights."""
-    if min(heights.shape) == 1:
-        return
-    rows, columns = heights.shape
-    first_column, first_row = _even(heights[:, 0]), _even(heights[0])
-    plane = _even(heights[:, -1]) and _even(heights[-1])
-    labelled = first_column and first_row
-    if not plane and (labelled or (first_column and columns < FEW) or (first_row and rows < FEW)):
-        raise FormatError(
-            f"holds {rows} rows of {columns} columns, of which the first "
-            f"{'row and column count' if labelled else 'column counts' if first_column else 'row counts'} "
-            "evenly, as positions do; leave the heights alone"
-        )
-
-
-def _even(values: Floats) -> bool:
-    """Whether values but for the first, which may be a corner, rise or fall in equal steps."""
-    steps = np.diff(values[1:])
-    return steps.size > 2 and bool(np.ptp(steps) <= UNEVEN * abs(steps.mean()) and steps.mean() != 0)
+    history = (f"read from {name}", *raw.history, *steps, *filled)
+    return Surface(heights, spacing=(_sane(dy), _sane(dx)), history=history), []
 
 
 # ---- Units and spacings ---------------------------------------------------------------------------------------------
@@ -187,6 +171,21 @@ def _heights(raw: Raw, unit: str | None) -> Floats:
     return heights
 
 
+def _of_size(
+    size: tuple[Stated, Stated], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
+) -> tuple[tuple[float, float], list[str]]:
+    """Spacings of an area of a size that stands in words, and what the history says of them."""
+    spacings = []
+    for own, points, each in zip(size, shape, given, strict=True):
+        length = own.length * LENGTH_UNITS[own.unit] / points
+        off = max(0.51 * own.digit * LENGTH_UNITS[own.unit] / points, UNEVEN * length)
+        if each is not None and abs(each - length) > off:
+            raise FormatError(f"says by its size that its spacing is {length:.7g} µm, but spacing says {each.text}")
+        spacings.append(length if each is None else float(each))
+    height, width = (f"{own.length:g} {own.unit}" for own in size)
+    return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y, as it says"]
+
+
 def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[str]]:
     """Spacing of a profile (µm, negative if its positions decrease), what the history says of it, what is doubtful."""
     stated = _stated(raw)
@@ -237,7 +236,7 @@ def _stated(raw: Raw) -> tuple[float, float] | None:
     if raw.stated is None:
         return None
     factor = LENGTH_UNITS[raw.stated.unit]
-    return raw.stated.spacing * factor, 0.51 * raw.stated.digit * factor
+    return raw.stated.length * factor, 0.51 * raw.stated.digit * factor
 
 
 def _worst(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
