@@ -23,37 +23,23 @@ from stiction.studies.runner import run
 from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
 from stiction.studies.traverse import paired_lines, traverse, traverse_mean
-from stiction.surfaces.formats import (
-    FormatError,
-    FormatWarning,
-    read_measurement,
-    read_profile,
-    read_surface,
-    write_profile,
-    write_surface,
-)
 from stiction.surfaces.fractal import (
-    ProfileMoments,
     random_phases,
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_family,
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.measured.raw import FormatError, FormatWarning
+from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
+from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    HurstEstimate,
-    PowerSpectrum,
-    RoughnessParameters,
-    hurst_exponent_of,
-    power_spectrum,
-    roughness_parameters,
-    self_affine,
-    spectral_moments,
-    surrogate,
-)
+from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
+from stiction.surfaces.self_affine import self_affine, surrogate
+from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
 
 __all__ = [

@@ -23,8 +23,8 @@ from stiction._core import __version__
 from stiction.mechanics.contact import press
 from stiction.mechanics.quantities import SUMS
 from stiction.studies.study import Study, StudyError, study_from_text
-from stiction.surfaces.fractal import Side, fill_family, random_phases
-from stiction.surfaces.profile import scaled_profile
+from stiction.surfaces.fractal import fill_family, random_phases
+from stiction.surfaces.profile import Side, scaled_profile
 
 if TYPE_CHECKING:
     import xarray

@@ -25,11 +25,9 @@ from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model
 from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
-from stiction.surfaces.fractal import Side
-from stiction.surfaces.lines import Along
 from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import surrogate
+from stiction.surfaces.profile import Along, Profile, Side
+from stiction.surfaces.self_affine import surrogate
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
+from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
+from stiction.surfaces.spectrum import ProfileMoments
 from stiction.surfaces.surface import Surface, lengths
 
-Side = Literal["lower", "upper"]
 Convention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
 
@@ -320,30 +319,6 @@ def _angles(turns_per_point: NDArray[np.longdouble], points: int) -> Floats:
     """(points, harmonics) angles at each point, rad, less whole turns."""
     turns = np.arange(points, dtype=np.longdouble)[:, np.newaxis] * turns_per_point
     return np.asarray(2 * math.pi * (turns - np.rint(turns)).astype(np.float64))
-
-
-@dataclass(frozen=True)
-class ProfileMoments:
-    """Variances of a profile and its derivatives: its spectral moments m0, m2, m4.
-
-    Attributes
-    ----------
-    height : float, µm²
-        m0, about the mean.
-    slope : float
-        m2.
-    curvature : float, 1/µm²
-        m4.
-    """
-
-    height: float
-    slope: float
-    curvature: float
-
-    @property
-    def nayak_parameter(self) -> float:
-        """Nayak's α = m0 m4 / m2² of the profile: 1 for a single sinusoid, larger the wider the spectrum."""
-        return self.height * self.curvature / self.slope**2
 
 
 def weierstrass_mandelbrot_moments(
