@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stiction import _core
+import stiction._core as _core
 from stiction._checks import Floats, choice, read_only
 from stiction.surfaces.fractal import Side
 from stiction.surfaces.profile import Profile

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction import _core
+import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, read_only
 from stiction.mechanics import friction
 from stiction.mechanics.law import Law, LawName, core_law

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from stiction import _core
+import stiction._core as _core
 from stiction._checks import choice, number
 
 CoreLaw = _core.HertzSphere | _core.HertzCylinder | _core.JacksonGreen

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction import _core
+import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
 from stiction.surfaces.surface import Surface, lengths

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction import __version__
 from stiction._checks import Floats
+from stiction._core import __version__
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.ensemble import area_map, friction_map
 from stiction.studies.study import Study, study_of
