@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from stiction import __version__
+from stiction._core import __version__
 
 INTERRUPTED = 130
 """Exit status, as of a shell's own commands."""

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from stiction import __version__
+from stiction._core import __version__
 from stiction.cli.application import INTERRUPTED, app, say
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.runner import available_cores, run
