@@ -16,6 +16,7 @@ from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, 
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
+from stiction.studies.pairs import pair_of
 from stiction.studies.runner import run
 from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
@@ -87,6 +88,7 @@ __all__ = [
     "line_roughness",
     "nondimensional",
     "on_common_grid",
+    "pair_of",
     "paired_lines",
     "power_spectrum",
     "press",

@@ -21,7 +21,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.contact import EFFECTIVE_MODULUS, SUMS, LoadCurve, Shear, Validity, press
 from stiction.mechanics.loading import ContactChoices, crossing
 from stiction.studies import ensemble
-from stiction.studies.runner import in_order
+from stiction.studies.executors import in_order
 from stiction.surfaces.fractal import Side
 from stiction.surfaces.lines import Along
 from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
