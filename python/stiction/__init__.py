@@ -19,6 +19,7 @@ from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, for
 from stiction.mechanics.loading import approach_at_load
 from stiction.mechanics.model import ContactModel
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
+from stiction.studies.pairs import pair_of
 from stiction.studies.runner import run
 from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
@@ -79,6 +80,7 @@ __all__ = [
     "line_roughness",
     "nondimensional",
     "on_common_grid",
+    "pair_of",
     "paired_lines",
     "power_spectrum",
     "press",

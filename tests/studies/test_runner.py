@@ -150,7 +150,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(runner, "repetition_sums", record)
-    monkeypatch.setattr(runner, "_progress_bar", lambda *_: contextlib.nullcontext(interrupt))
+    monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     held = None
     with ThreadPoolExecutor(1) as pool:
         try:

@@ -24,7 +24,7 @@ from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
 from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import ensemble
-from stiction.studies.runner import in_order
+from stiction.studies.executors import in_order
 from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
 from stiction.surfaces.profile import Along, Profile, Side
 from stiction.surfaces.self_affine import surrogate

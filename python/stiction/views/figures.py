@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
+from stiction._files import replaced_file
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.ensemble import area_map, friction_map
+from stiction.studies.pairs import ProfileGenerator, pair_of
 from stiction.studies.study import Study, study_of
-from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_surface
+from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
@@ -93,14 +95,8 @@ def save_picture(figure: Figure, path: Path) -> None:
     """
     if path.suffix.lower() != ".png":
         raise ValueError(f"{path}: cannot be written: its name must end in .png")
-    try:
-        if path.exists():
-            with path.open("rb") as file:
-                if (start := file.read(1000)) and _MADE_BY not in start:
-                    raise ValueError(f"{path}: exists already and is no figure of stiction; choose another name")
-        figure.savefig(path, metadata={"Software": f"stiction {__version__}"})
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {os.strerror(error.errno) if error.errno else error}") from None
+    with replaced_file(path, _MADE_BY, ValueError) as partial, partial.open("wb") as file:
+        figure.savefig(file, format="png", metadata={"Software": f"stiction {__version__}"})
 
 
 _MADE_BY = b"Software\0stiction"
@@ -147,7 +143,7 @@ def profiles_figure(study: Study) -> Figure:
     figure = Figure(figsize=(WIDTH, (12 + 13 * dimensions.size) * MILLIMETRE), layout="constrained")
     axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
     for row, dimension in enumerate(dimensions):
-        profile = _example(study, dimension).with_amplitude(amplitude, study.surfaces.amplitude_measure)
+        _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
         for ax, end in zip(axes[row], (profile.extent, window), strict=True):
             shown = profile.x <= end
             ax.fill_between(profile.x[shown], profile.heights[shown], profile.heights.min(), color="0.85", linewidth=0)
@@ -172,10 +168,11 @@ def length_scales_figure(study: Study) -> Figure:
     figure = Figure(figsize=(WIDTH, 66 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
     for column, scale in enumerate(scales):
-        profile = _example(study, dimension, length_scale=scale)
+        generator = replace(ProfileGenerator.of(study), length_scale=scale)
+        profile = Profile(generator.heights(dimension, 0, "lower"), spacing=generator.spacing)
         surface = weierstrass_mandelbrot_surface(
-            _example_phases(study), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
-            gamma=study.surfaces.gamma, convention=study.surfaces.convention, band_limit="nyquist",
+            generator.phases(0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
+            gamma=generator.gamma, convention=generator.convention, band_limit="nyquist",
         )  # fmt: skip
         top, bottom = axes[:, column]
         top.plot(profile.x, profile.heights - profile.heights.mean(), color="C0", linewidth=0.4, rasterized=True)
@@ -207,26 +204,6 @@ MOST_PROFILES = 5
 def _some(count: int, most: int) -> NDArray[np.intp]:
     """At most so many indices out of `count`, evenly spread, both ends included."""
     return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))
-
-
-def _example_phases(study: Study) -> Floats:
-    surfaces = study.surfaces
-    return random_phases(study.ensemble.seed, directions=surfaces.directions, frequencies=surfaces.frequencies)
-
-
-def _example(study: Study, dimension: float, *, length_scale: float | None = None) -> Profile:
-    """The lower profile of the study's first pair, unscaled."""
-    surfaces = study.surfaces
-    return weierstrass_mandelbrot(
-        _example_phases(study),
-        dimension,
-        length_scale=length_scale or float(surfaces.length_scale),
-        gamma=surfaces.gamma,
-        extent=float(surfaces.extent),
-        points=surfaces.points,
-        convention=surfaces.convention,
-        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-    )
 
 
 # ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------

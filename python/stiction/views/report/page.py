@@ -30,8 +30,8 @@ from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
 from stiction.studies.ensemble import CONFIDENCE
+from stiction.studies.pairs import pair_of
 from stiction.studies.study import Study, differences, study_of
-from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot_family
 from stiction.surfaces.profile import Profile
 from stiction.views.figures import COLOUR_QUANTILES, LOAD_STEPS, SHARE_LIMIT, TICKS, reached_loads
 
@@ -315,26 +315,8 @@ def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tup
 
     Scaled to another amplitude they touch at the same point.
     """
-    surfaces = study.surfaces
     for dimension in dimensions:
-        bodies = []
-        for side in ("lower", "upper"):
-            phases = random_phases(
-                study.ensemble.seed, side=side, directions=surfaces.directions, frequencies=surfaces.frequencies
-            )
-            heights = weierstrass_mandelbrot_family(
-                phases,
-                [dimension],
-                length_scale=float(surfaces.length_scale),
-                gamma=surfaces.gamma,
-                extent=float(surfaces.extent),
-                points=surfaces.points,
-                convention=surfaces.convention,
-                band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-            )[0]
-            spacing = float(surfaces.extent) / surfaces.points
-            bodies.append(Profile(heights, spacing=spacing).with_amplitude(amplitude, surfaces.amplitude_measure))
-        lower, upper = bodies
+        upper, lower = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
         touch = int(np.argmin(upper.heights - lower.heights))
         start = max(0, min(touch - WINDOW // 2, len(lower) - WINDOW))
         crop = max(0, start - MARGIN)
