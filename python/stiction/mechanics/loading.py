@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -99,7 +99,7 @@ class Bodies:
 
     def pressed(self, approaches: Floats, model: ContactModel) -> Sums:
         """The sums of `press`; whatever has been found before, they are the same to the bit."""
-        given = {"approaches": approaches, "model": model.core()}
+        given: dict[str, Any] = {"approaches": approaches, "model": model.core()}
         if model.detection == "cell":
             upper, lower = self.upper, self.lower
             return Sums.of(stiction._core.press(upper.heights, lower.heights, spacing=upper.spacing, **given))
@@ -109,7 +109,14 @@ class Bodies:
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
         """Approaches between `left`, where F_N is below loads, and `right`, where it is not."""
-        given = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0, "model": model.core()}
+        given: dict[str, Any] = {
+            "loads": loads,
+            "left": left,
+            "right": right,
+            "mu0": mu0,
+            "tau0": tau0,
+            "model": model.core(),
+        }
         if model.detection == "cell":
             upper, lower = self.upper, self.lower
             return stiction._core.approaches_at(upper.heights, lower.heights, spacing=upper.spacing, **given)
