@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     import xarray
 
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""How a report begins; no other file is written over."""
+"""Every report begins so; no other file is written over."""
 
 MOST_MEANS = 1_000_000
 """Pairs of surfaces times approaches, of which a page can make a map between two pictures."""
@@ -210,7 +210,7 @@ def _packed_bytes(content: bytes) -> str:
 
 
 def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str, Any]:
-    """What the script knows besides the numbers: axes, ranges, and where there are contacts at all."""
+    """What the script knows besides the numbers: axes, ranges, words, limits, and where there are contacts at all."""
     counts: NDArray[np.bool_] = np.any(data["contact_count"].values, axis=2)  # (dimension, amplitude, approach)
     modulus = float(study.contact.effective_modulus)
     mu0, tau0 = study.friction.mu0, [1000 * float(value) for value in study.friction.tau0]
@@ -310,8 +310,9 @@ class _Example:
 
 
 def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile, int, int, float]]:
-    """Of each dimension: the two profiles, cut out; first point of the window and of what is cut out; where they touch.
+    """Yield for each dimension the two profiles, cut out, and where the cut lies.
 
+    That is the first point of the window, the first point of what is cut out, and the height at which the two touch.
     Scaled to another amplitude they touch at the same point.
     """
     surfaces = study.surfaces
@@ -373,7 +374,7 @@ def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, appro
 
 
 def _pairs(data: xarray.Dataset) -> str:
-    """How many pairs the page is of."""
+    """Say of how many pairs the page is."""
     parts = [
         _counted(data.sizes["repetition"], "pair of surfaces", "pairs of surfaces"),
         f"at {'each of ' if data.sizes['fractal_dimension'] > 1 else ''}"
