@@ -103,8 +103,7 @@ def save_report(dataset: xarray.Dataset, path: str | Path) -> None:
     Raises
     ------
     ReportError
-        If plotly is not installed, the result is too large for a page, the path holds something that is no report, or
-        it cannot be written.
+        As `report_page`, and if the path holds something that is no report or cannot be written.
     """
     with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
         partial.write_bytes(report_page(dataset).encode())
@@ -121,7 +120,8 @@ def report_page(dataset: xarray.Dataset) -> str:
     Raises
     ------
     ReportError
-        If plotly is not installed, or the result is too large for a page.
+        If plotly is not installed, the result is too large for a page or has no repetitions, or one of its numbers is
+        not finite.
     """
     plotly = _plotly()
     study = study_of(dataset)
