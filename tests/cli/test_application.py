@@ -34,8 +34,9 @@ def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
     done = shell('"$@" | true', "run", "quick", *TINY, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "quick" / "area.png").exists()
-    done = shell('"$@" | true', "studies", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    for arguments in (["studies"], ["studies", "figure6"], ["--help"], ["info", "quick"]):
+        done = shell('"$@" | true', *arguments, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, ""), arguments
 
 
 def test_a_full_disk_behind_the_output_is_one_message(tmp_path):

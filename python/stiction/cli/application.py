@@ -92,6 +92,8 @@ def start() -> int:
     except KeyboardInterrupt:
         say("interrupted")
         return INTERRUPTED
+    except SystemExit:  # by the parser, whose help nobody reads to its end
+        return 0
     return BAD_INPUT
 
 
