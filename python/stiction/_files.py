@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import secrets
@@ -99,15 +100,18 @@ def content(path: Path, most: int, *, link: bool = True) -> bytes:
     if not link and path.is_symlink():
         raise NotReadableError("is a link")
     file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | (0 if link else os.O_NOFOLLOW))
-    with os.fdopen(file, "rb", buffering=0) as stream:
-        if not stat.S_ISREG(os.fstat(file).st_mode):
+    try:
+        status = os.fstat(file)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not stat.S_ISREG(status.st_mode):
             raise NotReadableError("is no regular file")
-        read = b""
-        while len(read) <= most and (more := stream.read(most + 1 - len(read))):
-            read = read + more if read else more
-    if len(read) > most:
-        raise NotReadableError(f"is longer than {most} bytes")
-    return read
+        if status.st_size > most:
+            raise NotReadableError(f"is longer than {most} bytes")
+        with os.fdopen(file, "rb", closefd=False) as stream:
+            return stream.read(status.st_size)
+    finally:
+        os.close(file)
 
 
 def reason(error: OSError) -> str:

@@ -32,6 +32,8 @@ def printable(text: object, most: int = LONGEST_WORD) -> str:
     if len(said) > most:
         half = (most - 3) // 2
         said = f"{said[:half]}...{said[-half:]}"
+    if said.isprintable():
+        return said
     return "".join(ascii(each)[1:-1] if unicodedata.category(each) in _UNFIT else each for each in said)
 
 

@@ -78,7 +78,7 @@ def test_a_worker_that_dies_is_replaced(two_workers):
     before, killed, over = children(os.getpid()), [], threading.Event()
 
     def kill():
-        while len(killed) < 6 and not over.wait(0.2):
+        while len(killed) < MOST_DEATHS - 1 and not over.wait(0.2):
             for worker in list(children(os.getpid()) - before)[:1]:
                 os.kill(worker, signal.SIGKILL)
                 killed.append(worker)
@@ -93,7 +93,7 @@ def test_a_worker_that_dies_is_replaced(two_workers):
 
 
 def test_a_task_that_kills_every_worker_is_given_up(two_workers):
-    with pytest.raises(WorkerError, match="given up, because every process that computed it died: ended by signal 9"):
+    with pytest.raises(WorkerError, match="died: ended by signal 9"):
         two_workers.submit(suicide).result()
     assert two_workers.submit(int, "7").result() == 7
     assert MOST_DEATHS > 1
@@ -107,11 +107,11 @@ def test_what_a_task_raises_is_raised_here(two_workers):
     for error in (ValueError, OSError, EOFError, MemoryError, KeyboardInterrupt):
         with pytest.raises(error, match="told"):
             two_workers.submit(raise_, error).result()
-    with pytest.raises(RuntimeError, match="Unpicklable: told"):
-        two_workers.submit(raise_, Unpicklable).result()
+    with pytest.raises(RuntimeError, match="UnpicklableError: told"):
+        two_workers.submit(raise_, UnpicklableError).result()
 
 
-class Unpicklable(Exception):
+class UnpicklableError(Exception):
     def __init__(self, what):
         super().__init__(what)
         self.handle = threading.Lock()

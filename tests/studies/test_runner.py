@@ -102,6 +102,19 @@ def test_families_and_their_size_do_not_matter(result, monkeypatch):
         assert_same_bits(run(SMALL), result)
 
 
+@pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
+def test_a_task_holds_no_more_than_is_said(monkeypatch, points):
+    """docs/cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
+    family = 8 * 2500
+    monkeypatch.setattr(runner, "FAMILY_MEMORY", family)
+    made = []
+    monkeypatch.setattr(runner, "_memory", lambda shape: made.append(np.empty(shape)) or made[-1])
+    study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
+    runner.repetition_sums(study, 0)
+    (memory,) = made
+    assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
+
+
 def test_more_repetitions_than_are_submitted_at_a_time_are_all_there(result, monkeypatch):
     monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
     assert_same_bits(run(SMALL), result)

@@ -686,11 +686,11 @@ def listed(folder):
 
 
 @pytest.mark.parametrize("what", ["folder", "chunk", "flag", "metadata", "root", "extra"])
-def test_nothing_is_read_or_written_through_a_link(unfinished, tmp_path, undisturbed, what):
+def test_nothing_is_read_or_written_through_a_link(finished, tmp_path, undisturbed, what):
     outside = tmp_path / "outside"
     name = {"folder": "contact_area", "chunk": "contact_area/c.0.0.2.0", "flag": "complete/c.2",
             "metadata": "contact_area/zarr.json", "root": "zarr.json", "extra": "extra"}[what]  # fmt: skip
-    place = unfinished / name
+    place = finished / name
     if place.exists():
         place.rename(outside)
     else:
@@ -701,41 +701,41 @@ def test_nothing_is_read_or_written_through_a_link(unfinished, tmp_path, undistu
     place.symlink_to(outside)
     kept = listed(outside) if outside.is_dir() else outside.read_bytes()
     if what == "extra":
-        assert_same_bits(run(SMALL, store=unfinished), undisturbed)
+        assert_same_bits(run(SMALL, store=finished), undisturbed)
     else:
         for use in (store.read, lambda path: run(SMALL, store=path)):
             with pytest.raises(StoreError, match="is a link"):
-                use(unfinished)
+                use(finished)
     assert kept == (listed(outside) if outside.is_dir() else outside.read_bytes())
 
 
 @pytest.mark.parametrize("name", ["zarr.json", "contact_area/c.0.0.2.0", "complete/c.2"])
-def test_pipes_and_devices_are_not_waited_for(unfinished, name):
-    (unfinished / name).unlink()
-    os.mkfifo(unfinished / name)
+def test_pipes_and_devices_are_not_waited_for(finished, name):
+    (finished / name).unlink()
+    os.mkfifo(finished / name)
     for use in (store.read, lambda path: run(SMALL, store=path)):
         with pytest.raises(StoreError, match="is no regular file"):
-            use(unfinished)
+            use(finished)
 
 
 @pytest.mark.parametrize("name", ["contact_area/c.0.0.2.0", "complete/c.2"])
-def test_what_unpacks_to_more_than_it_is_takes_no_memory(unfinished, name):
+def test_what_unpacks_to_more_than_it_is_takes_no_memory(finished, name):
     bomb = bytes(numcodecs.Zstd(level=1, checksum=True).encode(np.zeros(50_000_000, np.uint8)))
     liar = bytes.fromhex("28b52ffde4") + (2**60).to_bytes(8, "little") + bytes([1, 0, 0])
     for content in (bomb, liar, bomb[:1000]):
-        (unfinished / name).write_bytes(content)
+        (finished / name).write_bytes(content)
         tracemalloc.start()
         with pytest.raises(StoreError, match=rf"is damaged: {name}"):
-            store.read(unfinished)
+            store.read(finished)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         assert peak < 5_000_000
 
 
-def test_metadata_without_an_end_are_refused(unfinished):
-    os.truncate(unfinished / "zarr.json", layout.MOST_METADATA + 1)
+def test_metadata_without_an_end_are_refused(finished):
+    os.truncate(finished / "zarr.json", layout.MOST_METADATA + 1)
     with pytest.raises(StoreError, match=f"is longer than {layout.MOST_METADATA} bytes"):
-        store.info(unfinished)
+        store.info(finished)
 
 
 def test_a_chunk_of_another_repetition_or_variable_is_noticed(finished):
@@ -794,7 +794,7 @@ def test_what_is_not_of_stiction_is_not_removed(finished, undisturbed):
         flag.unlink()
     before = listed(finished)
     for name in ("thesis", "extra.partial", "contact_area/thesis.partial"):
-        with pytest.raises(StoreError, match="holds no finished repetition, but .*, which is not of stiction"):
+        with pytest.raises(StoreError, match=r"holds no finished repetition, but .*, which is not of stiction"):
             run(SMALL, store=finished)
         assert listed(finished) == before
         (finished / name).unlink()

@@ -11,7 +11,8 @@ import typer
 from typer.core import TyperGroup
 
 from stiction._core import __version__
-from stiction._text import LONGEST_LINE, printable
+from stiction._files import reason
+from stiction._text import LONGEST_LINE, named, printable
 
 INTERRUPTED = 130
 """Exit status, as of a shell's own commands."""
@@ -81,13 +82,18 @@ def start() -> int:
         say("there is not enough memory for this")
     except RecursionError:
         say("something in the input is too deep")
-    except (ValueError, OSError, ImportError) as error:
+    except OSError as error:
+        about = f"{named(error.filename)}: " if isinstance(error.filename, str) else ""
+        say(f"{about}{reason(error)}")
+    except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
-    except RuntimeError as error:  # of the system: no thread or process can be started
+    except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so
         say(f"{error}; perhaps memory or processes are limited here")
     except KeyboardInterrupt:
         say("interrupted")
         return INTERRUPTED
+    except SystemExit:  # by the parser, whose help nobody reads to its end
+        return 0
     return BAD_INPUT
 
 

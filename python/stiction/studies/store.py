@@ -164,7 +164,10 @@ class _Root:
             root = cls(attributes, study_of(xarray.Dataset(attrs=attributes)), str(attributes.get("stiction_version")))
         except StudyError as error:
             raise StoreError(f"{named(shown)}: its study, of stiction {version}, cannot be read: {error}") from None
-        _check_kinds(path, shown)
+        try:
+            _check_kinds(path, shown)
+        except OSError as error:
+            raise StoreError(f"{named(shown)}: cannot be read: {reason(error)}") from None
         return root
 
 
