@@ -38,6 +38,8 @@ from stiction.surfaces.roughness import RoughnessParameters, roughness_parameter
 from stiction.surfaces.self_affine import self_affine, surrogate
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface_parameters import SurfaceParameters, bearing_curve, surface_parameters
+from stiction.surfaces.surface_spectrum import RadialSpectrum, SurfaceSpectrum, surface_spectrum
 
 __all__ = [
     "Asperities",
@@ -53,14 +55,18 @@ __all__ = [
     "PowerSpectrum",
     "Profile",
     "ProfileMoments",
+    "RadialSpectrum",
     "RoughnessParameters",
     "Study",
     "Surface",
+    "SurfaceParameters",
+    "SurfaceSpectrum",
     "Validity",
     "__version__",
     "approach_at_load",
     "area_map",
     "asperities",
+    "bearing_curve",
     "contacts",
     "cropped",
     "effective_modulus",
@@ -87,6 +93,8 @@ __all__ = [
     "spectral_moments",
     "stiffness_map",
     "study_names",
+    "surface_parameters",
+    "surface_spectrum",
     "surrogate",
     "traverse",
     "traverse_mean",
