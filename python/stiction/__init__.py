@@ -28,7 +28,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
-from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.lines import LineRoughness, line_roughness, lines_along_both
 from stiction.surfaces.measured.raw import FormatError, FormatWarning
 from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
 from stiction.surfaces.measured.writing import write_profile, write_surface
@@ -77,6 +77,7 @@ __all__ = [
     "hurst_exponent_of",
     "levelled",
     "line_roughness",
+    "lines_along_both",
     "nondimensional",
     "on_common_grid",
     "paired_lines",

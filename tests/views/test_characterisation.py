@@ -117,9 +117,8 @@ def test_an_exponent_above_one_is_said_to_be_none_of_a_self_affine_profile():
     assert said["fractal dimension D"] == "none: 2 - H is below 1"
     assert "paper" in text
     assert said["caution"].startswith("H above 1 is not self-affine but smooth")
-    assert "caution" not in characterisation_text(
-        self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01)
-    )
+    rough = self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01)
+    assert "caution" not in characterisation_text(rough)
 
 
 def test_a_band_that_begins_on_a_peak_is_said():
@@ -163,7 +162,7 @@ def test_a_surface_has_parameters_moments_and_a_dimension(surface):
     assert said["Sdr"] == f"{100 * found.Sdr:.4g} %"
     assert said["Str"] == f"{found.Str:.3f}"
     assert said["fractal dimension D"].startswith(f"{2 - estimate.value:.3f} (classical")
-    assert said["fitted band"].endswith(f"(found; {estimate.harmonics} waves)") or "waves" in text
+    assert f"(found; {estimate.harmonics} waves)" in text
     moments = surface_spectrum(surface).moments(90)
     assert said["m4"].split()[2] == f"{moments.curvature:.4g}"
     assert said["scatter"].startswith("factor 1.")

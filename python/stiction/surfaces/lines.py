@@ -143,8 +143,9 @@ def lines_along_both(
     surface : Surface
     band : (float, float), µm, optional
         By default, where the bands of the lines along x and along y agree within a factor of 1.5 at both ends, the one
-        between them; where they do not, that which `hurst_exponent_of` finds in the spectrum of the surface. Where it
-        finds none, or one too narrow for lines, the lines along x and those along y keep bands of their own.
+        between them. Where they do not, or both mean spectra are off their power laws there by more than a factor of
+        1.5, that which `hurst_exponent_of` finds in the spectrum of the surface. Where it finds none, or one too narrow
+        for lines, the lines along x and those along y keep bands of their own.
 
     Raises
     ------
@@ -152,22 +153,28 @@ def lines_along_both(
         As `line_roughness`.
     """
     along_x, along_y = line_roughness(surface, "x", band=band), line_roughness(surface, "y", band=band)
-    if band is not None or along_x.band == along_y.band:
+    if band is not None:
         return along_x, along_y
-    common = None
     if along_x.band is not None and along_y.band is not None:
         ends = np.array([along_x.band, along_y.band])
         if (ends.max(axis=0) < _SAME_BAND * ends.min(axis=0)).all():
-            shortest, longest = np.sqrt(ends.prod(axis=0))
-            common = float(shortest), float(longest)
+            if along_x.band != along_y.band:
+                shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
+                along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH)
+            if not min(along_x.misfit, along_y.misfit) > BENT:
+                return along_x, along_y
     try:
-        if common is None:
-            found = hurst_exponent_of(surface)
-            common = found.shortest_wavelength, found.longest_wavelength
+        found = hurst_exponent_of(surface)
+        common = found.shortest_wavelength, found.longest_wavelength
         return line_roughness(surface, "x", band=common), line_roughness(surface, "y", band=common)
     except ValueError:
         return along_x, along_y
 
+
+_BOTH: tuple[Along, Along] = ("x", "y")
+
+BENT = 1.5
+"""Factor by which a spectrum is off its power law, at which it is none."""
 
 _SAME_BAND = 1.5
 

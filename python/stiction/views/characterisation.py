@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
-from stiction.surfaces.lines import LineRoughness
+from stiction.surfaces.lines import BENT, LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, peak_of, power_spectrum, spectral_moments
@@ -263,11 +263,7 @@ def _misfit(line: LineRoughness) -> str:
     """How far the mean spectrum is off its line."""
     if math.isnan(line.misfit):
         return "none"
-    return f"factor {line.misfit:.2f}" + (", no line" if line.misfit > _MISFIT else "")
-
-
-_MISFIT = 1.5
-"""Factor off its line, at which a spectrum is no straight one."""
+    return f"factor {line.misfit:.2f}" + (", no line" if line.misfit > BENT else "")
 
 
 def _beside(one: str, other: str) -> str:
