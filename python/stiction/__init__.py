@@ -32,7 +32,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
-from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.lines import LineRoughness, line_roughness, lines_along_both
 from stiction.surfaces.measured.raw import FormatError, FormatWarning
 from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
 from stiction.surfaces.measured.writing import write_profile, write_surface
@@ -42,6 +42,8 @@ from stiction.surfaces.roughness import RoughnessParameters, roughness_parameter
 from stiction.surfaces.self_affine import self_affine, surrogate
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface_parameters import SurfaceParameters, bearing_curve, surface_parameters
+from stiction.surfaces.surface_spectrum import RadialSpectrum, SurfaceSpectrum, surface_spectrum
 
 __all__ = [
     "Asperities",
@@ -59,14 +61,18 @@ __all__ = [
     "PowerSpectrum",
     "Profile",
     "ProfileMoments",
+    "RadialSpectrum",
     "RoughnessParameters",
     "Study",
     "Surface",
+    "SurfaceParameters",
+    "SurfaceSpectrum",
     "Validity",
     "__version__",
     "approach_at_load",
     "area_map",
     "asperities",
+    "bearing_curve",
     "candidates",
     "contacts",
     "cropped",
@@ -78,6 +84,7 @@ __all__ = [
     "hurst_exponent_of",
     "levelled",
     "line_roughness",
+    "lines_along_both",
     "nondimensional",
     "on_common_grid",
     "pair_of",
@@ -95,6 +102,8 @@ __all__ = [
     "spectral_moments",
     "stiffness_map",
     "study_names",
+    "surface_parameters",
+    "surface_spectrum",
     "surrogate",
     "traverse",
     "traverse_mean",
