@@ -7,6 +7,7 @@ void bind_harmonics(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
+void bind_pressure_search(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
@@ -17,4 +18,5 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_asperity(module);
   stiction::python::bind_law(module);
   stiction::python::bind_contact(module);
+  stiction::python::bind_pressure_search(module);
 }
