@@ -75,6 +75,11 @@ PressureSearch::PressureSearch(Values pressure, Values potential, double total, 
   if (!(total > 0.0) || !(hardness > 0.0) || !(total < hardness * static_cast<double>(pressure.size()))) {
     throw std::invalid_argument("PressureSearch: total must be positive and below hardness times points");
   }
+  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+    if (pressure_[i] > 0.0) {
+      moved_.push_back(static_cast<std::int32_t>(i));
+    }
+  }
 }
 
 void PressureSearch::check(std::span<const float> grid) const {
@@ -87,22 +92,25 @@ double PressureSearch::balance() {
   for (const std::int32_t i : free_) {
     residual_[static_cast<std::size_t>(i)] = 0.0F;
   }
+  // Every point under pressure has moved, or is at the hardness and says nothing of the approach.
   double sum = 0.0;
-  double weight = 0.0;
-  double pressed = 0.0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+  for (const std::int32_t point : moved_) {
+    const auto i = static_cast<std::size_t>(point);
     const double p = pressure_[i];
-    if (p > 0.0) {
-      weight += p;
-      pressed += p * potential_[i];
-      if (p < hardness_) {
-        sum += potential_[i];
-        ++count;
-      }
+    if (p > 0.0 && p < hardness_) {
+      sum += potential_[i];
+      ++count;
     }
   }
-  approach_ = count > 0 ? sum / static_cast<double>(count) : pressed / weight;
+  if (count > 0) {
+    approach_ = sum / static_cast<double>(count);
+  } else {  // all pressure is at the hardness: none of it may be open
+    approach_ = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < pressure_.size(); ++i) {
+      approach_ = pressure_[i] > 0.0 ? std::max(approach_, potential_[i]) : approach_;
+    }
+  }
   free_.clear();
   bound_load_ = 0.0;
   double distance = 0.0;
@@ -137,59 +145,52 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   }
   const std::size_t size = free_.size();
   const auto count = static_cast<double>(std::max<std::size_t>(size, 1));
+  conjugate_ = conjugate_ && !response.empty();
   double mean = 0.0;
   double mean_step = 0.0;
+  double product = 0.0;
+  double mean_response = 0.0;
   for (const std::int32_t point : free_) {
     const auto i = static_cast<std::size_t>(point);
-    mean += static_cast<double>(preconditioned[i]);
-    mean_step += static_cast<double>(step_[i]);
+    const auto value = static_cast<double>(preconditioned[i]);
+    mean += value;
+    if (conjugate_) {
+      mean_step += static_cast<double>(step_[i]);
+      mean_response += static_cast<double>(response[i]);
+      product += value * static_cast<double>(response[i]);
+    }
   }
   mean /= count;
   mean_step /= count;
-  double beta = 0.0;
-  if (conjugate_ && !response.empty()) {
-    for (const std::int32_t point : free_) {
-      const auto i = static_cast<std::size_t>(point);
-      beta -= (static_cast<double>(preconditioned[i]) - mean) * static_cast<double>(response[i]);
-    }
-    beta = std::max(beta / curvature_, 0.0);
-  }
-  direction_.resize(size);
+  double beta = conjugate_ ? std::max((mean * mean_response - product) / curvature_, 0.0) : 0.0;
   target_.resize(size);
-  const auto direct = [&] {
+  const auto aim = [&] {
+    const double length = plain_ ? plain_length_ : length_;
     double slope = 0.0;
+    double square = 0.0;
+    clipped_ = false;
     for (std::size_t k = 0; k < size; ++k) {
       const auto i = static_cast<std::size_t>(free_[k]);
-      direction_[k] = static_cast<double>(preconditioned[i]) - mean;
+      const auto rest = static_cast<double>(residual_[i]);
+      double direction = static_cast<double>(preconditioned[i]) - mean;
       if (beta > 0.0) {
-        direction_[k] += beta * (static_cast<double>(step_[i]) - mean_step);
+        direction += beta * (static_cast<double>(step_[i]) - mean_step);
       }
-      slope += direction_[k] * static_cast<double>(residual_[i]);
+      slope += direction * rest;
+      square += rest * rest;
+      target_[k] = pressure_[i] + length * direction;
+      clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > hardness_;
+    }
+    if (!plain_ && slope > 0.0 && square > 0.0) {
+      plain_length_ = length_ * slope / square;
     }
     return slope;
   };
-  double slope = direct();
-  if (beta > 0.0 && !(slope > 0.0)) {
+  if (!(aim() > 0.0) && beta > 0.0) {
     beta = 0.0;
-    slope = direct();
+    aim();
   }
   conjugate_ = beta > 0.0;
-  if (!plain_) {
-    double square = 0.0;
-    for (const std::int32_t point : free_) {
-      const auto value = static_cast<double>(residual_[static_cast<std::size_t>(point)]);
-      square += value * value;
-    }
-    if (slope > 0.0 && square > 0.0) {
-      plain_length_ = length_ * slope / square;
-    }
-  }
-  const double length = plain_ ? plain_length_ : length_;
-  clipped_ = false;
-  for (std::size_t k = 0; k < size; ++k) {
-    target_[k] = pressure_[static_cast<std::size_t>(free_[k])] + length * direction_[k];
-    clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > hardness_;
-  }
   const double shift = shift_to_sum(target_, total_ - bound_load_, hardness_);
   for (const std::int32_t point : moved_) {
     step_[static_cast<std::size_t>(point)] = 0.0F;

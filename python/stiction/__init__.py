@@ -13,6 +13,7 @@ from stiction.mechanics.closed_forms import (
     westergaard_contact_fraction,
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
+from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
@@ -58,6 +59,8 @@ __all__ = [
     "Contacts",
     "FormatError",
     "FormatWarning",
+    "HalfSpaceContact",
+    "HalfSpaceCurve",
     "HertzCylinder",
     "HertzSphere",
     "HurstEstimate",
@@ -80,6 +83,7 @@ __all__ = [
     "effective_modulus",
     "force_and_area",
     "friction_map",
+    "half_space",
     "hertz_cylinder",
     "hertz_sphere",
     "hurst_exponent_of",

@@ -58,7 +58,6 @@ class PressureSearch {
   std::vector<std::int32_t> moved_;         // where step_ may differ from 0
   std::vector<float> residual_;             // on the grid
   std::vector<float> step_;                 // on the grid
-  std::vector<double> direction_;           // at free points
   std::vector<double> target_;              // pressure at free points after a whole step
   double approach_ = 0.0;
   double mean_ = 0.0;                       // potential of free points

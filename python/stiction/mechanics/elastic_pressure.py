@@ -18,7 +18,7 @@ from stiction._checks import Floats
 
 Singles = NDArray[np.float32]
 
-COARSE_TOLERANCE = 1e-3
+COARSE_TOLERANCE = 1e-2
 """Of the solutions on coarser grids, whose own distance from the finest is larger."""
 
 FEWEST_POINTS = 16
@@ -29,6 +29,9 @@ MOST_ITERATIONS = 2000
 
 MOST_COARSE_ITERATIONS = 100
 """A coarse solution is only a start."""
+
+COMPLIANCE_TOLERANCE = 1e-4
+"""Of displacements that should be equal, relative to the compliance."""
 
 MOST_CERTIFICATES = 20
 """New evaluations in double precision before a solution is given up: round-off is the reason."""
@@ -44,7 +47,7 @@ class Kernel:
     def __init__(
         self, shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
     ) -> None:
-        self.shape = shape
+        self.shape, self.periodic = shape, periodic
         self.transforms = 0
         if periodic:
             self.padded = shape
@@ -167,8 +170,6 @@ class Solver:
             self.unit_scale = float(np.std(unit))
         else:
             self.unit_scale = 0.0
-        self.before: list[Floats] = []
-        self.mean_before = 0.0
 
     @property
     def transforms(self) -> float:
@@ -180,12 +181,12 @@ class Solver:
     def at(self, mean_pressure: float) -> Solution:
         """The pressure with a given mean over the grid."""
         scale = max(self.scale, self.unit_scale * mean_pressure)
-        coarse: Floats | None = None
-        pressures: list[Floats] = []
+        start = np.full(self.gaps[-1].shape, mean_pressure)
         for level in range(len(self.gaps) - 1, -1, -1):
             gap = self.gaps[level]
-            start = self._start(level, coarse, pressures, mean_pressure)
             finest = level == 0
+            if level < len(self.gaps) - 1:
+                start = _resampled(solution.pressure, gap.shape, periodic=self.periodic)
             solution = self._solve(
                 level,
                 start,
@@ -193,19 +194,9 @@ class Solver:
                 (self.tolerance if finest else max(COARSE_TOLERANCE, self.tolerance)) * scale,
                 MOST_ITERATIONS if finest else MOST_COARSE_ITERATIONS,
             )
-            coarse = solution.pressure
-            pressures.append(coarse)
-        self.before, self.mean_before = pressures, mean_pressure
         return Solution(
             solution.pressure, solution.potential, solution.approach, solution.error / scale, solution.iterations
         )
-
-    def _start(self, level: int, coarse: Floats | None, pressures: list[Floats], mean_pressure: float) -> Floats:
-        shape = self.gaps[level].shape
-        if coarse is None:
-            return np.full(shape, mean_pressure)
-        start = _resampled(coarse, shape, periodic=self.periodic)
-        return start
 
     def _solve(self, level: int, start: Floats, total: float, tolerance: float, most: int) -> Solution:
         gap, kernel = self.gaps[level], self.kernels[level]
@@ -239,6 +230,35 @@ class Solver:
         return Solution(
             search.pressure.reshape(gap.shape), search.potential.reshape(gap.shape), search.approach, error, iterations
         )
+
+
+def linear_compliance(kernel: Kernel, free: NDArray[np.bool_]) -> float:
+    """dδ/dp (µm/GPa) for the sum of pressures over free points under which all of them move alike; 0 at full contact.
+
+    Conjugate gradients on pressures of sum 1. The compliance is an energy, so its error is the square of theirs.
+    """
+    count = int(free.sum())
+    if kernel.periodic and count == free.size:
+        return 0.0
+    pressure = np.where(free, 1.0 / count, 0.0)
+    potential = kernel.displacement(pressure)
+    step, response = np.zeros(0), np.zeros(0)
+    compliance = float((pressure * potential).sum())
+    for _ in range(MOST_ITERATIONS):
+        residual = np.where(free, potential[free].mean() - potential, 0.0)
+        if np.abs(residual).max() <= COMPLIANCE_TOLERANCE * abs(compliance):
+            break
+        better = np.where(free, kernel.preconditioned(residual.astype(np.float32)), 0.0)
+        better -= np.where(free, better.sum() / count, 0.0)
+        if step.size:
+            better -= np.vdot(better, response) / np.vdot(step, response) * step
+        step = better
+        response = kernel.response(step.astype(np.float32)).astype(np.float64)
+        length = np.vdot(step, residual) / np.vdot(step, response)
+        pressure = pressure + length * step
+        potential = potential + length * response
+        compliance = float((pressure * potential).sum())
+    return compliance
 
 
 def _halved(n: int, periodic: bool) -> int:
