@@ -61,11 +61,14 @@ double shift_to_sum(std::span<const double> pressure, double sum, double hardnes
 
 }  // namespace
 
-PressureSearch::PressureSearch(Values pressure, Values potential, double total, double hardness)
+PressureSearch::PressureSearch(Values pressure, Values potential, double total, double hardness, bool line,
+                               bool periodic)
     : pressure_(pressure.begin(), pressure.end()),
       potential_(potential.begin(), potential.end()),
       total_(total),
       hardness_(hardness),
+      line_(line),
+      periodic_(periodic),
       residual_(pressure.size()),
       step_(pressure.size()) {
   if (pressure.size() != potential.size() || pressure.empty() ||
@@ -89,8 +92,12 @@ void PressureSearch::check(std::span<const float> grid) const {
 }
 
 double PressureSearch::balance() {
-  for (const std::int32_t i : free_) {
-    residual_[static_cast<std::size_t>(i)] = 0.0F;
+  if (line_) {
+    std::fill(residual_.begin(), residual_.end(), 0.0F);
+  } else {
+    for (const std::int32_t i : free_) {
+      residual_[static_cast<std::size_t>(i)] = 0.0F;
+    }
   }
   // Every point under pressure has moved, or is at the hardness and says nothing of the approach.
   double sum = 0.0;
@@ -130,12 +137,66 @@ double PressureSearch::balance() {
   return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
 }
 
+// Of each run of points that are not free: the free points on both sides (by their place in the list) and their distance,
+// the place of the first point of the run, and how many there are. At the ends of a free line both sides are the same.
+template <class Between>
+void PressureSearch::for_each_gap(Between between) const {
+  const auto size = static_cast<std::int64_t>(pressure_.size());
+  const std::size_t last = free_.size() - 1;
+  for (std::size_t k = 0; k < last; ++k) {
+    const std::int64_t count = free_[k + 1] - free_[k] - 1;
+    if (count > 0) {
+      between(k, k + 1, free_[k] + 1, count);
+    }
+  }
+  if (periodic_) {
+    between(last, std::size_t{0}, free_[last] + 1, size - free_[last] - 1 + free_[0]);
+  } else {
+    between(last, last, free_[last] + 1, size - free_[last] - 1);
+    between(std::size_t{0}, std::size_t{0}, 0, free_[0]);
+  }
+}
+
 std::span<const float> PressureSearch::residual() {
   for (const std::int32_t point : free_) {
     const auto i = static_cast<std::size_t>(point);
     residual_[i] = static_cast<float>(mean_ - potential_[i]);
   }
+  if (continued()) {
+    const std::size_t size = residual_.size();
+    for_each_gap([&](std::size_t left, std::size_t right, std::int64_t first, std::int64_t count) {
+      const float from = residual_[static_cast<std::size_t>(free_[left])];
+      const float slope = (residual_[static_cast<std::size_t>(free_[right])] - from) / static_cast<float>(count + 1);
+      for (std::int64_t j = 0; j < count; ++j) {
+        const auto i = static_cast<std::size_t>(first + j);
+        residual_[i < size ? i : i - size] = from + slope * static_cast<float>(j + 1);
+      }
+    });
+  }
   return residual_;
+}
+
+void PressureSearch::collect(std::span<const float> preconditioned) {
+  collected_.resize(free_.size());
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    collected_[k] = static_cast<double>(preconditioned[static_cast<std::size_t>(free_[k])]);
+  }
+  if (continued()) {
+    const std::size_t size = preconditioned.size();
+    for_each_gap([&](std::size_t left, std::size_t right, std::int64_t first, std::int64_t count) {
+      double sum = 0.0;
+      double moment = 0.0;
+      for (std::int64_t j = 0; j < count; ++j) {
+        const auto i = static_cast<std::size_t>(first + j);
+        const auto value = static_cast<double>(preconditioned[i < size ? i : i - size]);
+        sum += value;
+        moment += value * static_cast<double>(j + 1);
+      }
+      moment /= static_cast<double>(count + 1);
+      collected_[left] += sum - moment;
+      collected_[right] += moment;
+    });
+  }
 }
 
 std::span<const float> PressureSearch::step(std::span<const float> preconditioned, std::span<const float> response) {
@@ -145,14 +206,15 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   }
   const std::size_t size = free_.size();
   const auto count = static_cast<double>(std::max<std::size_t>(size, 1));
+  collect(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   double mean = 0.0;
   double mean_step = 0.0;
   double product = 0.0;
   double mean_response = 0.0;
-  for (const std::int32_t point : free_) {
-    const auto i = static_cast<std::size_t>(point);
-    const auto value = static_cast<double>(preconditioned[i]);
+  for (std::size_t k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(free_[k]);
+    const double value = collected_[k];
     mean += value;
     if (conjugate_) {
       mean_step += static_cast<double>(step_[i]);
@@ -172,7 +234,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
     for (std::size_t k = 0; k < size; ++k) {
       const auto i = static_cast<std::size_t>(free_[k]);
       const auto rest = static_cast<double>(residual_[i]);
-      double direction = static_cast<double>(preconditioned[i]) - mean;
+      double direction = collected_[k] - mean;
       if (beta > 0.0) {
         direction += beta * (static_cast<double>(step_[i]) - mean_step);
       }

@@ -27,11 +27,12 @@ PressureSearch& search_of(const py::object& self) {
 
 void bind_pressure_search(py::module_& module) {
   py::class_<PressureSearch>(module, "PressureSearch")
-      .def(py::init([](const Array& pressure, const Array& potential, double total, double hardness) {
-             return PressureSearch(view(pressure), view(potential), total, hardness);
+      .def(py::init([](const Array& pressure, const Array& potential, double total, double hardness, bool line,
+                       bool periodic) {
+             return PressureSearch(view(pressure), view(potential), total, hardness, line, periodic);
            }),
            py::arg("pressure").noconvert(), py::arg("potential").noconvert(), py::kw_only(), py::arg("total"),
-           py::arg("hardness"))
+           py::arg("hardness"), py::arg("line"), py::arg("periodic"))
       .def("balance", &PressureSearch::balance, py::call_guard<py::gil_scoped_release>())
       .def("residual",
            [](const py::object& self) {

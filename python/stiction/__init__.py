@@ -7,10 +7,15 @@ from stiction._core import __version__
 from stiction.mechanics.asperity import Asperities, asperities
 from stiction.mechanics.closed_forms import (
     effective_modulus,
+    gentle_friction,
     hertz_cylinder,
+    hertz_ellipse,
+    hertz_line,
     hertz_sphere,
     slope_friction,
     westergaard_contact_fraction,
+    westergaard_gap,
+    westergaard_pressure,
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
 from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
@@ -83,8 +88,11 @@ __all__ = [
     "effective_modulus",
     "force_and_area",
     "friction_map",
+    "gentle_friction",
     "half_space",
     "hertz_cylinder",
+    "hertz_ellipse",
+    "hertz_line",
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
@@ -114,6 +122,8 @@ __all__ = [
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "westergaard_gap",
+    "westergaard_pressure",
     "write_profile",
     "write_surface",
 ]

@@ -16,19 +16,23 @@ namespace stiction {
 ///
 ///     balance()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
 ///
+/// The inverse of K on free points is the least energy r·Mr of all continuations of r to the other points. On areas a
+/// continuation by zero is near it. On lines it is not, where contacts are short: there residuals are continued along
+/// straight lines, and what M gives is collected by the transpose.
+///
 /// A step leads from one feasible pressure to another. Only free points move, so that a sum to be restored never leaves
 /// a trace of pressure on others. Polonsky & Keer, Wear 231 (1999) 206 for the scheme; the energy never rises.
 class PressureSearch {
  public:
-  /// `pressure` must be feasible. Throws std::invalid_argument for sizes that differ, 2³¹ points or more, and a total
+  /// `pressure` must be feasible; `line`: neighbours in memory are neighbours on a line. Throws std::invalid_argument for sizes that differ, 2³¹ points or more, and a total
   /// that is not positive or that the hardness cannot bear.
-  PressureSearch(Values pressure, Values potential, double total, double hardness);
+  PressureSearch(Values pressure, Values potential, double total, double hardness, bool line, bool periodic);
 
   /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
   /// under pressure is open by more, none overlaps by more. Infinite where potentials are not finite.
   double balance();
 
-  /// Mean potential of the free points less potential [µm] there, 0 elsewhere.
+  /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
   std::span<const float> residual();
 
   /// Whether the next step wants the residual itself in place of a preconditioned one: descent is then certain.
@@ -49,15 +53,22 @@ class PressureSearch {
 
  private:
   void check(std::span<const float> grid) const;
+  bool continued() const { return line_ && !plain_ && !free_.empty(); }
+  template <class Between>
+  void for_each_gap(Between between) const;
+  void collect(std::span<const float> preconditioned);
 
   std::vector<double> pressure_;
   std::vector<double> potential_;
   double total_;
   double hardness_;
+  bool line_;
+  bool periodic_;
   std::vector<std::int32_t> free_;          // where residual_ may differ from 0
   std::vector<std::int32_t> moved_;         // where step_ may differ from 0
   std::vector<float> residual_;             // on the grid
   std::vector<float> step_;                 // on the grid
+  std::vector<double> collected_;           // preconditioned residual at free points
   std::vector<double> target_;              // pressure at free points after a whole step
   double approach_ = 0.0;
   double mean_ = 0.0;                       // potential of free points

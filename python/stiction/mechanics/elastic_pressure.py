@@ -150,7 +150,7 @@ class Solver:
         hardness: float | None,
         tolerance: float,
     ) -> None:
-        self.periodic, self.tolerance = periodic, tolerance
+        self.periodic, self.tolerance, self.spacing = periodic, tolerance, spacing
         self.hardness = np.inf if hardness is None else hardness
         self.gaps, self.kernels = [], []
         while True:
@@ -164,12 +164,17 @@ class Solver:
             else:
                 spacing = tuple(s * (1 if n == m else 2) for s, n, m in zip(spacing, gap.shape, shape, strict=True))
             gap = _resampled(gap, shape, periodic=periodic)
-        self.scale = float(self.gaps[0].std())
-        if not periodic:  # flat on flat: heights give no scale, displacements do
-            unit = self.kernels[0].displacement(np.ones(self.gaps[0].shape))
-            self.unit_scale = float(np.std(unit))
-        else:
-            self.unit_scale = 0.0
+        # The unit of the error: heights, and displacements under an even pressure where those say nothing or less.
+        self.heights_scale = float(self.gaps[0].std())
+        self.pressure_scale = 0.0
+        if not periodic:
+            self.pressure_scale = float(np.std(self.kernels[0].displacement(np.ones(self.gaps[0].shape))))
+        elif self.heights_scale == 0:
+            self.pressure_scale = max(self.spacing) / effective_modulus
+
+    def scale(self, mean_pressure: float) -> float:
+        """µm, in which errors are measured."""
+        return max(self.heights_scale, self.pressure_scale * mean_pressure)
 
     @property
     def transforms(self) -> float:
@@ -180,7 +185,7 @@ class Solver:
 
     def at(self, mean_pressure: float) -> Solution:
         """The pressure with a given mean over the grid."""
-        scale = max(self.scale, self.unit_scale * mean_pressure)
+        scale = self.scale(mean_pressure)
         start = np.full(self.gaps[-1].shape, mean_pressure)
         for level in range(len(self.gaps) - 1, -1, -1):
             gap = self.gaps[level]
@@ -202,7 +207,12 @@ class Solver:
         gap, kernel = self.gaps[level], self.kernels[level]
         pressure = np.minimum(start * (total / start.sum()), self.hardness)
         search = _core.PressureSearch(
-            pressure.ravel(), (kernel.displacement(pressure) + gap).ravel(), total=total, hardness=self.hardness
+            pressure.ravel(),
+            (kernel.displacement(pressure) + gap).ravel(),
+            total=total,
+            hardness=self.hardness,
+            line=gap.ndim == 1,
+            periodic=self.periodic,
         )
         nothing = np.empty(0, np.float32)
         response = nothing
