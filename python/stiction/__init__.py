@@ -8,13 +8,19 @@ from stiction.mechanics.asperity import Asperities, asperities
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.closed_forms import (
     effective_modulus,
+    gentle_friction,
     hertz_cylinder,
+    hertz_ellipse,
+    hertz_line,
     hertz_sphere,
     slope_friction,
     westergaard_contact_fraction,
+    westergaard_gap,
+    westergaard_pressure,
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
 from stiction.mechanics.friction import Validity
+from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.mechanics.model import ContactModel
@@ -52,6 +58,8 @@ __all__ = [
     "Contacts",
     "FormatError",
     "FormatWarning",
+    "HalfSpaceContact",
+    "HalfSpaceCurve",
     "HertzCylinder",
     "HertzSphere",
     "HurstEstimate",
@@ -79,7 +87,11 @@ __all__ = [
     "effective_modulus",
     "force_and_area",
     "friction_map",
+    "gentle_friction",
+    "half_space",
     "hertz_cylinder",
+    "hertz_ellipse",
+    "hertz_line",
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
@@ -113,6 +125,8 @@ __all__ = [
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "westergaard_gap",
+    "westergaard_pressure",
     "write_profile",
     "write_surface",
 ]
