@@ -24,7 +24,8 @@ void bind_loading(py::module_& module) {
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"),
       py::arg("loads").noconvert(), py::arg("left").noconvert(), py::arg("right").noconvert(), py::arg("mu0"),
-      py::arg("tau0"), py::arg("model"), "Approaches [µm] in brackets at which the normal load rises through loads [mN].");
+      py::arg("tau0"), py::arg("model"),
+      "Approaches [µm] in brackets at which the normal load rises through loads [mN].");
   module.def(
       "approaches_at",
       [](const Candidates& found, const Array& loads, const Array& left, const Array& right, double mu0, double tau0,

@@ -15,10 +15,10 @@ namespace stiction {
 using ManyValues = std::function<std::vector<double>(Values)>;
 
 /// Where a function rises through levels: for each level the first argument found at which it is not below it, between
-/// `left`, where it is, and `right`, where it is not, to a relative `tolerance` of the argument. Where the function jumps
-/// over the level, it is the argument behind the jump.
-/// By inverse quadratic interpolation or bisection: Chandrupatla, Advances in Engineering Software 28 (1997) 145. All
-/// levels take a step together, because a function of many arguments may cost little more than that of one.
+/// `left`, where it is, and `right`, where it is not, to a relative `tolerance` of the argument. Where the function
+/// jumps over the level, it is the argument behind the jump. By inverse quadratic interpolation or bisection:
+/// Chandrupatla, Advances in Engineering Software 28 (1997) 145. All levels take a step together, because a function of
+/// many arguments may cost little more than that of one.
 std::vector<double> rises_through(const ManyValues& function, Values levels, Values left, Values right,
                                   double tolerance);
 
