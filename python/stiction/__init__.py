@@ -5,17 +5,27 @@ Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles 
 
 from stiction._core import __version__
 from stiction.mechanics.asperity import Asperities, asperities
+from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.closed_forms import (
     effective_modulus,
+    gentle_friction,
     hertz_cylinder,
+    hertz_ellipse,
+    hertz_line,
     hertz_sphere,
     slope_friction,
     westergaard_contact_fraction,
+    westergaard_gap,
+    westergaard_pressure,
 )
-from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
+from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
+from stiction.mechanics.friction import Validity
+from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
+from stiction.mechanics.model import ContactModel
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
+from stiction.studies.pairs import pair_of
 from stiction.studies.runner import run
 from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
@@ -43,9 +53,13 @@ from stiction.surfaces.surface_spectrum import RadialSpectrum, SurfaceSpectrum, 
 
 __all__ = [
     "Asperities",
+    "Candidates",
+    "ContactModel",
     "Contacts",
     "FormatError",
     "FormatWarning",
+    "HalfSpaceContact",
+    "HalfSpaceCurve",
     "HertzCylinder",
     "HertzSphere",
     "HurstEstimate",
@@ -67,12 +81,17 @@ __all__ = [
     "area_map",
     "asperities",
     "bearing_curve",
+    "candidates",
     "contacts",
     "cropped",
     "effective_modulus",
     "force_and_area",
     "friction_map",
+    "gentle_friction",
+    "half_space",
     "hertz_cylinder",
+    "hertz_ellipse",
+    "hertz_line",
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
@@ -80,6 +99,7 @@ __all__ = [
     "lines_along_both",
     "nondimensional",
     "on_common_grid",
+    "pair_of",
     "paired_lines",
     "power_spectrum",
     "press",
@@ -106,6 +126,8 @@ __all__ = [
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "westergaard_gap",
+    "westergaard_pressure",
     "write_profile",
     "write_surface",
 ]
