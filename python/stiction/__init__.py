@@ -42,7 +42,7 @@ from stiction.surfaces.lines import LineRoughness, line_roughness, lines_along_b
 from stiction.surfaces.measured.raw import FormatError, FormatWarning
 from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
 from stiction.surfaces.measured.writing import write_profile, write_surface
-from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
+from stiction.surfaces.preparation import cropped, levelled, on_common_grid, rotated, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
 from stiction.surfaces.self_affine import self_affine, surrogate
@@ -107,6 +107,7 @@ __all__ = [
     "read_measurement",
     "read_profile",
     "read_surface",
+    "rotated",
     "roughness_parameters",
     "run",
     "self_affine",

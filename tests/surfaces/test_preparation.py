@@ -61,7 +61,7 @@ def test_a_surface_is_levelled_by_its_least_squares_plane():
 def test_trends_and_bodies_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="trend must be one of 'mean', 'line', 'quadratic', got 'plane'"):
         levelled(rough(9), "plane")
-    with pytest.raises(ValueError, match="trend must be one of 'mean', 'plane', got 'line'"):
+    with pytest.raises(ValueError, match="trend must be one of 'mean', 'plane', 'quadratic', got 'line'"):
         levelled(Surface(np.eye(3), spacing=1.0), "line")
     with pytest.raises(ValueError, match="body must be a Profile or a Surface, got list"):
         levelled([1.0, 2.0], "line")

@@ -95,7 +95,7 @@ def characterise(
         typer.Option(
             "--level",
             metavar="TREND",
-            help="What to subtract: none, mean, line or quadratic; of a surface none, mean or plane.",
+            help="What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.",
             show_default="line, plane",
         ),
     ] = None,
@@ -154,7 +154,7 @@ def _levelled(body: Profile | Surface, level: Any) -> Profile | Surface:
         choice("--level", level, Literal["none", "mean", "line", "quadratic"])
         return levelled(body, level)
     level = "plane" if level is None else level
-    choice("--level", level, Literal["none", "mean", "plane"])
+    choice("--level", level, Literal["none", "mean", "plane", "quadratic"])
     return levelled(body, level)
 
 

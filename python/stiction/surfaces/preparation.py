@@ -12,7 +12,7 @@ from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
 from stiction.surfaces.surface import Surface
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
-SurfaceTrend = Literal["mean", "plane"]
+SurfaceTrend = Literal["mean", "plane", "quadratic"]
 
 ON_POINT = 1e-9
 """Spacings within which a position is taken as that of a point: 0.3 is the third point of a spacing of 0.1."""
@@ -31,10 +31,10 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     Parameters
     ----------
     body : Profile or Surface
-    trend : {"mean", "line", "quadratic"} for a profile, {"mean", "plane"} for a surface
+    trend : {"mean", "line", "quadratic"} for a profile, {"mean", "plane", "quadratic"} for a surface
         What is subtracted: the mean height; a straight line or a plane, which is the tilt of the instrument; a
-        parabola, which is also the bow of its guide or the form of the body. A line or plane contains the mean, a
-        parabola the line.
+        parabola, or a polynomial of second degree in x and y, which is also the bow of its guide or the form of the
+        body. Each contains those before it.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     Notes
     -----
     On a uniform grid the polynomials :math:`1, t, t^2 - \overline{t^2}` with t measured from the middle are orthogonal,
-    so each coefficient of the least-squares fit is a quotient of two sums.
+    so each coefficient of the least-squares fit is a quotient of two sums; over an area so are their products.
 
     Examples
     --------
@@ -68,13 +68,11 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     if isinstance(body, Surface):
         choice("trend", trend, SurfaceTrend)
         rows, columns = body.heights.shape
-        degree = {"mean": 0, "plane": 1}[trend]
-        basis = [
-            np.ones((1, 1)),
-            *(along_x[np.newaxis, :] for along_x in _orthogonal(columns, degree)[1:]),
-            *(along_y[:, np.newaxis] for along_y in _orthogonal(rows, degree)[1:]),
-        ]
-        return Surface(_without(body.heights, basis), spacing=body.spacing, history=(*body.history, _LEVELLED[trend]))
+        degree = {"mean": 0, "plane": 1, "quadratic": 2}[trend]
+        along_y, along_x = _orthogonal(rows, degree), _orthogonal(columns, degree)
+        basis = [along_y[j][:, np.newaxis] * along_x[i] for j in range(degree + 1) for i in range(degree + 1 - j)]
+        step = "levelled by a polynomial of second degree" if trend == "quadratic" else _LEVELLED[trend]
+        return Surface(_without(body.heights, basis), spacing=body.spacing, history=(*body.history, step))
     raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
 
 
@@ -105,10 +103,14 @@ def _without(heights: Floats, basis: list[Floats]) -> Floats:
     return rest if np.abs(rest).max() > ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
-def turned_over(profile: Profile) -> Profile:
-    """A profile as that of the upper body: heights out of the material are then heights down.
+@overload
+def turned_over(body: Profile) -> Profile: ...
+@overload
+def turned_over(body: Surface) -> Surface: ...
+def turned_over(body: Profile | Surface) -> Profile | Surface:
+    """A profile or a surface as that of the upper body: heights out of the material are then heights down.
 
-    The body is turned about the x axis, so that x stays.
+    The body is turned about the x axis, so that x stays, and the last row of a surface becomes the first.
 
     Examples
     --------
@@ -116,27 +118,34 @@ def turned_over(profile: Profile) -> Profile:
     >>> turned_over(Profile([0.5, 1.0, 2.0, 1.0], spacing=0.5)).heights
     array([-0.5, -1. , -2. , -1. ])
     """
-    return Profile(-profile.heights, spacing=profile.spacing, history=(*profile.history, "turned over"))
+    history = (*body.history, "turned over")
+    if isinstance(body, Surface):
+        return Surface(-body.heights[::-1], spacing=body.spacing, history=history)
+    return Profile(-body.heights, spacing=body.spacing, history=history)
 
 
-def cropped(profile: Profile, start: float = 0.0, stop: float | None = None) -> Profile:
-    """The points with start <= x < stop, so that neighbouring pieces share no point.
+@overload
+def cropped(body: Profile, start: float = ..., stop: float | None = ...) -> Profile: ...
+@overload
+def cropped(body: Surface, start: tuple[float, float] = ..., stop: tuple[float, float] | None = ...) -> Surface: ...
+def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Profile | Surface:
+    """The points with start <= x < stop, so that neighbouring pieces share no point; of a surface along y and x.
 
     Parameters
     ----------
-    profile : Profile
-    start, stop : float, µm
-        Within the extent; without `stop`, to the end.
+    body : Profile or Surface
+    start, stop : float, µm, or (float, float) for a surface
+        Within the extent, of a surface along y and along x; without `stop`, to the end.
 
     Returns
     -------
-    Profile
-        Whose x starts at zero again; the step is added to its history.
+    Profile or Surface
+        Whose x (and y) start at zero again; the step is added to its history.
 
     Raises
     ------
     ValueError
-        If the positions are not in this order within the extent, or fewer than 4 points are left.
+        If the positions are not in this order within the extent, or fewer than 4 points are left along an axis.
 
     Examples
     --------
@@ -144,37 +153,66 @@ def cropped(profile: Profile, start: float = 0.0, stop: float | None = None) -> 
     >>> cropped(Profile([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], spacing=0.5), 0.5, 2.5).heights
     array([1., 2., 3., 4.])
     """
+    if isinstance(body, Profile):
+        first, end, words = _piece("", len(body), body.spacing, start, stop)
+        heights = body.heights[first:end]
+        return Profile(heights, spacing=body.spacing, history=(*body.history, f"cropped to {words}"))
+    starts, stops = ((each, each) if np.ndim(each) == 0 else each for each in (start, stop))
+    if len(starts) != 2 or len(stops) != 2:
+        raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
+    (top, bottom, along_y), (left, right, along_x) = (
+        _piece(f" along {axis}", body.heights.shape[at], body.spacing[at], starts[at], stops[at])
+        for at, axis in enumerate("yx")
+    )
+    return Surface(
+        body.heights[top:bottom, left:right],
+        spacing=body.spacing,
+        history=(*body.history, f"cropped to {along_y} and {along_x}"),
+    )
+
+
+def _piece(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
+    """First point, the point behind the last, and words."""
+    extent = points * spacing
     start = number("start", start, unit="µm")
-    stop = profile.extent if stop is None else number("stop", stop, unit="µm")
-    slack = ON_POINT * profile.spacing
-    if not -slack <= start < stop <= profile.extent + slack:
+    stop = extent if stop is None else number("stop", stop, unit="µm")
+    slack = ON_POINT * spacing
+    if not -slack <= start < stop <= extent + slack:
         raise ValueError(
-            f"start and stop must be in this order and within the extent of {profile.extent:g} µm, "
+            f"start and stop must be in this order and within the extent of {extent:g} µm{along}, "
             f"got {start:g} and {stop:g} µm"
         )
-    first, end = (max(math.ceil(place / profile.spacing - ON_POINT), 0) for place in (start, stop))
-    heights = profile.heights[first:end]
-    if heights.size < FEWEST_POINTS:
+    first, end = (min(max(math.ceil(place / spacing - ON_POINT), 0), points) for place in (start, stop))
+    if end - first < FEWEST_POINTS:
         raise ValueError(
-            f"at least {FEWEST_POINTS} points must be left, but from {start:g} to {stop:g} µm there are {heights.size} "
-            f"at a spacing of {profile.spacing:g} µm"
+            f"at least {FEWEST_POINTS} points must be left, but from {start:g} to {stop:g} µm{along} there are "
+            f"{end - first} at a spacing of {spacing:g} µm"
         )
-    return Profile(heights, spacing=profile.spacing, history=(*profile.history, f"cropped to {start:g} to {stop:g} µm"))
+    return first, end, f"{start:g} to {stop:g} µm{along}"
 
 
-def on_common_grid(a: Profile, b: Profile) -> tuple[Profile, Profile]:
-    """Two profiles on the finer of their grids, over the length that both have from x = 0 on.
+@overload
+def on_common_grid(a: Profile, b: Profile) -> tuple[Profile, Profile]: ...
+@overload
+def on_common_grid(a: Surface, b: Surface) -> tuple[Surface, Surface]: ...
+def on_common_grid(a: Any, b: Any) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
+    """Two profiles, or two surfaces, on the finer of their grids, over the length that both have from 0 on.
 
     Parameters
     ----------
-    a, b : Profile
+    a, b : Profile, or both Surface
 
     Returns
     -------
-    (Profile, Profile)
-        Of the same spacing and number of points. The profile with the finer grid keeps its heights to the bit; the
-        other is interpolated by its natural cubic spline, the curve that contact mechanics sees in it anyway. The steps
-        are added to their histories.
+    (Profile, Profile) or (Surface, Surface)
+        Of the same spacing and number of points, along each axis. What has the finer grid keeps its heights to the bit;
+        the other is interpolated by its natural cubic spline, the curve that contact mechanics sees in it anyway, along
+        one axis after the other. The steps are added to their histories.
+
+    Raises
+    ------
+    ValueError
+        If one is a profile and the other a surface, or the common grid would be too large.
 
     Notes
     -----
@@ -188,10 +226,129 @@ def on_common_grid(a: Profile, b: Profile) -> tuple[Profile, Profile]:
     >>> on_common_grid(fine, coarse)[1].heights
     array([0. , 0.5, 1. , 1.5, 2. ])
     """
-    spacing = min(a.spacing, b.spacing)
-    last = min((len(each) - 1) * each.spacing for each in (a, b))
-    points = math.floor(last / spacing + ON_POINT) + 1
-    return _on_grid(a, spacing, points), _on_grid(b, spacing, points)
+    if isinstance(a, Profile) and isinstance(b, Profile):
+        spacing, points = _finer((len(a), a.spacing), (len(b), b.spacing))
+        return _on_grid(a, spacing, points), _on_grid(b, spacing, points)
+    if not (isinstance(a, Surface) and isinstance(b, Surface)):
+        raise ValueError(f"both must be a Profile or both a Surface, got {type(a).__name__} and {type(b).__name__}")
+    grids = [
+        _finer((a.heights.shape[axis], a.spacing[axis]), (b.heights.shape[axis], b.spacing[axis])) for axis in (0, 1)
+    ]
+    shape = grids[0][1], grids[1][1]
+    if shape[0] * shape[1] > MOST_POINTS or min(shape) < 2:
+        raise ValueError(
+            f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MOST_POINTS} are allowed"
+        )
+    spacings = grids[0][0], grids[1][0]
+    return _area_on_grid(a, spacings, shape), _area_on_grid(b, spacings, shape)
+
+
+def _finer(a: tuple[int, float], b: tuple[int, float]) -> tuple[float, int]:
+    """The finer spacing of two grids of so many points, and the points of it that both reach."""
+    spacing = min(a[1], b[1])
+    last = min((points - 1) * step for points, step in (a, b))
+    return spacing, math.floor(last / spacing + ON_POINT) + 1
+
+
+def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[int, int]) -> Surface:
+    if (surface.spacing, surface.heights.shape) == (spacing, shape):
+        return surface
+    heights = surface.heights
+    for axis in (0, 1):
+        heights = _splined(heights, surface.spacing[axis], spacing[axis], shape[axis], axis)
+    (dy, dx), (rows, columns) = spacing, shape
+    step = f"splined to spacings of {dy:g} and {dx:g} µm, {rows} rows of {columns} points"
+    if surface.spacing == spacing:
+        step = f"cropped to its first {rows} rows of {columns} points"
+    return Surface(heights, spacing=spacing, history=(*surface.history, step))
+
+
+def _splined(heights: Floats, own: float, spacing: float, points: int, axis: int) -> Floats:
+    """Heights along an axis at another spacing, by natural cubic splines; a grid of the same spacing as it is."""
+    if own == spacing:
+        return heights[:points] if axis == 0 else heights[:, :points]
+    from scipy.interpolate import CubicSpline
+
+    last = heights.shape[axis] - 1
+    # In steps of its own grid; a position a rounding beyond the last point is the last point.
+    places = np.minimum(np.arange(points) * (spacing / own), last)
+    return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(places))
+
+
+def rotated(surface: Surface, angle: float) -> Surface:
+    """A surface turned in its plane: what ran along +x runs at the angle from +x towards +y.
+
+    Parameters
+    ----------
+    surface : Surface
+    angle : float, degrees
+        Multiples of 90 keep every height; any other angle interpolates between points.
+
+    Returns
+    -------
+    Surface
+        Of the same spacings (at odd multiples of 90, exchanged), over the largest rectangle along the axes that is
+        inside of the turned surface. What was cut off is said in its history.
+
+    Raises
+    ------
+    ValueError
+        If fewer than 4 points are left along an axis, or there are fewer before.
+
+    Notes
+    -----
+    By the cubic splines of `scipy.interpolate.RectBivariateSpline`, which damp wavelengths near twice the spacing, and
+    unlike those of `scipy.ndimage` assume no mirror image beyond the sides.
+
+    Examples
+    --------
+    >>> from stiction import Surface, rotated
+    >>> rotated(Surface([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]], spacing=1.0), 90).heights
+    array([[3., 0.],
+           [4., 1.],
+           [5., 2.]])
+    """
+    angle = number("angle", angle)
+    quarters, rest = divmod(angle, 90.0)
+    if rest == 0:
+        heights = np.rot90(surface.heights, -int(quarters) % 4)
+        spacing = surface.spacing if quarters % 2 == 0 else surface.spacing[::-1]
+        return Surface(heights, spacing=spacing, history=(*surface.history, f"rotated by {angle:g} degrees"))
+    if min(surface.heights.shape) < FEWEST_POINTS:
+        raise ValueError(f"a surface of {surface.heights.shape} points can only be turned by multiples of 90 degrees")
+    from scipy.interpolate import RectBivariateSpline
+
+    (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
+    own = (rows - 1) * dy, (columns - 1) * dx
+    radians = math.radians(angle)
+    height, width = _inscribed(*own, radians)
+    shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
+    if min(shape) < FEWEST_POINTS:
+        raise ValueError(
+            f"angle {angle:g} leaves {shape[0]} rows of {shape[1]} points; at least {FEWEST_POINTS} are needed"
+        )
+    y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
+    x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
+    # Where a point was before: turned back about the middle.
+    from_y = (own[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
+    from_x = (own[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
+    spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
+    heights = spline.ev(np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1))  # of round-off at the sides
+    lost = 1 - shape[0] * shape[1] / surface.heights.size
+    step = f"rotated by {angle:g} degrees, {100 * lost:.0f} % cut off"
+    return Surface(heights, spacing=surface.spacing, history=(*surface.history, step))
+
+
+def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]:
+    """Height and width of the largest rectangle along the axes inside of one that is turned."""
+    sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
+    longer, shorter = max(height, width), min(height, width)
+    if shorter <= 2 * sine * cosine * longer:  # two of its corners lie on the longer sides
+        half = shorter / 2
+        across, along = half / cosine, half / sine  # of the longer side, by which the rectangle is bounded
+        return (along, across) if height >= width else (across, along)
+    span = cosine**2 - sine**2
+    return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
@@ -210,11 +367,7 @@ def _on_grid(profile: Profile, spacing: float, points: int) -> Profile:
         if points == len(profile):
             return profile
         step = f"cropped to its first {points} points"
-        return Profile(profile.heights[:points], spacing=spacing, history=(*profile.history, step))
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(np.arange(len(profile)), profile.heights, bc_type="natural")
-    # In steps of its own grid; a position a rounding beyond the last point is the last point.
-    places = np.minimum(np.arange(points) * (spacing / profile.spacing), len(profile) - 1)
-    step = f"splined from a spacing of {profile.spacing:g} to {spacing:g} µm, {points} points"
-    return Profile(spline(places), spacing=spacing, history=(*profile.history, step))
+    else:
+        step = f"splined from a spacing of {profile.spacing:g} to {spacing:g} µm, {points} points"
+    heights = _splined(profile.heights, profile.spacing, spacing, points, 0)
+    return Profile(heights, spacing=spacing, history=(*profile.history, step))

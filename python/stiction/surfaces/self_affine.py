@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Literal, overload
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
 from stiction.surfaces.roughness import refuse_flat
 from stiction.surfaces.spectrum import ROUND_UP
+from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface_spectrum import surface_spectrum
 
 Amplitudes = Literal["rayleigh", "fixed"]
 
@@ -125,17 +127,25 @@ def self_affine(
     return Profile(np.fft.irfft(transform, period)[:points], spacing=spacing)
 
 
+@overload
 def surrogate(
-    profile: Profile, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
-) -> Profile:
-    """A profile with the spectrum of a given one and new phases, with the same mean and Pq.
+    body: Profile, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
+) -> Profile: ...
+@overload
+def surrogate(
+    body: Surface, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
+) -> Surface: ...
+def surrogate(
+    body: Profile | Surface, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
+) -> Profile | Surface:
+    """A profile or surface with the spectrum of a given one and new phases, with the same mean and Pq or Sq.
 
     Many of them are an ensemble of surfaces of which one has been measured.
 
     Parameters
     ----------
-    profile : Profile
-        Levelled, unless it is periodic: a slope of the whole would become waves as long as the profile.
+    body : Profile or Surface
+        Levelled, unless it is periodic: a slope of the whole would become waves as long as the body.
     seed, repetition : int
     side : {"lower", "upper"}
         The phases are `random_phases` of these three.
@@ -144,13 +154,13 @@ def surrogate(
 
     Returns
     -------
-    Profile
+    Profile or Surface
         Of as many points; periodic in any case.
 
     Raises
     ------
     ValueError
-        If the profile is flat, or a number is negative.
+        If the body is flat, or a number is negative.
 
     Notes
     -----
@@ -160,6 +170,10 @@ def surrogate(
     given profile. The corners at the two ends of the image put a spectrum of 1/q⁴ on top, and each density is averaged
     with a half of its neighbours: there are no sharp lines in the spectrum of such a surrogate, and for H near 1.5 and
     above it has too many short wavelengths.
+
+    A surface cannot be continued by its image without mixing the directions of its waves, so it is faded out by a Hann
+    window along both axes: its spectrum is that of the middle, smoothed over neighbouring waves. An Sq that is mostly
+    of waves as long as the map is not kept in their proportion.
 
     Random phases keep the spectrum alone. The heights become normally distributed: a surrogate of a worn or
     plateau-honed profile has lost its skewness, and grooves and other features are spread over the whole length.
@@ -174,8 +188,10 @@ def surrogate(
     1.0
     """
     truth("periodic", periodic)
-    refuse_flat(profile)
-    mean = profile.heights.mean()
+    refuse_flat(body)
+    if isinstance(body, Surface):
+        return _surface_surrogate(body, seed, repetition, side, periodic)
+    profile, mean = body, body.heights.mean()
     heights = profile.heights - mean
     points = heights.size
     if periodic:
@@ -195,3 +211,19 @@ def surrogate(
     made = np.fft.irfft(transform, points)
     made *= math.sqrt(np.mean(heights**2) / np.mean(made**2))
     return Profile(made + mean, spacing=profile.spacing)
+
+
+def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side, periodic: bool) -> Surface:
+    from scipy.fft import ifft2, ifftshift
+
+    amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
+    rows, columns = amplitude.shape
+    phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
+    # Opposite waves have opposite phases, and those that are their own opposites are real.
+    opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
+    heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
+    own = np.zeros((rows, columns), dtype=bool)
+    own[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
+    heights += ifft2(np.where(own, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
+    heights *= surface.heights.std() / heights.std()
+    return Surface(heights + surface.heights.mean(), spacing=surface.spacing)

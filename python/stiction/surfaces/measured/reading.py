@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from stiction._text import named
 from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import read_instrument
 from stiction.surfaces.measured.npy import read_npy
@@ -182,13 +183,13 @@ def _read(
         body, doubts = settled(raw, path.name, asked)
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
-        raise FormatError(f"{path}: cannot be read: {reason}") from None
+        raise FormatError(f"{named(path)}: cannot be read: {reason}") from None
     except MemoryError:
-        raise FormatError(f"{path}: is too large for the memory of this machine") from None
+        raise FormatError(f"{named(path)}: is too large for the memory of this machine") from None
     except ValueError as error:
-        raise FormatError(f"{path}: {error}") from None
+        raise FormatError(f"{named(path)}: {error}") from None
     for doubt in doubts:
-        warnings.warn(f"{path}: {doubt}", FormatWarning, stacklevel=3)  # of whoever called a public function
+        warnings.warn(f"{named(path)}: {doubt}", FormatWarning, stacklevel=3)  # of whoever called a public function
     return body
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._text import printable
 from stiction.surfaces.measured.raw import Channels, Content, FormatError, Raw, Table
 
 UNEVEN = 1e-3
@@ -74,11 +75,6 @@ def _bare(name: str) -> str:
 def _listed(names: Sequence[str]) -> str:
     shown = ", ".join(f"{at} ({printable(name)})" for at, name in enumerate(names[:_SHOWN]))
     return f"{shown} and {len(names) - _SHOWN} more" if len(names) > _SHOWN else shown
-
-
-def printable(name: str) -> str:
-    """A name from a file as it may go to a terminal."""
-    return "".join(character if character.isprintable() else "?" for character in name[:40])
 
 
 # ---- Columns --------------------------------------------------------------------------------------------------------

@@ -1,0 +1,160 @@
+"""What is done to maps before they touch: levelling, turning, cropping, a common grid, surrogates."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from stiction import (
+    Profile,
+    Surface,
+    cropped,
+    levelled,
+    on_common_grid,
+    rotated,
+    surface_parameters,
+    surface_spectrum,
+    surrogate,
+    turned_over,
+)
+
+# Of sums over some hundred points.
+ROUND_OFF = 1e-12
+
+
+def bumps(shape=(60, 80), spacing=(0.2, 0.1)):
+    """Smooth heights that are known between the points, and the function itself."""
+
+    def height(y, x):
+        return np.sin(1.1 * x + 0.3) * np.cos(0.7 * y) + 0.2 * x
+
+    y, x = spacing[0] * np.arange(shape[0])[:, np.newaxis], spacing[1] * np.arange(shape[1])
+    return Surface(height(y, x), spacing=spacing), height
+
+
+def test_a_polynomial_of_second_degree_is_the_least_squares_one():
+    surface, _ = bumps()
+    level = levelled(surface, "quadratic")
+    y, x = np.broadcast_arrays(surface.y[:, np.newaxis], surface.x)
+    terms = np.stack([(x**i * y**j).ravel() for i in range(3) for j in range(3 - i)], axis=1)
+    fit = terms @ np.linalg.lstsq(terms, surface.heights.ravel(), rcond=None)[0]
+    assert level.heights == pytest.approx(surface.heights - fit.reshape(60, 80), abs=1e-10)
+    assert level.history == ("levelled by a polynomial of second degree",)
+    bowl = Surface(3 + 2 * x - y + x * y - 4 * x**2 + 0.5 * y**2, spacing=surface.spacing)
+    assert not levelled(bowl, "quadratic").heights.any()
+
+
+def test_a_surface_is_turned_about_the_x_axis():
+    surface, _ = bumps()
+    over = turned_over(surface)
+    assert over.heights[0, 5] == -surface.heights[-1, 5]
+    assert np.array_equal(turned_over(over).heights, surface.heights)
+    assert over.history == ("turned over",)
+
+
+def test_pieces_of_a_surface_make_up_the_whole():
+    surface, _ = bumps()
+    pieces = [
+        [cropped(surface, (y0, x0), (y1, x1)).heights for x0, x1 in ((0, 3.05), (3.05, 8.0))]
+        for y0, y1 in ((0, 4.4), (4.4, 12.0))
+    ]
+    assert np.array_equal(np.block(pieces), surface.heights)
+    assert cropped(surface, (1.0, 2.0), (5.0, 6.0)).history == ("cropped to 1 to 5 µm along y and 2 to 6 µm along x",)
+    assert np.array_equal(cropped(surface, (1.0, 2.0)).heights, surface.heights[5:, 20:])
+    for start, stop, said in (
+        ((0, 7.0), (9, 9.0), "within the extent of 8 µm along x"),
+        ((0, 0), (0.5, 8), "at least 4 points must be left, but from 0 to 0.5 µm along y"),
+        ((0, 0, 0), None, r"must be pairs \(y, x\)"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            cropped(surface, start, stop)
+
+
+def test_two_surfaces_come_to_the_finer_grid_along_each_axis():
+    fine, _ = bumps((60, 40), (0.1, 0.2))
+    coarse, height = bumps((30, 100), (0.25, 0.1))
+    one, other = on_common_grid(fine, coarse)
+    assert one.spacing == other.spacing == (0.1, 0.1)
+    assert one.heights.shape == other.heights.shape == (60, 79)  # 5.9 µm along y, 7.8 µm along x
+    # Along x the second is as it was; along y it is the natural spline of each column.
+    splined = CubicSpline(0.25 * np.arange(30), coarse.heights[:, :79], bc_type="natural")(0.1 * np.arange(60))
+    assert other.heights == pytest.approx(splined, abs=ROUND_OFF)
+    inside = other.heights[10:50, :] - height(other.y[10:50, np.newaxis], other.x)
+    assert np.abs(inside).max() < 1e-3  # a natural spline, away from its ends
+    assert on_common_grid(fine, fine)[0] is fine
+    with pytest.raises(ValueError, match="both must be a Profile or both a Surface, got Surface and Profile"):
+        on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
+
+
+@pytest.mark.parametrize("turns", [-1, 0, 1, 2, 3, 5])
+def test_quarter_turns_keep_every_height(turns):
+    surface, _ = bumps()
+    turned = rotated(surface, 90 * turns)
+    assert np.array_equal(np.sort(turned.heights, axis=None), np.sort(surface.heights, axis=None))
+    assert np.array_equal(rotated(turned, -90 * turns).heights, surface.heights)
+    assert turned.spacing == (surface.spacing if turns % 2 == 0 else surface.spacing[::-1])
+
+
+@pytest.mark.parametrize("angle", [-60, 17, 45, 90, 100, 213])
+@pytest.mark.parametrize("shape", [(80, 70), (30, 140)])
+def test_a_turned_surface_is_the_function_turned(angle, shape):
+    surface, height = bumps(shape, (0.1, 0.1))
+    turned = rotated(surface, angle)
+    middle = [(points - 1) * 0.05 for points in shape]
+    own = [(points - 1) * 0.05 for points in turned.heights.shape]
+    y, x = turned.y[:, np.newaxis] - own[0], turned.x - own[1]
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    before_y, before_x = middle[0] - s * x + c * y, middle[1] + c * x + s * y
+    # Inside of what was there, to a rounding.
+    for before, length in ((before_y, shape[0]), (before_x, shape[1])):
+        assert before.min() > -1e-9
+        assert before.max() < (length - 1) * 0.1 + 1e-9
+    wanted = height(before_y, before_x)
+    off = np.abs(turned.heights - wanted)
+    assert np.median(off) < 1e-6  # of the fourth order of the spacing
+    assert off.max() < 1e-4  # at the sides
+    if angle != 90:
+        assert "% cut off" in turned.history[-1]
+
+
+def test_a_lay_is_turned_by_the_angle():
+    x = 0.1 * np.arange(300)
+    grooves = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
+    assert surface_parameters(rotated(grooves, 33)).Std == pytest.approx(33, abs=2)
+
+
+def test_too_little_is_left_of_a_strip():
+    with pytest.raises(ValueError, match="angle 45 leaves 3 rows"):
+        rotated(Surface(np.random.default_rng(1).normal(size=(5, 90)), spacing=1.0), 45)
+
+
+@pytest.mark.parametrize("shape", [(40, 50), (41, 50), (40, 51), (41, 51)])
+def test_a_surrogate_of_a_periodic_surface_has_its_spectrum(shape):
+    surface = Surface(3.0 + np.random.default_rng(1).normal(size=shape), spacing=(0.2, 0.1))
+    other = surrogate(surface, 7, periodic=True)
+    one, again = (surface_spectrum(each, periodic=True).density for each in (surface, other))
+    assert again == pytest.approx(one, rel=1e-9, abs=1e-9 * one.max())
+    assert other.heights.mean() == pytest.approx(3, abs=0.2)
+    assert other.heights.mean() == pytest.approx(surface.heights.mean(), rel=ROUND_OFF)
+    assert abs(np.corrcoef(surface.heights.ravel(), other.heights.ravel())[0, 1]) < 0.1  # 2000 independent heights
+    assert np.array_equal(surrogate(surface, 7, periodic=True).heights, other.heights)
+    assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other.heights)
+
+
+def test_a_surrogate_keeps_lay_height_and_slopes():
+    # A lay at 31 degrees, which an image in both axes would mix with one at -31.
+    size = 256
+    q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)
+    angle = np.radians(31)
+    along, across = q_x * np.cos(angle) + q_y * np.sin(angle), q_y * np.cos(angle) - q_x * np.sin(angle)
+    amplitude = np.maximum(np.hypot(along, 3 * across), 0.4) ** -1.8
+    white = np.fft.fft2(np.random.default_rng(3).normal(size=(2 * size, 2 * size)))
+    surface = Surface(np.fft.ifft2(amplitude * white).real[:size, :size], spacing=0.1)
+    found = surface_parameters(surface)
+    others = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
+    assert others[0].Sq == pytest.approx(found.Sq, rel=ROUND_OFF)
+    # The window weighs the middle, whose share of long waves is not that of the whole.
+    for name, within in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
+        assert np.mean([getattr(other, name) for other in others]) == pytest.approx(getattr(found, name), rel=within)
+    q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()
+    high = q < 20
+    leaning = [density[high & (np.abs(direction - lay) < 10)].sum() for lay in (31, 149)]
+    assert leaning[0] > 3 * leaning[1]
