@@ -1,4 +1,3 @@
-import subprocess
 import sys
 import threading
 import tomllib
@@ -22,12 +21,6 @@ def test_the_version_stands_once():
 def test_public_names_are_sorted_and_there():
     assert stiction.__all__ == sorted(stiction.__all__)
     assert all(hasattr(stiction, name) for name in stiction.__all__)
-
-
-def test_import_is_light():
-    heavy = "{'matplotlib', 'xarray', 'zarr', 'pandas', 'scipy', 'rich'}"
-    code = f"import sys, stiction; print(sorted({heavy} & set(sys.modules)))"
-    assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
 
 
 def test_the_core_converts_nothing_silently():

@@ -5,6 +5,7 @@ Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles 
 
 from stiction._core import __version__
 from stiction.mechanics.asperity import Asperities, asperities
+from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.closed_forms import (
     effective_modulus,
     hertz_cylinder,
@@ -12,50 +13,40 @@ from stiction.mechanics.closed_forms import (
     slope_friction,
     westergaard_contact_fraction,
 )
-from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
+from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
+from stiction.mechanics.friction import Validity
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
+from stiction.mechanics.model import ContactModel
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
 from stiction.studies.pairs import pair_of
 from stiction.studies.runner import run
 from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
 from stiction.studies.traverse import paired_lines, traverse, traverse_mean
-from stiction.surfaces.formats import (
-    FormatError,
-    FormatWarning,
-    read_measurement,
-    read_profile,
-    read_surface,
-    write_profile,
-    write_surface,
-)
 from stiction.surfaces.fractal import (
-    ProfileMoments,
     random_phases,
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_family,
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.measured.raw import FormatError, FormatWarning
+from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
+from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    HurstEstimate,
-    PowerSpectrum,
-    RoughnessParameters,
-    hurst_exponent_of,
-    power_spectrum,
-    roughness_parameters,
-    self_affine,
-    spectral_moments,
-    surrogate,
-)
+from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
+from stiction.surfaces.self_affine import self_affine, surrogate
+from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
 
 __all__ = [
     "Asperities",
+    "Candidates",
+    "ContactModel",
     "Contacts",
     "FormatError",
     "FormatWarning",
@@ -76,6 +67,7 @@ __all__ = [
     "approach_at_load",
     "area_map",
     "asperities",
+    "candidates",
     "contacts",
     "cropped",
     "effective_modulus",

@@ -74,3 +74,9 @@ def choice(name: str, value: Any, literal: Any) -> None:
     if value not in allowed:
         names = ", ".join(repr(item) for item in allowed)
         raise ValueError(f"{name} must be one of {names}, got {value!r}")
+
+
+def truth(name: str, value: Any) -> None:
+    """True or False, and nothing that may be taken for one of them."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} must be True or False, got {value!r}")

@@ -124,7 +124,7 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
         (["empty.csv"], "empty.csv: is empty"),
         (["cut.npy"], "cut.npy: is a damaged .npy file"),
         (["binary.csv"], "binary.csv: is binary, not text"),
-        (["named.npy"], "named.npy: is named .npy, but what it holds is neither"),
+        (["named.npy"], "named.npy: is named .npy, but what it holds is not a NumPy array"),
         (["three.csv"], "three.csv: has 3 columns of numbers"),
         (["giant.csv"], "giant.csv: has 300000001 bytes of text"),
         (["heights.npy", "--spacing", "1 um"], "does not say in which unit its heights are; give the unit"),

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from stiction import __version__
+from stiction._core import __version__
 from stiction._files import reason
 from stiction._text import LONGEST_LINE, named, printable
 

@@ -13,7 +13,7 @@ import typer
 from stiction._checks import choice
 from stiction._units import quantity
 from stiction.cli.application import app
-from stiction.surfaces.formats import read_measurement
+from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -45,6 +45,32 @@ Spacings = Annotated[
     list[str] | None,
     typer.Option("--spacing", metavar="LENGTH", help="The same.", show_default=False),
 ]
+Channel = Annotated[
+    str | None,
+    typer.Option(
+        "--channel",
+        metavar="NAME|NUMBER",
+        help="What to read of a file of several channels or sheets, numbers from 0 on.",
+        show_default="the first of heights",
+    ),
+]
+Columns = Annotated[
+    str | None,
+    typer.Option(
+        "--columns",
+        metavar="X,Z|Z",
+        help="Of a table, names or numbers from 0 on, of positions and heights or of heights.",
+        show_default=False,
+    ),
+]
+ChannelOfEach = Annotated[
+    list[str] | None,
+    typer.Option("--channel", metavar="NAME|NUMBER", help="The same.", show_default=False),
+]
+ColumnsOfEach = Annotated[
+    list[str] | None,
+    typer.Option("--columns", metavar="X,Z|Z", help="The same.", show_default=False),
+]
 MissingPoints = Annotated[
     str, typer.Option("--missing", metavar="error|interpolate", help="What to do about points without a height.")
 ]
@@ -56,6 +82,8 @@ def characterise(
     unit: Unit = None,
     spacing: Spacing = None,
     missing: MissingPoints = "error",
+    channel: Channel = None,
+    columns: Columns = None,
     row: Annotated[
         int | None, typer.Option("--row", metavar="N", min=0, help="Of a surface, this row alone, from 0 on.")
     ] = None,
@@ -91,7 +119,7 @@ def characterise(
     from stiction.views.figures import save_picture
 
     fitted = _band(band)
-    body = _levelled(_line(_measurement(file, unit, spacing, missing), row, column), level)
+    body = _levelled(_line(_measurement(file, unit, spacing, missing, channel, columns), row, column), level)
     if isinstance(body, Profile):
         typer.echo(views.characterisation_text(body, band=fitted), nl=False)
         figure = views.characterisation_figure(body, band=fitted)
@@ -187,6 +215,8 @@ def pair(
     unit: Units = None,
     spacing: Spacings = None,
     missing: MissingPoints = "error",
+    channel: ChannelOfEach = None,
+    columns: ColumnsOfEach = None,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("pair"),
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, in both directions, with intervals.
@@ -198,7 +228,14 @@ def pair(
     from stiction.views import pairing
 
     bodies = [
-        _measurement(file, _either(unit, index, "--unit"), _either(spacing, index, "--spacing"), missing)
+        _measurement(
+            file,
+            _either(unit, index, "--unit"),
+            _either(spacing, index, "--spacing"),
+            missing,
+            _either(channel, index, "--channel"),
+            _either(columns, index, "--columns"),
+        )
         for index, file in enumerate((upper, lower))
     ]
     loads = [_quantity("--load", each, "force") for each in load]
@@ -257,9 +294,14 @@ def _either(values: list[str] | None, index: int, option: str) -> str | None:
     return values[index] if len(values) == 2 else values[0]
 
 
-def _measurement(file: Path, unit: str | None, spacing: str | None, missing: str) -> Profile | Surface:
+def _measurement(
+    file: Path, unit: str | None, spacing: str | None, missing: str, channel: str | None, columns: str | None
+) -> Profile | Surface:
     """What a file holds, by the options that every command takes for it."""
-    return read_measurement(file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing)  # type: ignore[arg-type]
+    return read_measurement(
+        file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
+        channel=channel, columns=_one_or_pair(columns),
+    )  # fmt: skip
 
 
 def _one_or_pair(text: str | None) -> Any:

@@ -8,8 +8,8 @@ import numpy as np
 
 from stiction._checks import Floats, read_only
 from stiction.studies.study import Study
-from stiction.surfaces.fractal import BandLimit, Convention, Side, fill_family, random_phases
-from stiction.surfaces.profile import Profile, scaled_profile
+from stiction.surfaces.fractal import BandLimit, Convention, fill_family, random_phases
+from stiction.surfaces.profile import Profile, Side, scaled_profile
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
-from stiction.mechanics.contact import SUMS, press
+from stiction.mechanics.contact import press
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.pairs import ProfileGenerator
 from stiction.studies.study import Study, StudyError, study_from_text
@@ -41,6 +42,7 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     dimensions = study.surfaces.fractal_dimensions()
     amplitudes = study.surfaces.amplitudes()
     approaches = study.contact.approaches()
+    model = study.contact.model()
     generator = ProfileGenerator.of(study)
     spacing = generator.spacing
     measure = study.surfaces.amplitude_measure
@@ -60,11 +62,7 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
                     scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
                     scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
                     approaches,
-                    effective_modulus=float(study.contact.effective_modulus),
-                    law=study.contact.contact_law(),
-                    detection=study.contact.detection,
-                    curvature=study.contact.curvature,
-                    shear=study.contact.shear,
+                    model=model,
                 )
                 for name in SUMS:
                     sums[name][d, a] = getattr(curve, name)

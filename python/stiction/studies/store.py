@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason, replace
 from stiction._text import named, printable
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.layout import (
     COMPLETE,

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from stiction._checks import Floats, choice, read_only
+from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    HurstEstimate,
-    PowerSpectrum,
-    hurst_exponent_of,
-    power_spectrum,
-    roughness_parameters,
-)
+from stiction.surfaces.profile import Along, Profile
+from stiction.surfaces.roughness import roughness_parameters
+from stiction.surfaces.spectrum import PowerSpectrum, power_spectrum
 from stiction.surfaces.surface import Surface
-
-Along = Literal["x", "y"]
 
 MOST_FITTED = 64
 """Lines that a Hurst exponent is fitted to. Neighbouring lines are alike, so more of them say little more."""

@@ -9,16 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
+from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    HurstEstimate,
-    RoughnessParameters,
-    hurst_exponent_of,
-    power_spectrum,
-    roughness_parameters,
-    spectral_moments,
-)
+from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
+from stiction.surfaces.spectrum import power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
 from stiction.views.figures import MILLIMETRE, STYLE, WIDTH
 

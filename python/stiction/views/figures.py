@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction import __version__
 from stiction._checks import Floats
+from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.ensemble import area_map, friction_map
@@ -30,6 +30,12 @@ WIDTH = 80 * MILLIMETRE
 
 LOAD_STEPS = 80
 MOST_CURVES = 8
+SHARE_LIMIT = 0.5
+"""Share of the load beyond Hertz, or on radii below the grid spacing, from which on a figure marks a value."""
+
+COLOUR_QUANTILES = (0.01, 0.95)
+"""Of the friction coefficients, those between which the colours run: a few high values would take them all."""
+
 STYLE: dict[Any, Any] = {
     "font.size": 7,
     "axes.titlesize": 7,
@@ -254,11 +260,12 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 def _ticks(norm: Any) -> list[float]:
     """Some of the round numbers on a scale of equal ratios, no closer than their labels are long."""
-    inside = [tick for tick in _TICKS if norm.vmin <= tick <= norm.vmax]
+    inside = [tick for tick in TICKS if norm.vmin <= tick <= norm.vmax]
     return inside[:: max(1, -(-len(inside) // 8))]
 
 
-_TICKS = (0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20)
+TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
+"""Round coefficients of friction on a scale of colours."""
 
 
 def _norm(values: Floats) -> Any:
@@ -266,7 +273,7 @@ def _norm(values: Floats) -> Any:
     from matplotlib.colors import LogNorm
 
     positive = values[np.isfinite(values) & (values > 0)]
-    low, high = np.quantile(positive, [0.01, 0.95]) if positive.size else (0.1, 1.0)
+    low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
     return LogNorm(low, max(high, 1.05 * low))
 
 
@@ -286,10 +293,10 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     if min(values.shape) > 1:
         for name, style, _ in _VALIDITY_LINES:
             share = np.ma.masked_invalid(panel[name].values)
-            if share.count() and share.min() < 0.5 < share.max():
+            if share.count() and share.min() < SHARE_LIMIT < share.max():
                 axes.contour(
                     panel["fractal_dimension"].values, panel["load"].values, share,
-                    levels=[0.5], colors="white", linewidths=0.8, linestyles=[style],
+                    levels=[SHARE_LIMIT], colors="white", linewidths=0.8, linestyles=[style],
                 )  # fmt: skip
     return mesh
 
@@ -348,7 +355,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
             line = areas.isel(amplitude=column, fractal_dimension=curve)
             load = line["load"].values
             label = f"{float(line['fractal_dimension']):.2f}"
-            trusted = line["share_beyond_hertz"].values <= 0.5
+            trusted = line["share_beyond_hertz"].values <= SHARE_LIMIT
             for ax, scale in zip(axes[:, column], (1.0, 1 / load), strict=True):
                 area = scale * line["contact_area"].values
                 ax.plot(load, area, ":", color=colour, linewidth=0.8)
