@@ -4,7 +4,7 @@ import threading
 
 import pytest
 from stiction import Study, run
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import cluster, runner
 from stiction.studies.cluster import ClusterError
 from stiction.studies.study import StudyError

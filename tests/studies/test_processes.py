@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from stiction import Study, run
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import runner
 from stiction.studies.processes import MOST_DEATHS, WorkerError, processes
 from stiction.studies.study import StudyError

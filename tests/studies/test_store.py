@@ -17,7 +17,7 @@ import stiction
 import xarray
 from command import assert_refused, stiction_command
 from stiction import Study, _files, run
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import layout, runner, store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.export import ExportError, export
