@@ -70,7 +70,7 @@ def start() -> int:
     _open_streams()
     warnings.showwarning = show_warning
     try:
-        return int(app(standalone_mode=False) or 0)
+        return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             error.show()  # type: ignore[attr-defined]
