@@ -88,7 +88,7 @@ def start() -> int:
     except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so
-        say(f"{error}; perhaps memory or processes are limited here")
+        say(f"{error or type(error).__name__}; perhaps memory or processes are limited here")
     except KeyboardInterrupt:
         say("interrupted")
         return INTERRUPTED
