@@ -97,3 +97,6 @@ def test_heights_whose_sum_overflows_are_finite_heights():
     assert Profile(heights, spacing=1.0).heights.tolist() == heights.tolist()
     with pytest.raises(ValueError, match=r"heights\[1\] is inf"):
         Profile([1e308, np.inf, -np.inf, 0.0, 0.0], spacing=1.0)
+    if np.finfo(np.longdouble).max > 1e308:
+        with pytest.raises(ValueError, match=r"heights\[0\] is inf"):
+            Profile(np.full(5, np.longdouble("1e4000")), spacing=1.0)
