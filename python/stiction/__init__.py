@@ -8,13 +8,19 @@ from stiction.mechanics.asperity import Asperities, asperities
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.closed_forms import (
     effective_modulus,
+    gentle_friction,
     hertz_cylinder,
+    hertz_ellipse,
+    hertz_line,
     hertz_sphere,
     slope_friction,
     westergaard_contact_fraction,
+    westergaard_gap,
+    westergaard_pressure,
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
 from stiction.mechanics.friction import Validity
+from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.mechanics.model import ContactModel
@@ -32,7 +38,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
-from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.lines import LineRoughness, line_roughness, lines_along_both
 from stiction.surfaces.measured.raw import FormatError, FormatWarning
 from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
 from stiction.surfaces.measured.writing import write_profile, write_surface
@@ -42,6 +48,8 @@ from stiction.surfaces.roughness import RoughnessParameters, roughness_parameter
 from stiction.surfaces.self_affine import self_affine, surrogate
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface_parameters import SurfaceParameters, bearing_curve, surface_parameters
+from stiction.surfaces.surface_spectrum import RadialSpectrum, SurfaceSpectrum, surface_spectrum
 
 __all__ = [
     "Asperities",
@@ -50,6 +58,8 @@ __all__ = [
     "Contacts",
     "FormatError",
     "FormatWarning",
+    "HalfSpaceContact",
+    "HalfSpaceCurve",
     "HertzCylinder",
     "HertzSphere",
     "HurstEstimate",
@@ -59,25 +69,34 @@ __all__ = [
     "PowerSpectrum",
     "Profile",
     "ProfileMoments",
+    "RadialSpectrum",
     "RoughnessParameters",
     "Study",
     "Surface",
+    "SurfaceParameters",
+    "SurfaceSpectrum",
     "Validity",
     "__version__",
     "approach_at_load",
     "area_map",
     "asperities",
+    "bearing_curve",
     "candidates",
     "contacts",
     "cropped",
     "effective_modulus",
     "force_and_area",
     "friction_map",
+    "gentle_friction",
+    "half_space",
     "hertz_cylinder",
+    "hertz_ellipse",
+    "hertz_line",
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
     "line_roughness",
+    "lines_along_both",
     "nondimensional",
     "on_common_grid",
     "pair_of",
@@ -95,6 +114,8 @@ __all__ = [
     "spectral_moments",
     "stiffness_map",
     "study_names",
+    "surface_parameters",
+    "surface_spectrum",
     "surrogate",
     "traverse",
     "traverse_mean",
@@ -104,6 +125,8 @@ __all__ = [
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "westergaard_gap",
+    "westergaard_pressure",
     "write_profile",
     "write_surface",
 ]

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from scipy.special import stdtrit
-from stiction import Study, area_map, contacts, friction_map, random_phases, run, weierstrass_mandelbrot
+from small import SMALL
+from stiction import area_map, contacts, friction_map, random_phases, run, weierstrass_mandelbrot
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views.report.page import MOST_CONTACTS, WINDOW, report_page
@@ -20,17 +21,6 @@ SHAPES = 2e-4
 """The page keeps 1e-4 of what is only drawn."""
 
 STATUSES = {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
-
-SMALL = Study.named("quick").with_changes(
-    {
-        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.6, "count": 4},
-        "surfaces.amplitude": ["50 nm", "100 nm"],
-        "surfaces.points": 20_000,
-        "surfaces.extent": "5 um",
-        "contact.approach.count": 10,
-        "ensemble.repetitions": 12,
-    }
-)
 
 STUDIES = {
     "small": {},
@@ -81,8 +71,8 @@ def without_plotly():
 
 
 @pytest.fixture(scope="module")
-def result():
-    return run(SMALL)
+def result(small_result):
+    return small_result
 
 
 @pytest.fixture(scope="module")

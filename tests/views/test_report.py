@@ -8,7 +8,8 @@ import browser
 import numpy as np
 import pytest
 from command import assert_refused, stiction_command
-from stiction import Study, friction_map, run
+from small import SMALL
+from stiction import friction_map, run
 from stiction.studies import store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
@@ -25,21 +26,10 @@ in_browser = pytest.mark.skipif(
 AGREEMENT = 1e-6
 """The page keeps 2e-9 of each sum; intervals are differences of these."""
 
-SMALL = Study.named("quick").with_changes(
-    {
-        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.6, "count": 4},
-        "surfaces.amplitude": ["50 nm", "100 nm"],
-        "surfaces.points": 20_000,
-        "surfaces.extent": "5 um",
-        "contact.approach.count": 10,
-        "ensemble.repetitions": 12,
-    }
-)
-
 
 @pytest.fixture(scope="module")
-def result():
-    return run(SMALL)
+def result(small_result):
+    return small_result
 
 
 @pytest.fixture(scope="module")

@@ -114,7 +114,7 @@ def characterise(
     ] = None,
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent."""
-    from stiction.surfaces.lines import line_roughness
+    from stiction.surfaces.lines import lines_along_both
     from stiction.views import characterisation as views
     from stiction.views.figures import save_picture
 
@@ -124,9 +124,9 @@ def characterise(
         tell(views.characterisation_text(body, band=fitted))
         figure = views.characterisation_figure(body, band=fitted)
     else:
-        along_x, along_y = (line_roughness(body, along, band=fitted) for along in ("x", "y"))
-        tell(views.surface_characterisation_text(body, along_x, along_y))
-        figure = views.surface_characterisation_figure(body, along_x, along_y)
+        along_x, along_y = lines_along_both(body, band=fitted)
+        tell(views.surface_characterisation_text(body, along_x, along_y, band=fitted))
+        figure = views.surface_characterisation_figure(body, along_x, along_y, band=fitted)
     path = output if output is not None else Path(f"{file.stem}.png")
     save_picture(figure, path)
     tell(f"wrote {path}")

@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import LoadCurve
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
@@ -336,7 +335,7 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
     return {**values, "status": status}
 
 
-def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
+def _across(curve: Sums, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
     """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
     to_load, jump = rise
     share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)

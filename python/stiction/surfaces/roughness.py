@@ -9,6 +9,7 @@ import numpy as np
 
 from stiction._checks import choice
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 Derivative = Literal["seven-point", "neighbours"]
 
@@ -73,14 +74,14 @@ def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-po
     choice("derivative", derivative, Derivative)
     refuse_flat(profile)
     z = profile.heights
-    if z.size < _SEVEN_POINTS.size:
-        raise ValueError(f"profile must have at least {_SEVEN_POINTS.size} points, got {z.size}")
+    if z.size < SEVEN_POINTS.size:
+        raise ValueError(f"profile must have at least {SEVEN_POINTS.size} points, got {z.size}")
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
     deviation /= scale  # so that the fourth power neither over- nor underflows
     rms = float(np.sqrt(np.mean(deviation**2)))
     if derivative == "seven-point":
-        differences = np.correlate(deviation, _SEVEN_POINTS, mode="valid") / 60
+        differences = np.correlate(deviation, SEVEN_POINTS, mode="valid") / 60
     else:
         differences = np.diff(deviation)
     return RoughnessParameters(
@@ -93,17 +94,17 @@ def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-po
     )
 
 
-_SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
+SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 
 
-def refuse_flat(profile: Profile) -> None:
-    """Refuse a profile whose heights are all equal, or so small or large that their products leave the range."""
-    if profile.is_flat:
-        raise ValueError("a flat profile has no roughness")
-    height = float(np.ptp(profile.heights))
+def refuse_flat(body: Profile | Surface) -> None:
+    """Refuse a body whose heights are all equal, or so small or large that their products leave the range."""
+    name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
+    if height == 0:
+        raise ValueError(f"a flat {name} has no roughness")
     if not _LEAST_HEIGHT < height < 1 / _LEAST_HEIGHT:
         raise ValueError(
-            f"the height of the profile must be above {_LEAST_HEIGHT:g} and below {1 / _LEAST_HEIGHT:g} µm, "
+            f"the height of the {name} must be above {_LEAST_HEIGHT:g} and below {1 / _LEAST_HEIGHT:g} µm, "
             f"got {height:g}"
         )
 

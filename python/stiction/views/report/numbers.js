@@ -34,7 +34,7 @@ function crossing(normal, from, count, load) {
   return -1;
 }
 
-/** Of the step that ends at an index, how much is gone where the load is reached. */
+/** Share of the step that ends at an index that is done where the load is reached. */
 function fractionOf(normal, from, index, load) {
   const before = normal[from + Math.max(index - 1, 0)];
   const step = normal[from + index] - before;
@@ -50,7 +50,7 @@ const OF_AREA = ["contact_area", "", ""];
 const OF_NORMAL = ["normal_elastic", "normal_frictional", "normal_adhesive"];
 const OF_TANGENTIAL = ["tangential_elastic", "tangential_frictional", "tangential_adhesive"];
 
-/** count numbers from an offset: elastic + mu0 frictional + tau0 adhesive, tau0 in GPa. */
+/** elastic + mu0 frictional + tau0 adhesive, tau0 in GPa, of as many numbers from an offset on as count says. */
 function combined(arrays, [elastic, frictional, adhesive], from, count, mu0, tau0) {
   const part = arrays[elastic].subarray(from, from + count);
   if (!frictional) return part;
@@ -83,7 +83,7 @@ function statusOf(curves, index, load) {
   return curves.locked ? "self-locked" : "not-reached";
 }
 
-/** Figures of mechanics.contact.Validity where a load is reached. */
+/** The figures of `Validity` where a load is reached. */
 function validityAt({means}, curves, index, fraction) {
   const at = (name) => valueAt(means[name], curves.from, index, fraction);
   const load = at("normal_elastic");
@@ -336,7 +336,7 @@ function boundary(shares, limit, x, y) {
 
 // ---- Example profiles ----------------------------------------------------------------------------------------------
 
-/** Which of some indices is nearest to one. */
+/** Position in a list of indices of the one that is nearest to an index. */
 function nearest(indices, index) {
   const distances = indices.map((each) => Math.abs(each - index));
   return distances.indexOf(Math.min(...distances));

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     import xarray
 
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""How a report begins; no other file is written over."""
+"""Every report begins so; no other file is written over."""
 
 MOST_MEANS = 1_000_000
 """Pairs of surfaces times approaches, of which a page can make a map between two pictures."""
@@ -104,8 +104,7 @@ def save_report(dataset: xarray.Dataset, path: str | Path) -> None:
     Raises
     ------
     ReportError
-        If plotly is not installed, the result is too large for a page, the path holds something that is no report, or
-        it cannot be written.
+        As `report_page`, and if the path holds something that is no report or cannot be written.
     """
     with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
         partial.write_bytes(report_page(dataset).encode())
@@ -122,7 +121,8 @@ def report_page(dataset: xarray.Dataset) -> str:
     Raises
     ------
     ReportError
-        If plotly is not installed, or the result is too large for a page.
+        If plotly is not installed, the result is too large for a page or has no repetitions, or one of its numbers is
+        not finite.
     """
     plotly = _plotly()
     study = study_of(dataset)
@@ -211,7 +211,7 @@ def _packed_bytes(content: bytes) -> str:
 
 
 def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str, Any]:
-    """What the script knows besides the numbers: axes, ranges, and where there are contacts at all."""
+    """What the script knows besides the numbers: axes, ranges, words, limits, and where there are contacts at all."""
     counts: NDArray[np.bool_] = np.any(data["contact_count"].values, axis=2)  # (dimension, amplitude, approach)
     modulus = float(study.contact.effective_modulus)
     mu0, tau0 = study.friction.mu0, [1000 * float(value) for value in study.friction.tau0]
@@ -311,8 +311,9 @@ class _Example:
 
 
 def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile, int, int, float]]:
-    """Of each dimension: the two profiles, cut out; first point of the window and of what is cut out; where they touch.
+    """Yield for each dimension the two profiles, cut out, and where the cut lies.
 
+    That is the first point of the window, the first point of what is cut out, and the height at which the two touch.
     Scaled to another amplitude they touch at the same point.
     """
     for dimension in dimensions:
@@ -351,7 +352,7 @@ def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, appro
 
 
 def _pairs(data: xarray.Dataset) -> str:
-    """How many pairs the page is of."""
+    """Say of how many pairs the page is."""
     parts = [
         _counted(data.sizes["repetition"], "pair of surfaces", "pairs of surfaces"),
         f"at {'each of ' if data.sizes['fractal_dimension'] > 1 else ''}"
