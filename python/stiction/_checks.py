@@ -22,7 +22,8 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        array = array.astype(np.float64, order="C", copy=False)
+        with np.errstate(over="ignore"):  # of longer floats: then they are infinite
+            array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:

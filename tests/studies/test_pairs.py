@@ -3,7 +3,7 @@ from dataclasses import FrozenInstanceError
 import numpy as np
 import pytest
 from stiction import Study, pair_of, press, random_phases, run, weierstrass_mandelbrot
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.pairs import ProfileGenerator
 
 STUDY = Study().with_changes(

@@ -89,3 +89,14 @@ def test_bad_amplitudes_are_named():
         profile.with_amplitude(1, "rms")
     with pytest.raises(ValueError, match="flat"):
         Profile(np.ones(9), spacing=1.0).with_amplitude(1)
+
+
+def test_heights_whose_sum_overflows_are_finite_heights():
+    """Without a warning of NumPy's; and among them what is not finite is still found."""
+    heights = np.array([1e308, 1e308, -1e308, -1e308, 0.0])
+    assert Profile(heights, spacing=1.0).heights.tolist() == heights.tolist()
+    with pytest.raises(ValueError, match=r"heights\[1\] is inf"):
+        Profile([1e308, np.inf, -np.inf, 0.0, 0.0], spacing=1.0)
+    if np.finfo(np.longdouble).max > 1e308:
+        with pytest.raises(ValueError, match=r"heights\[0\] is inf"):
+            Profile(np.full(5, np.longdouble("1e4000")), spacing=1.0)

@@ -437,7 +437,7 @@ def test_the_command_writes_where_it_says(tmp_path):
     shutil.copytree(tmp_path / "study", tmp_path / "damaged")
     (tmp_path / "damaged/result.zarr/zarr.json").write_text("{}")
     for arguments, word in (
-        (["nowhere"], "not a result"),
+        (["nowhere"], "no such directory"),
         (["damaged"], "damaged"),
         (["study", "-o", "mine.txt"], "else"),
     ):

@@ -70,7 +70,7 @@ def start() -> int:
     _open_streams()
     warnings.showwarning = show_warning
     try:
-        return int(app(standalone_mode=False) or 0)
+        return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             error.show()  # type: ignore[attr-defined]
@@ -88,7 +88,7 @@ def start() -> int:
     except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so
-        say(f"{error}; perhaps memory or processes are limited here")
+        say(f"{error or type(error).__name__}; perhaps memory or processes are limited here")
     except KeyboardInterrupt:
         say("interrupted")
         return INTERRUPTED

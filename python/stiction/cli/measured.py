@@ -12,7 +12,7 @@ import typer
 
 from stiction._checks import choice
 from stiction._units import quantity
-from stiction.cli.application import app
+from stiction.cli.application import app, tell
 from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -121,15 +121,15 @@ def characterise(
     fitted = _band(band)
     body = _levelled(_line(_measurement(file, unit, spacing, missing, channel, columns), row, column), level)
     if isinstance(body, Profile):
-        typer.echo(views.characterisation_text(body, band=fitted), nl=False)
+        tell(views.characterisation_text(body, band=fitted))
         figure = views.characterisation_figure(body, band=fitted)
     else:
         along_x, along_y = lines_along_both(body, band=fitted)
-        typer.echo(views.surface_characterisation_text(body, along_x, along_y, band=fitted), nl=False)
+        tell(views.surface_characterisation_text(body, along_x, along_y, band=fitted))
         figure = views.surface_characterisation_figure(body, along_x, along_y, band=fitted)
     path = output if output is not None else Path(f"{file.stem}.png")
     save_picture(figure, path)
-    typer.echo(f"wrote {path}")
+    tell(f"wrote {path}")
 
 
 def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
