@@ -15,11 +15,11 @@ from stiction.mechanics.closed_forms import (
 from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
-from stiction.studies.ensemble import area_map, friction_map, stiffness_map
+from stiction.studies.maps import area_map, friction_map, stiffness_map
+from stiction.studies.nondimensional import nondimensional
 from stiction.studies.runner import run
-from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
-from stiction.studies.traverse import paired_lines, traverse, traverse_mean
+from stiction.studies.traverse import traverse, traverse_mean
 from stiction.surfaces.formats import (
     FormatError,
     FormatWarning,
@@ -38,6 +38,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.pairing import paired_lines
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (

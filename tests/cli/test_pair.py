@@ -18,7 +18,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.views.pairing import load_figure
+from stiction.views.traverse import load_figure
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
 

@@ -195,7 +195,7 @@ def pair(
     """
     from stiction.studies import export as exports
     from stiction.studies import traverse as traverses
-    from stiction.views import pairing
+    from stiction.views import traverse as views
 
     bodies = [
         _measurement(file, _either(unit, index, "--unit"), _either(spacing, index, "--spacing"), missing)
@@ -234,10 +234,10 @@ def pair(
         progress=sys.stderr.isatty(), **contact,
     )  # fmt: skip
     mean = traverses.traverse_mean(result)
-    typer.echo(pairing.traverse_text(result, mean, loads), nl=False)
+    typer.echo(views.traverse_text(result, mean, loads), nl=False)
     exports.export(result, table)
     typer.echo(f"wrote {table}")
-    for path in pairing.save_traverse_figures(result, mean, loads, uppers, lowers, output, **contact):
+    for path in views.save_traverse_figures(result, mean, loads, uppers, lowers, output, **contact):
         typer.echo(f"wrote {path}")
 
 

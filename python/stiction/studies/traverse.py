@@ -10,29 +10,24 @@ import functools
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, number, whole_number
+from stiction._checks import Floats, float_array
 from stiction._core import __version__
 from stiction.mechanics import friction
 from stiction.mechanics.contact import EFFECTIVE_MODULUS, SUMS, LoadCurve, Shear, Validity, press
 from stiction.mechanics.loading import ContactChoices, crossing
-from stiction.studies import ensemble
+from stiction.studies import intervals
+from stiction.studies.maps import VALIDITY
 from stiction.studies.runner import in_order
-from stiction.surfaces.fractal import Side
-from stiction.surfaces.lines import Along
-from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
+from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import surrogate
-from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
-
-Surrogates = Literal["none", "upper", "lower", "both"]
 
 AROUND = 30.0
 """How far a curve goes to both sides of the loads that are asked for."""
@@ -57,7 +52,7 @@ _QUANTITIES = {
     "contact_count": ("1", "number of contacts"),
     "normal_stiffness": ("mN/um", "normal stiffness"),
     "approach": ("um", "approach since first touch"),
-    **{name: ("1", long_name) for name, long_name in ensemble.VALIDITY.items()},
+    **{name: ("1", long_name) for name, long_name in VALIDITY.items()},
 }
 
 _DIMS = ("shear", "line", "offset", "load")
@@ -209,107 +204,6 @@ def loads_around(loads: ArrayLike) -> Floats:
     return np.unique(np.concatenate([given, around[apart]]))
 
 
-def paired_lines(
-    upper: Profile | Surface,
-    lower: Profile | Surface,
-    *,
-    travel: float | None = None,
-    level: ProfileTrend | None = "line",
-    lines: int = 16,
-    along: Along = "x",
-    surrogates: Surrogates = "none",
-    seed: int = 2016,
-) -> tuple[list[Profile], list[Profile]]:
-    """Two scans as what `traverse` takes: sliders, turned over, and what they are carried over, a pair for each line.
-
-    Parameters
-    ----------
-    upper, lower : Profile or Surface
-        Scans, both with heights out of the material; of different grids the finer is taken for both.
-    travel : float, µm, optional
-        The largest offset that shall be possible: sliders are shortened to leave it. By default 0 with several pairs;
-        for one, half of the lower profile or what the upper one leaves of it.
-    level : {"line", "mean", "quadratic"} or None
-        What is taken off each line, and off each slider once more when it has its length, so that it lies level.
-    lines : int
-        How many pairs of lines are taken from surfaces, in equal distances, or of surrogates; two profiles are one
-        pair. Lines of two surfaces are a third of their width apart, so that a surface can be paired with itself.
-    along : {"x", "y"}
-        Whether lines of surfaces are rows or columns.
-    surrogates : {"none", "upper", "lower", "both"}
-        Which of the two are replaced by their `surrogate`, a new one for each line.
-    seed : int
-        Of the surrogates.
-
-    Returns
-    -------
-    (list of Profile, list of Profile)
-        All sliders on the same grid, and so are the lower profiles.
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range, or travel leaves less than half of the shorter profile as a slider.
-    """
-    choice("along", along, Along)
-    choice("surrogates", surrogates, Surrogates)
-    if level is not None:
-        choice("level", level, ProfileTrend)
-    count = whole_number("lines", lines, least=1)
-    both = isinstance(upper, Surface) and isinstance(lower, Surface)
-    if surrogates == "none":
-        count = min([count, *(_width(each, along) for each in (upper, lower) if isinstance(each, Surface))])
-        if isinstance(upper, Profile) and isinstance(lower, Profile):
-            count = 1
-    uppers = _lines("upper", upper, count, along)
-    lowers = _lines("lower", lower, count, along, apart=both)
-    spacing = min(uppers[0].spacing, lowers[0].spacing)
-    for repetition in range(count):
-        above, below = uppers[repetition], lowers[repetition]
-        if level is not None:
-            above, below = levelled(above, level), levelled(below, level)
-        if surrogates in ("upper", "both"):
-            above = _stand_in(above, seed, repetition, "upper")
-        if surrogates in ("lower", "both"):
-            below = _stand_in(below, seed, repetition, "lower")
-        uppers[repetition] = resampled(turned_over(above), spacing)
-        lowers[repetition] = resampled(below, spacing)
-    points, track = len(uppers[0]), len(lowers[0])
-    if travel is None:
-        left = 0 if count > 1 else max(track - points, track // 2)
-    else:
-        left = round(number("travel", travel, unit="µm") / spacing)
-    slider = min(points, track - left)
-    if left < 0 or 2 * slider < min(points, track) - 1:
-        most = (track - min(points, track) // 2) * spacing
-        raise ValueError(f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {travel!r}")
-    uppers = [each if slider == points else cropped(each, 0.0, slider * spacing) for each in uppers]
-    return [each if level is None else levelled(each, level) for each in uppers], lowers
-
-
-def _width(surface: Surface, along: Along) -> int:
-    """Lines of a surface."""
-    return int(surface.heights.shape[0 if along == "x" else 1])
-
-
-def _lines(name: str, body: Profile | Surface, count: int, along: Along, *, apart: bool = False) -> list[Profile]:
-    """So many lines in equal distances, beginning with the first, or a third of the width on and going round."""
-    if isinstance(body, Profile):
-        return [body] * count
-    if not isinstance(body, Surface):
-        raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
-    line = body.row if along == "x" else body.column
-    width = _width(body, along)
-    start = max(width // 3, 1) if apart else 0
-    return [line((start + place * width // count) % width) for place in range(count)]
-
-
-def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
-    made = surrogate(profile, seed, repetition=repetition, side=side)
-    step = f"replaced by its surrogate of seed {seed}, repetition {repetition}"
-    return Profile(made.heights, spacing=made.spacing, history=(*profile.history, step))
-
-
 def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0: float, choices: ContactChoices) -> Any:
     """Each quantity and the status at one position, (shear, load) each."""
     upper, lower = pair
@@ -384,7 +278,7 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
         values = data[name].values.reshape(ok.shape)
         statistics = np.full((shears, loads, 3), np.nan)
         for s, load in np.ndindex(shears, loads):
-            statistics[s, load] = ensemble.mean_of_neighbours(_independent(values[s, :, load], ok[s, :, load], lines))
+            statistics[s, load] = intervals.of_neighbours(_independent(values[s, :, load], ok[s, :, load], lines))
         means[name] = (("shear", "load", "statistic"), statistics, dict(data[name].attrs))
     counts = {
         "ok": (("shear", "load"), ok.sum(axis=1), {"units": "1", "long_name": "positions that have an answer"}),
@@ -422,9 +316,3 @@ def _places(offsets: ArrayLike, spacing: float) -> NDArray[np.intp]:
     if not (np.diff(places) > 0).all():
         raise ValueError(f"offsets must be at least a spacing apart, {spacing:g} µm, got {offsets!r}")
     return places
-
-
-def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """What is below a slider at an offset (µm)."""
-    first = round(offset / lower.spacing)
-    return Profile(lower.heights[first : first + len(slider)], spacing=lower.spacing)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stiction import __version__
 from stiction._checks import Floats
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
-from stiction.studies.ensemble import area_map, friction_map
+from stiction.studies.maps import area_map, friction_map
 from stiction.studies.study import Study, study_of
 from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile

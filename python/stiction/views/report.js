@@ -1,7 +1,7 @@
 "use strict";
 
 // What a result says at the mu0 and tau0 of the sliders. Reading off, intervals and statuses are those of
-// studies/ensemble.py, step for step; the names are the same where the things are.
+// studies/maps.py and studies/intervals.py, step for step; the names are the same where the things are.
 
 const CONFIDENCE = 0.95;
 const STATUS = {
@@ -129,7 +129,9 @@ function validityAt(curves, index, fraction) {
 
 // ---- Intervals ------------------------------------------------------------------------------------------------------
 
-/** Normal loads and values (repetition, approach) of a dimension and amplitude, and their leave-one-out means. */
+const AROUND = 4; // steps on both sides of a crossing over which the slope of a mean is taken
+
+/** Normal loads and values (repetition, approach) of a dimension and amplitude, and their means. */
 function jackknife(d, a, what, mu0, tau0) {
   if (!facts.hasIntervals) return null;
   const from = pairIndex(d, a) * R * K;
@@ -140,7 +142,6 @@ function jackknife(d, a, what, mu0, tau0) {
   if (carrying < 2) return null;
   return {
     normal, values, meanNormal: meanOf(normal), meanValues: meanOf(values),
-    othersNormal: leftOut(normal), othersValues: leftOut(values),
     least: values.some((value) => value < 0) ? -Infinity : 0,
   };
 }
@@ -153,9 +154,27 @@ function totals(values) {
 
 const meanOf = (values) => totals(values).map((total) => total / R);
 
-function leftOut(values) {
-  const total = totals(values);
-  return values.map((value, i) => (total[i % K] - value) / (R - 1));
+/** Of each repetition's number, the mean of the others'. */
+function without(each) {
+  const total = each.reduce((sum, value) => sum + value, 0);
+  return each.map((value) => (total - value) / (R - 1));
+}
+
+/** Least-squares slope of mean values against mean normal loads over the steps around an index. */
+function slopeAround(jack, index) {
+  const first = Math.max(index - 1 - AROUND, 0);
+  const last = Math.min(index + AROUND, K - 1) + 1;
+  const x = jack.meanNormal.subarray(first, last);
+  const y = jack.meanValues.subarray(first, last);
+  const middle = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+  const [middleX, middleY] = [middle(x), middle(y)];
+  let squares = 0;
+  let products = 0;
+  for (let i = 0; i < x.length; i++) {
+    squares += (x[i] - middleX) ** 2;
+    products += (x[i] - middleX) * (y[i] - middleY);
+  }
+  return squares > 0 ? products / squares : 0;
 }
 
 /** Ends of the 95 % interval of a mean that is read off at a load, where the mean load reaches it. */
@@ -164,28 +183,19 @@ function interval(jack, mean, load) {
   const index = crossing(jack.meanNormal, 0, load);
   if (index < 0) return [NaN, NaN];
   const fraction = fractionOf(jack.meanNormal, 0, index, load);
-  const previous = Math.max(index - 1, 0);
-  const run = jack.meanNormal[index] - jack.meanNormal[previous];
-  const slope = run > 0 ? (jack.meanValues[index] - jack.meanValues[previous]) / run : 0;
-  const others = new Float64Array(R);
-  const logarithms = new Float64Array(R);
-  for (let r = 0; r < R; r++) {
-    const at = crossing(jack.othersNormal, r * K, load);
-    const other = Math.max(at, 0);
-    others[r] = valueAt(jack.othersValues, r * K, other, fractionOf(jack.othersNormal, r * K, other, load));
-    if (at >= 0) {
-      logarithms[r] = Math.log(others[r]);
-    } else { // to first order in what was left out
-      const influence = valueAt(jack.values, r * K, index, fraction) - mean
-        - slope * (valueAt(jack.normal, r * K, index, fraction) - load);
-      logarithms[r] = Math.log(mean) - influence / mean / (R - 1);
-    }
-  }
+  const slope = slopeAround(jack, index);
+  const repetitions = Array.from({length: R}, (_, r) => r);
+  const loads = repetitions.map((r) => valueAt(jack.normal, r * K, index, fraction));
+  const values = repetitions.map((r) => valueAt(jack.values, r * K, index, fraction));
+  const othersLoad = without(loads).map((other) => other / load);
+  if (othersLoad.some((other) => other <= 0)) return [NaN, NaN];
+  const logarithms = without(values).map(
+    (other, r) => Math.log(other / mean) - ((slope * load) / mean) * Math.log(othersLoad[r]));
   if (logarithms.every(Number.isFinite)) {
     const half = halfWidth(logarithms);
     return [mean * Math.exp(-half), mean * Math.exp(half)];
   }
-  const half = halfWidth(others); // what is not positive has no logarithm
+  const half = halfWidth(without(values.map((value, r) => value - slope * loads[r]))); // no logarithm
   return [Math.max(mean - half, jack.least), mean + half];
 }
 

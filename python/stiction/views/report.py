@@ -1,7 +1,7 @@
 """One page of a result for a browser: interactive, whole in itself, nothing fetched.
 
 The page carries the means over the repetitions and the sums of every repetition, and `report.js` does with them what
-`studies.ensemble` does: so every mu0 and tau0 is at hand, with intervals. Markup, style and script stand beside this
+`studies.maps` does: so every mu0 and tau0 is at hand, with intervals. Markup, style and script stand beside this
 file, as what they are.
 """
 

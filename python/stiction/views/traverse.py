@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
-from stiction.studies.traverse import lower_piece
+from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.views.figures import MILLIMETRE, STYLE, WIDTH, save_picture
 
