@@ -12,6 +12,9 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import surrogate
 from stiction.surfaces.surface import Surface
 
+LINES = 128
+"""Pairs of lines by default: a second or two of computing, and enough for an interval."""
+
 Surrogates = Literal["none", "upper", "lower", "both"]
 
 
@@ -21,7 +24,7 @@ def paired_lines(
     *,
     travel: float | None = None,
     level: ProfileTrend | None = "line",
-    lines: int = 16,
+    lines: int = LINES,
     along: Along = "x",
     surrogates: Surrogates = "none",
     seed: int = 2016,
@@ -33,8 +36,9 @@ def paired_lines(
     upper, lower : Profile or Surface
         Scans, both with heights out of the material; of different grids the finer is taken for both.
     travel : float, µm, optional
-        The largest offset that shall be possible: sliders are shortened to leave it. By default 0 with several pairs;
-        for one, half of the lower profile or what the upper one leaves of it.
+        The largest offset that shall be possible: sliders are shortened to leave it. By default one pair has half of
+        the lower profile, or what the upper one leaves of it. Several pairs have none: of lines of different lengths
+        the longer is cut to the shorter, each at another place, so that together they are from all over it.
     level : {"line", "mean", "quadratic"} or None
         What is taken off each line, and off each slider once more when it has its length, so that it lies level.
     lines : int
@@ -82,7 +86,9 @@ def paired_lines(
         lowers[repetition] = resampled(below, spacing)
     points, track = len(uppers[0]), len(lowers[0])
     if travel is None:
-        left = 0 if count > 1 else max(track - points, track // 2)
+        if count > 1:
+            return _of_one_length(uppers, lowers, level)
+        left = max(track - points, track // 2)
     else:
         left = round(number("travel", travel, unit="µm") / spacing)
     slider = min(points, track - left)
@@ -91,6 +97,29 @@ def paired_lines(
         raise ValueError(f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {travel!r}")
     uppers = [each if slider == points else cropped(each, 0.0, slider * spacing) for each in uppers]
     return [each if level is None else levelled(each, level) for each in uppers], lowers
+
+
+def _of_one_length(
+    uppers: list[Profile], lowers: list[Profile], level: ProfileTrend | None
+) -> tuple[list[Profile], list[Profile]]:
+    """Pairs of which the longer profile is cut to the shorter, at places all over it, and levelled again."""
+    length = min(len(uppers[0]), len(lowers[0]))
+
+    def cut(profile: Profile, place: float) -> Profile:
+        first = round(place * (len(profile) - length))
+        if len(profile) == length:
+            return profile
+        piece = cropped(profile, first * profile.spacing, (first + length) * profile.spacing)
+        return piece if level is None else levelled(piece, level)
+
+    # Multiples of the golden ratio: neighbouring pairs lie apart, and any number of them is evenly spread.
+    places = [pair * _GOLDEN % 1 for pair in range(len(uppers))]
+    pairs = zip(uppers, lowers, places, strict=True)
+    cuts = [(cut(upper, place), cut(lower, place)) for upper, lower, place in pairs]
+    return [upper for upper, _ in cuts], [lower for _, lower in cuts]
+
+
+_GOLDEN = (5**0.5 - 1) / 2
 
 
 def _width(surface: Surface, along: Along) -> int:
