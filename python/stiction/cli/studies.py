@@ -15,6 +15,7 @@ import typer
 
 from stiction import __version__
 from stiction.cli.application import INTERRUPTED, app, say
+from stiction.cli.measured import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.runner import available_cores, run
 from stiction.studies.study import Study, StudyError, differences, study_names
@@ -95,8 +96,12 @@ def claims_command(
 
 @app.command()
 def plot(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
-    """Draw the results of a study again, or what is finished of them."""
+    """Draw the results of a study again, or what is finished of them; or those of a pair."""
     from stiction.studies import store
+
+    if (result := paired(directory)) is not None:
+        draw_pair(result, directory)
+        return
 
     _draw(store.read(directory / RESULT), directory)
 
@@ -120,8 +125,12 @@ def report(
 
 @app.command()
 def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
-    """Show what a study is, how far it has come, and how far its results are to be trusted."""
+    """Show what a study is, how far it has come, and how far its results are to be trusted; or the table of a pair."""
     from stiction.studies import store
+
+    if (result := paired(directory)) is not None:
+        show_pair(result)
+        return
 
     kept = store.info(directory / RESULT)
     changes = [f"{key} = {value}" for key, _, value in differences(Study(), kept.study)]
@@ -159,11 +168,12 @@ def export(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="The file to write; it must not exist yet.")],
 ) -> None:
-    """Write the results of a study, or what is finished of them, to one netCDF file."""
+    """Write the results of a study or a pair, or what is finished of them, to one netCDF file."""
     from stiction.studies import export as exports
     from stiction.studies import store
 
-    exports.export(store.read(directory / RESULT), file)
+    result = paired(directory)
+    exports.export(store.read(directory / RESULT) if result is None else result, file)
     typer.echo(f"wrote {file}")
 
 
