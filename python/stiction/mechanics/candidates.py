@@ -51,7 +51,7 @@ class Candidates:
 
     @property
     def index(self) -> NDArray[np.int64]:  # noqa: D102
-        return self._columns["index"]
+        return self._columns["index"].astype(np.int64, copy=False)
 
     @property
     def position(self) -> Floats:  # noqa: D102

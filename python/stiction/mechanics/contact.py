@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Unpack, overload
 
@@ -133,10 +134,10 @@ def contacts(upper: Profile, lower: Profile, approach: float, **contact: Unpack[
 
 
 @overload
-def contacts(found: Candidates, /, approach: float, **contact: Unpack[ContactKeywords]) -> Contacts: ...
+def contacts(found: Candidates, approach: float, /, **contact: Unpack[ContactKeywords]) -> Contacts: ...
 
 
-def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Unpack[ContactKeywords]) -> Contacts:
+def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
     """Every contact at one approach: ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
 
     Parameters
@@ -196,10 +197,10 @@ def press(upper: Profile, lower: Profile, approaches: ArrayLike, **contact: Unpa
 
 
 @overload
-def press(found: Candidates, /, approaches: ArrayLike, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
+def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
 
 
-def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Unpack[ContactKeywords]) -> LoadCurve:
+def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
     """Load and true area against approach: ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 
     Parameters
@@ -244,7 +245,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Unpa
     return LoadCurve(**arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus))
 
 
-def _model_for(found: Candidates, contact: ContactKeywords) -> ContactModel:
+def _model_for(found: Candidates, contact: Mapping[str, object]) -> ContactModel:
     """A model for candidates; a detection or curvature that is given must be theirs."""
     model = model_of(contact, ContactModel(detection="gap-minimum", curvature=found.curvature))
     for name, own in (("detection", "gap-minimum"), ("curvature", found.curvature)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypedDict
 
@@ -91,7 +92,7 @@ class ContactKeywords(TypedDict, total=False):
     shear: Shear
 
 
-def model_of(keywords: ContactKeywords, default: ContactModel | None = None) -> ContactModel:
+def model_of(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
     """The contact model that keywords give; what they leave open is the default's."""
     changes: dict[str, Any] = dict(keywords)
     model = changes.pop("model", default or ContactModel())

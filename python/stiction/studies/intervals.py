@@ -74,7 +74,7 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
     x, y = (np.where(inside, each[steps], 0.0) for each in (normal, values))
     x, y = (np.where(inside, each - each.sum(axis=1, keepdims=True) / count, 0.0) for each in (x, y))
     squares = (x * x).sum(axis=1)
-    return np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0)
+    return np.asarray(np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0))
 
 
 def half_width_of(left_out: Floats) -> Floats:

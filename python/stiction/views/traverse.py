@@ -87,7 +87,7 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         pressure = f" ({1000 * load / length:.4g} MPa of nominal pressure)" if cylinders else ""
         lines += ["", f"at F_N = {load:.4g} mN{pressure}, means and 95 % intervals"]
         if not (there["status"] == friction.STATUS_OK).any():
-            lines.append(f"none of the positions has an answer: {_answers(there)[len('0 of ') :]}")
+            lines.append(f"none of the positions has an answer: {', '.join(np.unique(there['status'].values))}")
             continue
         lines += _table(there, at, positions)
         told = True
