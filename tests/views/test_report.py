@@ -249,9 +249,9 @@ def test_every_way_to_read_off_is_that_of_the_library(driver, tmp_path, reached)
             here = found[..., column].astype(float)
             if name in ("lower", "upper"):
                 # Ends are mean exp(±h): an error of h, relative to it, is h times as much of an end.
-                h = np.abs(np.log(wanted["upper"] / wanted["lower"]) / 2).transpose(*dims).values
-                h = np.where(np.isfinite(h), np.maximum(h, 1), 1)
-                here, expected = expected + (here - expected) / h, expected
+                ratio = (wanted["upper"] / wanted["lower"]).transpose(*dims).values
+                h = np.maximum(np.log(np.where(np.isfinite(ratio) & (ratio > 1), ratio, 1.0)) / 2, 1.0)
+                here = expected + (here - expected) / h
             assert here == pytest.approx(expected, rel=AGREEMENT, abs=1e-12, nan_ok=True)
     assert set(statuses) == {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
     assert no_complaints(driver)
