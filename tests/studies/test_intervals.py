@@ -11,7 +11,7 @@ WIDEST = 1.5
 """Median width over that of an interval from the true variance, where 32 values and more are at hand."""
 
 LEAST_GIVEN = 0.85
-"""All of 16 values are 0 in a tenth of the traverses where half are and neighbours are alike; these have no interval."""
+"""In a tenth of the traverses where half are 0 and neighbours are alike all of 16 are, and there is no interval."""
 
 # What docs/intervals.py measures with more trials, less 3 of those per cent.
 LEAST_COVERAGE = {
