@@ -7,7 +7,8 @@ from pathlib import Path
 
 from measure import seconds
 from stiction import Study, __version__, run
-from stiction.studies import cluster, runner
+from stiction.studies import runner
+from stiction.studies.processes import processes
 
 STUDY = Study.named("figure6")
 
@@ -31,7 +32,7 @@ def taken_in(count: int) -> float:
     """Repetitions a second that a driver takes from two workers and stores, when they compute nothing."""
     study = STUDY.with_changes({"ensemble.repetitions": count})
     real = runner.task
-    with tempfile.TemporaryDirectory() as folder, cluster.local(2) as executor:
+    with tempfile.TemporaryDirectory() as folder, processes(2) as executor:
         sums = Path(folder) / "sums.pickle"
         sums.write_bytes(pickle.dumps(runner.repetition_sums(STUDY, 0)))
         runner.task = Given(str(sums))

@@ -51,9 +51,10 @@ def largest_difference(driver, dataset: xarray.Dataset) -> float:
         d, load = int(random.integers(50)), float(10 ** random.uniform(-5, -1))
         mu0, tau0 = random.uniform([0, 0], [1.2, 0.3]).tolist()
         script = (
-            "const at = frictionAt(arguments[0], 0, ...arguments[1]); return [at.status, at.value, at.lower, at.upper]"
+            "const [d, load, mu0, tau0] = arguments; const [at] = frictionAt(result, d, 0, [load], mu0, tau0);"
+            "return [at.status, at.value, at.lower, at.upper]"
         )
-        status, *found = driver.execute_script(script, d, [load, mu0, tau0])
+        status, *found = driver.execute_script(script, d, load, mu0, tau0)
         wanted = friction_map(dataset.isel(fractal_dimension=[d]), [load], mu0=[mu0], tau0=[tau0]).squeeze()
         assert status == str(wanted["status"].values)
         if status == "ok":

@@ -1,4 +1,4 @@
-"""Run every benchmark, print its table, and write docs/performance_table.md and docs/images/performance.png."""
+"""Run every benchmark, print its table, and write docs/generated/performance.md and docs/images/performance.png."""
 
 import sys
 from importlib import import_module
@@ -17,7 +17,7 @@ def main() -> None:
             lines.append(f"| {question} | {answer} |")
         lines.append("")
     if len(sys.argv) == 1:
-        (HERE.parent / "docs/performance_table.md").write_text("\n".join(lines), encoding="utf-8")
+        (HERE.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
 
 
 if __name__ == "__main__":

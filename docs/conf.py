@@ -25,7 +25,7 @@ copyright = author  # noqa: A001
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
-exclude_patterns = ["_build", "*_table.md", "claims_*.md"]
+exclude_patterns = ["_build", "generated"]
 nitpicky = False
 autodoc_typehints = "none"
 numpydoc_show_class_members = False

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from matplotlib.cbook import get_sample_data
-from stiction import Surface, levelled, line_roughness, nondimensional, paired_lines, traverse, traverse_mean
+from stiction import Surface, levelled, lines_along_both, nondimensional, paired_lines, traverse, traverse_mean
 from stiction.views.characterisation import surface_characterisation_figure, surface_characterisation_text
 
 METRES_PER_DEGREE = 111_200  # of latitude
@@ -22,7 +22,7 @@ surface = levelled(
     "plane",
 )
 
-along_x, along_y = (line_roughness(surface, along) for along in ("x", "y"))
+along_x, along_y = lines_along_both(surface)
 print(surface_characterisation_text(surface, along_x, along_y), end="")
 surface_characterisation_figure(surface, along_x, along_y).savefig("fault_surface.png")
 

@@ -3,7 +3,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stiction import Profile, random_phases, weierstrass_mandelbrot
+from small import SMALL
+from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 
 
 @pytest.fixture(scope="session")
@@ -48,3 +49,9 @@ def circular_arc():
         return Profile(sagitta if side == "upper" else -sagitta, spacing=spacing)
 
     return arc
+
+
+@pytest.fixture(scope="session")
+def small_result():
+    """The result of the study `SMALL`; nothing may change it."""
+    return run(SMALL)

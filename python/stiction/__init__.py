@@ -8,54 +8,49 @@ from stiction.mechanics.asperity import Asperities, asperities
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.closed_forms import (
     effective_modulus,
+    gentle_friction,
     hertz_cylinder,
+    hertz_ellipse,
+    hertz_line,
     hertz_sphere,
     slope_friction,
     westergaard_contact_fraction,
+    westergaard_gap,
+    westergaard_pressure,
 )
 from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
 from stiction.mechanics.friction import Validity
+from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.mechanics.model import ContactModel
 from stiction.studies.maps import area_map, friction_map, stiffness_map
 from stiction.studies.nondimensional import nondimensional
+from stiction.studies.pairs import pair_of
 from stiction.studies.runner import run
 from stiction.studies.study import Study, study_names
 from stiction.studies.traverse import traverse, traverse_mean
-from stiction.surfaces.formats import (
-    FormatError,
-    FormatWarning,
-    read_measurement,
-    read_profile,
-    read_surface,
-    write_profile,
-    write_surface,
-)
 from stiction.surfaces.fractal import (
-    ProfileMoments,
     random_phases,
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_family,
     weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface,
 )
-from stiction.surfaces.lines import LineRoughness, line_roughness
+from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
+from stiction.surfaces.lines import LineRoughness, line_roughness, lines_along_both
+from stiction.surfaces.measured.raw import FormatError, FormatWarning
+from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
+from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.pairing import paired_lines
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, turned_over
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    HurstEstimate,
-    PowerSpectrum,
-    RoughnessParameters,
-    hurst_exponent_of,
-    power_spectrum,
-    roughness_parameters,
-    self_affine,
-    spectral_moments,
-    surrogate,
-)
+from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
+from stiction.surfaces.self_affine import self_affine, surrogate
+from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface_parameters import SurfaceParameters, bearing_curve, surface_parameters
+from stiction.surfaces.surface_spectrum import RadialSpectrum, SurfaceSpectrum, surface_spectrum
 
 __all__ = [
     "Asperities",
@@ -64,6 +59,8 @@ __all__ = [
     "Contacts",
     "FormatError",
     "FormatWarning",
+    "HalfSpaceContact",
+    "HalfSpaceCurve",
     "HertzCylinder",
     "HertzSphere",
     "HurstEstimate",
@@ -73,27 +70,37 @@ __all__ = [
     "PowerSpectrum",
     "Profile",
     "ProfileMoments",
+    "RadialSpectrum",
     "RoughnessParameters",
     "Study",
     "Surface",
+    "SurfaceParameters",
+    "SurfaceSpectrum",
     "Validity",
     "__version__",
     "approach_at_load",
     "area_map",
     "asperities",
+    "bearing_curve",
     "candidates",
     "contacts",
     "cropped",
     "effective_modulus",
     "force_and_area",
     "friction_map",
+    "gentle_friction",
+    "half_space",
     "hertz_cylinder",
+    "hertz_ellipse",
+    "hertz_line",
     "hertz_sphere",
     "hurst_exponent_of",
     "levelled",
     "line_roughness",
+    "lines_along_both",
     "nondimensional",
     "on_common_grid",
+    "pair_of",
     "paired_lines",
     "power_spectrum",
     "press",
@@ -108,6 +115,8 @@ __all__ = [
     "spectral_moments",
     "stiffness_map",
     "study_names",
+    "surface_parameters",
+    "surface_spectrum",
     "surrogate",
     "traverse",
     "traverse_mean",
@@ -117,6 +126,8 @@ __all__ = [
     "weierstrass_mandelbrot_moments",
     "weierstrass_mandelbrot_surface",
     "westergaard_contact_fraction",
+    "westergaard_gap",
+    "westergaard_pressure",
     "write_profile",
     "write_surface",
 ]

@@ -28,7 +28,9 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
     # A sum of finite numbers is finite but for an overflow, and is faster than asking each.
-    if not np.isfinite(array.sum()) and (bad := ~np.isfinite(array)).any():
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = array.sum()
+    if not np.isfinite(total) and (bad := ~np.isfinite(array)).any():
         first = tuple(int(i) for i in np.argwhere(bad)[0])
         where = f"{name}{list(first)}" if first else name
         raise ValueError(f"{name} must be finite, but {where} is {array[first]} ({int(bad.sum())} such values)")
@@ -72,3 +74,9 @@ def choice(name: str, value: Any, literal: Any) -> None:
     if value not in allowed:
         names = ", ".join(repr(item) for item in allowed)
         raise ValueError(f"{name} must be one of {names}, got {value!r}")
+
+
+def truth(name: str, value: Any) -> None:
+    """True or False, and nothing that may be taken for one of them."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} must be True or False, got {value!r}")

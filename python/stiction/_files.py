@@ -1,47 +1,119 @@
-"""Files that people ask for by name: written whole or not at all, and never over another of another kind."""
+"""Files that people ask for by name, written whole or not at all; and files of others, read within bounds."""
 
 from __future__ import annotations
 
+import errno
 import os
+import re
+import secrets
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from stiction._text import named
+
+HALF_WRITTEN = re.compile(r"\.stiction-[0-9a-f]{16}\.partial")
+"""Name of a file that is being written; whoever is killed leaves it behind."""
+
+_MARKED = 1000
+"""Bytes in which a file of ours carries its mark."""
+
+
+# ---- Writing --------------------------------------------------------------------------------------------------------
 
 
 @contextmanager
 def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
     """A file to write, which gets its name, that nothing has yet, when it is whole; or a failure that says why not."""
-    with _partial(path, failure, os.link) as partial:  # unlike a rename, never over another file
+    with _said(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
-        yield partial
+        with _partial(path, os.link) as partial:  # unlike a rename, never over another file
+            yield partial
 
 
 @contextmanager
 def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
     """A file to write, which takes the place of an older one when it is whole; one without the mark is left alone."""
-    with _partial(path, failure, os.replace) as partial:
-        if os.path.lexists(path) and not (path.is_file() and _begins_with(path, mark)):
-            raise failure(f"{path}: exists already and is something else; remove it, or choose another name")
-        yield partial
+    with _said(path, failure):
+        if os.path.lexists(path) and not _is_ours(path, mark):
+            raise failure(f"{named(path)}: exists already and is something else; remove it, or choose another name")
+        with _partial(path, Path.replace) as partial:
+            yield partial
+
+
+def replace(path: Path, content: bytes) -> None:
+    """Write a file that appears under its name, in place of an older one, when it is whole."""
+    with _partial(path, Path.replace) as partial:
+        partial.write_bytes(content)
 
 
 @contextmanager
-def _partial(path: Path, failure: type[ValueError], put: Callable[[Path, Path], None]) -> Iterator[Path]:
-    """A file beside a path, which is put there when it is whole, and is gone afterwards in any case."""
-    partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
+def _partial(path: Path, put: Callable[[Path, Path], object]) -> Iterator[Path]:
+    """An empty file beside a path, which is put there when it is whole, and is gone afterwards in any case."""
+    # A name that nobody can have taken beforehand, as short for long names as for others.
+    partial = path.parent / f".stiction-{secrets.token_hex(8)}.partial"
+    os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
     try:
         yield partial
         put(partial, path)
-    except FileExistsError:
-        raise failure(f"{path}: exists already; remove it, or choose another name") from None
-    except OSError as error:
-        raise failure(f"{path}: cannot be written: {os.strerror(error.errno) if error.errno else error}") from None
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
 
 
-def _begins_with(path: Path, mark: bytes) -> bool:
+@contextmanager
+def _said(path: Path, failure: type[ValueError]) -> Iterator[None]:
+    try:
+        yield
+    except FileExistsError:
+        raise failure(f"{named(path)}: exists already; remove it, or choose another name") from None
+    except OSError as error:
+        raise failure(f"{named(path)}: cannot be written: {reason(error)}") from None
+
+
+def _is_ours(path: Path, mark: bytes) -> bool:
+    if not path.is_file():
+        return False
     with path.open("rb") as file:
-        return file.read(len(mark)) == mark
+        return mark in file.read(_MARKED)
+
+
+# ---- Reading --------------------------------------------------------------------------------------------------------
+
+
+class NotReadableError(Exception):
+    """A file that is not what somebody meant to be read."""
+
+
+def content(path: Path, most: int, *, link: bool = True) -> bytes:
+    """What a regular file holds; devices, pipes and, where asked, links are not opened to wait or to read without end.
+
+    Raises
+    ------
+    NotReadableError
+        If it is another kind of file, or longer than `most` bytes.
+    OSError
+        If it cannot be read.
+    """
+    if not link and path.is_symlink():
+        raise NotReadableError("is a link")
+    file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | (0 if link else os.O_NOFOLLOW))
+    try:
+        status = os.fstat(file)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not stat.S_ISREG(status.st_mode):
+            raise NotReadableError("is no regular file")
+        if status.st_size > most:
+            raise NotReadableError(f"is longer than {most} bytes")
+        with os.fdopen(file, "rb", closefd=False) as stream:
+            return stream.read(status.st_size)
+    finally:
+        os.close(file)
+
+
+def reason(error: OSError) -> str:
+    """Why the system refused, without the name of a file that only we know."""
+    return os.strerror(error.errno) if error.errno else str(error)

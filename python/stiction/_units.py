@@ -76,6 +76,6 @@ def shortened(value: object) -> str:
     """Text of a value for a message, of a length that fits a line."""
     try:
         text = repr(value)
-    except ValueError:  # Python does not print integers of many thousand digits
+    except (ValueError, RecursionError):  # Python prints no integers of many thousand digits, and no deep tables
         text = type(value).__name__
     return text if len(text) <= 40 else text[:37] + "..."

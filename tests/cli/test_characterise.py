@@ -9,13 +9,13 @@ from matplotlib.image import imread
 from stiction import (
     Profile,
     levelled,
-    line_roughness,
     random_phases,
     self_affine,
     weierstrass_mandelbrot_surface,
     write_profile,
     write_surface,
 )
+from stiction.surfaces.lines import lines_along_both
 from stiction.views.characterisation import characterisation_text, surface_characterisation_text
 
 
@@ -88,10 +88,20 @@ def test_missing_points_are_interpolated_if_that_is_asked(folder):
     assert "1 missing points interpolated" in characterise("gaps.csv", "--missing", "interpolate", cwd=folder)[0]
 
 
+def test_columns_are_those_asked_for(folder, profile):
+    lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
+    at = lines.index("x (um),z (um)")
+    wide = [f"{index},{line},7" for index, line in enumerate(lines[at + 1 :])]
+    (folder / "wide.csv").write_text("\n".join(["n,x (um),z (um),t (s)", *wide]), encoding="utf-8")
+    history, said, _ = characterise("wide.csv", "--columns", "x,z", cwd=folder)
+    assert said == table(characterisation_text(levelled(profile, "line")))
+    assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
+
+
 def test_a_surface_has_the_table_of_its_lines(folder, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
     history, said, figure = characterise(*options, cwd=folder)
-    along_x, along_y = (line_roughness(surface, along) for along in ("x", "y"))
+    along_x, along_y = lines_along_both(surface)
     assert said == table(surface_characterisation_text(levelled(surface, "plane"), along_x, along_y))
     assert history == ["read from map.npy", "levelled by a plane"]
     assert imread(figure).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
@@ -124,8 +134,11 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
         (["empty.csv"], "empty.csv: is empty"),
         (["cut.npy"], "cut.npy: is a damaged .npy file"),
         (["binary.csv"], "binary.csv: is binary, not text"),
-        (["named.npy"], "named.npy: is named .npy, but what it holds is neither"),
+        (["named.npy"], "named.npy: is named .npy, but what it holds is not a NumPy array"),
         (["three.csv"], "three.csv: has 3 columns of numbers"),
+        (["three.csv", "--columns", "0,3"], "three.csv: has no column 3; they are numbered from 0 to 2"),
+        (["scan.csv", "--columns", "x,z,q"], "columns must be one of heights, or two of positions and heights"),
+        (["scan.csv", "--channel", "1"], "scan.csv: has no channels to choose one from"),
         (["giant.csv"], "giant.csv: has 300000001 bytes of text"),
         (["heights.npy", "--spacing", "1 um"], "does not say in which unit its heights are; give the unit"),
         (["heights.npy", "--unit", "um"], 'holds heights only; give the spacing of its points, as in "0.5 um"'),
@@ -170,8 +183,10 @@ def test_a_stylus_profile(measured, tmp_path):
 
 def test_a_map_of_an_atomic_force_microscope(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
-    _, said, _ = characterise(measured("di-4.di"), cwd=tmp_path)
-    rows = {line[:19].strip(): line[20:].split() for line in said.splitlines()}
+    history, said, _ = characterise(measured("di-4.di"), cwd=tmp_path)
+    assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
+    rows = {line[:19].strip(): line[20:].split() for line in said[said.index("lines  ") :].splitlines()}
+    rows["Sq"] = said[said.index("\nSq") :].split()[1:3]
     assert rows["Sq"] == ["79.42", "nm"]
     assert [float(number) for number in rows["Pq"][::2]] == pytest.approx([38.8, 62.0], abs=0.05)
     assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)

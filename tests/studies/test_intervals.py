@@ -13,7 +13,7 @@ WIDEST = 1.5
 LEAST_GIVEN = 0.85
 """In a tenth of the traverses where half are 0 and neighbours are alike all of 16 are, and there is no interval."""
 
-# What docs/intervals.py measures with more trials, less 3 of those per cent.
+# What docs/scripts/intervals.py measures with more trials, less 3 of those per cent.
 LEAST_COVERAGE = {
     (16, 0.0): 0.95, (16, 0.4): 0.92, (16, 0.8): 0.78,
     (32, 0.0): 0.94, (32, 0.4): 0.90, (32, 0.8): 0.84,

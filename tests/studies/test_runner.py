@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import runner
 from stiction.studies.study import study_of
 
@@ -102,6 +102,19 @@ def test_families_and_their_size_do_not_matter(result, monkeypatch):
         assert_same_bits(run(SMALL), result)
 
 
+@pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
+def test_a_task_holds_no_more_than_is_said(monkeypatch, points):
+    """docs/cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
+    family = 8 * 2500
+    monkeypatch.setattr(runner, "FAMILY_MEMORY", family)
+    made = []
+    monkeypatch.setattr(runner, "_memory", lambda shape: made.append(np.empty(shape)) or made[-1])
+    study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
+    runner.repetition_sums(study, 0)
+    (memory,) = made
+    assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
+
+
 def test_more_repetitions_than_are_submitted_at_a_time_are_all_there(result, monkeypatch):
     monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
     assert_same_bits(run(SMALL), result)
@@ -150,7 +163,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(runner, "repetition_sums", record)
-    monkeypatch.setattr(runner, "_progress_bar", lambda *_: contextlib.nullcontext(interrupt))
+    monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     held = None
     with ThreadPoolExecutor(1) as pool:
         try:

@@ -7,18 +7,21 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from concurrent.futures import Future, ThreadPoolExecutor
 
+import numcodecs
 import numpy as np
 import pytest
 import stiction
 import xarray
-from stiction import Study, run
-from stiction.mechanics.contact import SUMS
-from stiction.studies import files, runner, store
+from command import assert_refused, stiction_command
+from stiction import Study, _files, run
+from stiction.mechanics.quantities import SUMS
+from stiction.studies import layout, runner, store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.export import ExportError, export
-from stiction.studies.files import SCHEMA
+from stiction.studies.layout import SCHEMA
 from stiction.studies.store import StoreError
 
 SMALL = Study().with_changes(
@@ -104,7 +107,7 @@ def chunks(path):
 def change_root(path, **attributes):
     root = json.loads((path / "zarr.json").read_bytes())
     root["attributes"] |= attributes
-    root["attributes"]["checksum"] = files.checksum(root["attributes"])
+    root["attributes"]["checksum"] = layout.checksum(root["attributes"])
     (path / "zarr.json").write_text(json.dumps(root))
 
 
@@ -245,7 +248,8 @@ def test_what_another_version_finished_is_read(finished, no_computing):
 def test_another_arithmetic_must_not_finish_what_this_one_began(unfinished, no_computing):
     approach = SMALL.contact.approaches()
     approach[1] = np.nextafter(approach[1], 1)
-    (unfinished / "approach" / "c.0").write_bytes(files.encoded(approach))
+    file = unfinished / "approach" / "c.0"
+    file.write_bytes(layout.encoded(file, approach))
     with pytest.raises(StoreError, match="approach differs in the last digits"):
         run(SMALL, store=unfinished)
     with pytest.warns(UserWarning, match="2 of 4"):
@@ -312,14 +316,15 @@ def test_no_flipped_bit_goes_unnoticed(finished, undisturbed):
 
 
 @pytest.mark.parametrize("name", ["normal_elastic/c.0.0.2.0", "complete/c.2"])
-@pytest.mark.parametrize("content", [None, b"", b"junk", files.encoded(np.zeros(3))], ids=["none", "", "junk", "size"])
+@pytest.mark.parametrize("content", [None, b"", b"junk", np.zeros(3)], ids=["none", "", "junk", "size"])
 def test_a_damaged_repetition_is_named_and_can_be_computed_again(finished, undisturbed, name, content):
     if content is None:
         if name.startswith("complete"):
             return  # then it is not finished
         (finished / name).unlink()
     else:
-        (finished / name).write_bytes(content)
+        file = finished / name
+        file.write_bytes(content if isinstance(content, bytes) else layout.encoded(file, content))
     for use in (store.read, lambda path: run(SMALL, store=path)):
         with pytest.raises(StoreError, match=rf"is damaged: {name}(?s:.)*remove (.*complete/c\.2) and") as damage:
             use(finished)
@@ -419,7 +424,7 @@ def test_removing_it_after_the_last_repetition_is_noticed(tmp_path):
 
 def test_a_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
     """At whatever file it fills up: one message, then continued."""
-    write, space = files.Path.write_bytes, 0
+    write, space = _files.Path.write_bytes, 0
 
     def write_while_there_is_space(self, content):
         nonlocal space
@@ -429,7 +434,7 @@ def test_a_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return write(self, content)
 
-    monkeypatch.setattr(files.Path, "write_bytes", write_while_there_is_space)
+    monkeypatch.setattr(_files.Path, "write_bytes", write_while_there_is_space)
     path, fewest = tmp_path / "r.zarr", 0
     for refusals in itertools.count():
         space = 40 if refusals else 5  # not enough to begin, then for one repetition, then for three
@@ -571,7 +576,7 @@ def run_until(step, study):
                 os.kill(os.getpid(), signal.SIGKILL)
             return method(self, *args, **kwargs)
         setattr(Path, name, change)
-    for name in ("write_bytes", "replace", "rename", "mkdir", "unlink"):
+    for name in ("write_bytes", "replace", "rename", "mkdir", "rmdir", "unlink"):
         counted(name)
     run(study, store="r.zarr", executor=Inline())
 
@@ -670,6 +675,181 @@ def test_interrupting_the_command_keeps_what_is_finished(tmp_path, undisturbed):
     assert part.sizes["repetition"] > 0
     for name in SUMS:
         assert part[name].identical(undisturbed.sel(repetition=part["repetition"])[name]), name
+
+
+# ---- Foreign things -------------------------------------------------------------------------------------------------
+
+
+def listed(folder):
+    """Every file below a folder, and what is in it."""
+    return {file: file.read_bytes() if file.is_file() else None for file in sorted(folder.rglob("*"))}
+
+
+@pytest.mark.parametrize("what", ["folder", "chunk", "flag", "metadata", "root", "extra"])
+def test_nothing_is_read_or_written_through_a_link(finished, tmp_path, undisturbed, what):
+    outside = tmp_path / "outside"
+    name = {"folder": "contact_area", "chunk": "contact_area/c.0.0.2.0", "flag": "complete/c.2",
+            "metadata": "contact_area/zarr.json", "root": "zarr.json", "extra": "extra"}[what]  # fmt: skip
+    place = finished / name
+    if place.exists():
+        place.rename(outside)
+    else:
+        outside.mkdir()
+    if outside.is_dir():
+        for mine in ("thesis.partial", ".stiction-0123456789abcdef.partial", "c.0.0.3.0"):
+            (outside / mine).write_text("mine")
+    place.symlink_to(outside)
+    kept = listed(outside) if outside.is_dir() else outside.read_bytes()
+    if what == "extra":
+        assert_same_bits(run(SMALL, store=finished), undisturbed)
+    else:
+        for use in (store.read, lambda path: run(SMALL, store=path)):
+            with pytest.raises(StoreError, match="is a link"):
+                use(finished)
+    assert kept == (listed(outside) if outside.is_dir() else outside.read_bytes())
+
+
+@pytest.mark.parametrize("name", ["zarr.json", "contact_area/c.0.0.2.0", "complete/c.2"])
+def test_pipes_and_devices_are_not_waited_for(finished, name):
+    (finished / name).unlink()
+    os.mkfifo(finished / name)
+    for use in (store.read, lambda path: run(SMALL, store=path)):
+        with pytest.raises(StoreError, match="is no regular file"):
+            use(finished)
+
+
+@pytest.mark.parametrize("name", ["contact_area/c.0.0.2.0", "complete/c.2"])
+def test_what_unpacks_to_more_than_it_is_takes_no_memory(finished, name):
+    bomb = bytes(numcodecs.Zstd(level=1, checksum=True).encode(np.zeros(50_000_000, np.uint8)))
+    liar = bytes.fromhex("28b52ffde4") + (2**60).to_bytes(8, "little") + bytes([1, 0, 0])
+    for content in (bomb, liar, bomb[:1000]):
+        (finished / name).write_bytes(content)
+        tracemalloc.start()
+        with pytest.raises(StoreError, match=rf"is damaged: {name}"):
+            store.read(finished)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 5_000_000
+
+
+def test_metadata_without_an_end_are_refused(finished):
+    os.truncate(finished / "zarr.json", layout.MOST_METADATA + 1)
+    with pytest.raises(StoreError, match=f"is longer than {layout.MOST_METADATA} bytes"):
+        store.info(finished)
+
+
+def test_a_chunk_of_another_repetition_or_variable_is_noticed(finished):
+    for one, other in (
+        ("contact_area/c.0.0.1.0", "contact_area/c.0.0.2.0"),
+        ("contact_area/c.0.0.1.0", "normal_elastic/c.0.0.1.0"),
+        ("complete/c.1", "complete/c.2"),
+    ):
+        kept = (finished / one).read_bytes()
+        (finished / one).write_bytes((finished / other).read_bytes())
+        with pytest.raises(StoreError, match=rf"is damaged: {one}: not what was written, or another chunk's"):
+            store.read(finished)
+        (finished / one).write_bytes(kept)
+
+
+def test_a_store_whose_chunks_have_no_names_is_read_and_continued(unfinished, undisturbed):
+    """As versions before wrote them."""
+    for file in unfinished.rglob("c.*"):
+        name = f"{file.parent.name}/{file.name}".encode()
+        content = file.read_bytes()
+        if content.endswith(name):
+            file.write_bytes(content[: -len(name) - 8])
+    with pytest.warns(UserWarning, match="2 of 4"):
+        part = store.read(unfinished)
+    assert_same_bits(part, undisturbed.isel(repetition=[0, 2]))
+    assert_same_bits(run(SMALL, store=unfinished), undisturbed)
+
+
+@pytest.mark.parametrize("schema", [True, 1.5, 1.0, "1", "2", None, [1]])
+def test_a_schema_is_a_whole_number(finished, schema):
+    change_root(finished, stiction_schema=schema)
+    for use in (store.read, store.info, lambda path: run(SMALL, store=path)):
+        with pytest.raises(StoreError, match="does not say what it is"):
+            use(finished)
+
+
+def test_a_refusal_touches_nothing(unfinished):
+    (unfinished / "complete" / "c.1.partial").write_bytes(b"left by a killed writer")
+    beside = unfinished.with_name("result.zarr.partial")
+    beside.mkdir()
+    (beside / "thesis").write_text("mine")
+    before = listed(unfinished.parent)
+    for other in ({"ensemble.seed": 1}, {"ensemble.repetitions": 1}):
+        with pytest.raises(StoreError):
+            run(SMALL.with_changes(other), store=unfinished)
+        assert listed(unfinished.parent) == before
+
+
+def test_what_is_not_of_stiction_is_not_removed(finished, undisturbed):
+    """Neither in a store without repetitions, nor where a new one is begun, nor beside what is finished."""
+    beside = finished.with_name("result.zarr.partial")
+    for place in (finished / "thesis", finished / "extra.partial", finished / "contact_area" / "thesis.partial"):
+        place.write_text("mine")
+    run(SMALL, store=finished)
+    for flag in (finished / "complete").glob("c.*"):
+        flag.unlink()
+    before = listed(finished)
+    for name in ("thesis", "extra.partial", "contact_area/thesis.partial"):
+        with pytest.raises(StoreError, match=r"holds no finished repetition, but .*, which is not of stiction"):
+            run(SMALL, store=finished)
+        assert listed(finished) == before
+        (finished / name).unlink()
+        del before[finished / name]
+    beside.mkdir()
+    (beside / "thesis").write_text("mine")
+    with pytest.raises(StoreError, match=r"result\.zarr\.partial: holds no finished repetition, but thesis"):
+        run(SMALL, store=finished)
+    assert listed(finished) == before
+    (beside / "thesis").unlink()
+    assert_same_bits(run(SMALL, store=finished), undisturbed)
+    assert not beside.exists()
+
+
+def test_the_lock_is_that_of_the_store_itself(unfinished, tmp_path):
+    """Whoever removes the file beside it, or comes by another name, is held off all the same."""
+    (tmp_path / "other").mkdir()
+    with store.opened(unfinished, SMALL):
+        unfinished.with_name("result.zarr.lock").unlink()
+        with pytest.raises(StoreError, match="somebody else is writing it"):
+            run(SMALL, store=unfinished)
+    with store.opened(tmp_path / "new.zarr", SMALL):
+        (tmp_path / "new.zarr.lock").unlink()
+        with pytest.raises(StoreError, match="somebody else is writing it"):
+            run(SMALL, store=tmp_path / "new.zarr")
+
+
+def test_a_finished_store_on_a_disk_that_is_read_only_is_drawn_elsewhere(small_disk, tmp_path, undisturbed):
+    (tmp_path / "s.toml").write_text(SMALL.with_changes({"figures.draw": ["area"]}).to_toml())
+    run(SMALL, store=small_disk / "result.zarr")
+    subprocess.run(["mount", "-o", "remount,ro", small_disk], check=True)
+    try:
+        assert_same_bits(run(SMALL, store=small_disk / "result.zarr"), undisturbed)
+        with pytest.raises(StoreError, match="another study"):
+            run(SMALL.with_changes({"ensemble.seed": 1}), store=small_disk / "result.zarr")
+        with pytest.raises(StoreError, match="Read-only file system"):
+            run(MORE, store=small_disk / "result.zarr")
+        done = stiction_command("plot", small_disk, "--output", tmp_path / "drawn", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "area.png" in os.listdir(tmp_path / "drawn")
+    finally:
+        subprocess.run(["mount", "-o", "remount,rw", small_disk], check=True)
+
+
+def test_foreign_words_in_a_store_move_no_cursor(finished, tmp_path):
+    version = "\x1b]0;owned\x07\x1b[31m9\nstiction: all is well"
+    change_root(finished, stiction_version=version, numpy_version="\x1b[2J" * 1000)
+    done = stiction_command("info", finished.parent, cwd=tmp_path)
+    assert done.returncode == 0
+    assert "\x1b" not in done.stdout
+    assert not any(line.startswith("stiction: ") for line in done.stdout.splitlines())
+    change_root(finished, stiction_schema=SCHEMA + 1)
+    done = stiction_command("info", finished.parent, cwd=tmp_path)
+    assert_refused(done, "written by stiction \\x1b]0;owned")
+    assert len(done.stderr.splitlines()) == 1
 
 
 # ---- Exported -------------------------------------------------------------------------------------------------------

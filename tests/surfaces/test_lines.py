@@ -12,7 +12,7 @@ from stiction import (
     roughness_parameters,
     self_affine,
 )
-from stiction.surfaces.lines import MOST_FITTED
+from stiction.surfaces.lines import MOST_FITTED, lines_along_both
 
 ROUND_OFF = 1e-12
 
@@ -109,3 +109,49 @@ def test_a_band_that_few_lines_have_is_none():
 def test_bad_arguments_are_named(surface, options, said):
     with pytest.raises(ValueError, match=said):
         line_roughness(surface, **options)
+
+
+# ---- Both directions ------------------------------------------------------------------------------------------------
+
+
+def two_scales(seed=1, points=256):
+    """Rows with a band of H = 0.8 up to 16 µm, columns with one up to 160 µm; both fall together below."""
+    white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
+    q = 2 * np.pi * np.fft.fftfreq(2 * points)
+    across = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
+    heights = np.fft.ifft2(across**-1.8 * np.fft.fft2(white)).real[:points, :points]
+    return Surface(heights / heights.std(), spacing=1.0)
+
+
+def test_lines_along_both_axes_share_a_band():
+    surface = two_scales()
+    along_x, along_y = lines_along_both(surface)
+    assert along_x.band == along_y.band
+    # Each as if the band were given.
+    again = line_roughness(surface, "y", band=along_y.band)
+    assert np.array_equal(again.hurst_exponents, along_y.hurst_exponents)
+    assert (again.with_band, again.misfit) == (along_y.with_band, along_y.misfit)
+    given = lines_along_both(surface, band=(4.0, 12.0))
+    assert given[0].band == given[1].band == (4.0, 12.0)
+
+
+def test_lines_along_grooves_have_no_exponent():
+    grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=400, spacing=1.0).heights + np.zeros((300, 1))
+    along_x, along_y = lines_along_both(Surface(grooves, spacing=1.0))
+    assert along_x.hurst_exponents.size == 64
+    assert along_y.hurst_exponents.size == 0
+    assert np.isnan(along_y.misfit)
+
+
+def test_misfit_is_one_on_a_straight_spectrum_and_grows_with_a_bend():
+    straight = Surface(
+        [
+            self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",
+                        repetition=row).heights
+            for row in range(40)
+        ],
+        spacing=1.0,
+    )  # fmt: skip
+    assert line_roughness(straight, "x", band=(3.0, 60.0)).misfit < 1.15  # a window's leakage, and 40 lines of chance
+    bent = stack(0.7, points=512, longest_wavelength=0.3)
+    assert line_roughness(bent, "x", band=(0.05, 3.0)).misfit > 1.5

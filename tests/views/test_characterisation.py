@@ -1,11 +1,32 @@
 """The table and the figure of one profile: what they say is what the functions return, with units."""
 
+import re
+
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.image import imread
 from matplotlib.text import Text
-from stiction import Profile, hurst_exponent_of, roughness_parameters, self_affine
-from stiction.views.characterisation import characterisation_figure, characterisation_text
+from stiction import (
+    Profile,
+    Surface,
+    hurst_exponent_of,
+    levelled,
+    power_spectrum,
+    roughness_parameters,
+    self_affine,
+    spectral_moments,
+    surface_parameters,
+    surface_spectrum,
+)
+from stiction.surfaces.lines import lines_along_both
+from stiction.surfaces.spectrum import peak_of
+from stiction.views.characterisation import (
+    characterisation_figure,
+    characterisation_text,
+    surface_characterisation_figure,
+    surface_characterisation_text,
+)
 
 NO_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 
@@ -84,3 +105,73 @@ class TestFigure:
         legend = [text.get_text() for ax in characterisation_figure(NO_BAND).axes if ax.get_legend()
                   for text in ax.get_legend().texts]  # fmt: skip
         assert "no self-affine band found" in legend
+
+
+# ---- What speaks against an exponent --------------------------------------------------------------------------------
+
+
+def test_an_exponent_above_one_is_said_to_be_none_of_a_self_affine_profile():
+    smooth = self_affine(1, hurst_exponent=1.5, rms=0.1, points=4000, spacing=0.01)
+    text = characterisation_text(smooth, band=(0.1, 5.0))
+    said = rows(text)
+    assert said["fractal dimension D"] == "none: 2 - H is below 1"
+    assert "paper" in text
+    assert said["caution"].startswith("H above 1 is not self-affine but smooth")
+    rough = self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01)
+    assert "caution" not in characterisation_text(rough)
+
+
+def test_a_band_that_begins_on_a_peak_is_said():
+    rough = self_affine(2, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.05, longest_wavelength=8.0)
+    waves = 0.4 * np.sin(2 * np.pi * rough.x / 8.0)
+    text = characterisation_text(Profile(rough.heights + waves, spacing=0.05), band=(0.2, 8.2))
+    assert "the band begins on a peak at" in text
+    assert "begins on a peak" not in characterisation_text(rough, band=(0.2, 8.2))  # a roll-off is none
+
+
+def test_a_peak_that_carries_the_moments_is_said_with_its_share():
+    rough = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
+    assert "peak" not in rows(characterisation_text(rough))
+    line = 0.003 * np.sin(2 * np.pi * rough.x / 0.06)  # of an instrument
+    said = rows(characterisation_text(Profile(rough.heights + line, spacing=0.01)))["peak"]
+    found = re.match(r"at ([\d.]+) nm, with (\d+) % of m4", said)
+    assert float(found[1]) == pytest.approx(60, rel=0.1)
+    # The line's own m4 is known: a²/2 q⁴.
+    own = 0.003**2 / 2 * (2 * np.pi / 0.06) ** 4
+    whole = own + spectral_moments(rough).curvature
+    assert float(found[2]) == pytest.approx(100 * own / whole, abs=5)
+    assert peak_of(power_spectrum(rough)) is None or peak_of(power_spectrum(rough))[1] < 0.05
+
+
+# ---- Surfaces -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def surface():
+    white = np.random.default_rng(4).normal(size=(256, 320))
+    q = np.hypot(*np.meshgrid(np.fft.fftfreq(320), np.fft.fftfreq(256))) * 2 * np.pi
+    q[0, 0] = np.inf
+    heights = np.fft.ifft2(q**-1.7 * np.fft.fft2(white)).real[:128, :160]
+    return levelled(Surface(0.02 * heights / heights.std(), spacing=0.1), "plane")
+
+
+def test_a_surface_has_parameters_moments_and_a_dimension(surface):
+    text = surface_characterisation_text(surface, *lines_along_both(surface))
+    said, found, estimate = rows(text), surface_parameters(surface), hurst_exponent_of(surface)
+    assert said["Sa"] == f"{1000 * found.Sa:.4g} nm"
+    assert said["Sdr"] == f"{100 * found.Sdr:.4g} %"
+    assert said["Str"] == f"{found.Str:.3f}"
+    assert said["fractal dimension D"].startswith(f"{2 - estimate.value:.3f} (classical")
+    assert f"(found; {estimate.harmonics} waves)" in text
+    moments = surface_spectrum(surface).moments(90)
+    assert said["m4"].split()[2] == f"{moments.curvature:.4g}"
+    assert said["scatter"].startswith("factor 1.")
+    assert "band found in" not in said
+    assert "band found in" not in surface_characterisation_text(surface, *lines_along_both(surface, band=(0.4, 4.0)))
+
+
+def test_the_figure_of_a_surface_shows_the_fit(surface):
+    figure = surface_characterisation_figure(surface, *lines_along_both(surface))
+    legends = [text.get_text() for ax in figure.findobj(Axes) if ax.get_legend() for text in ax.get_legend().texts]
+    assert any("q^{-2-2H}" in text for text in legends)
+    assert sum("q^{-1-2H}" in text for text in legends) == 2

@@ -1,30 +1,19 @@
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from stiction import Study, run
+from small import SMALL
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views.figures import area_figure, friction_figure, reached_loads, save_figures
 
-SMALL = Study.named("quick").with_changes(
-    {
-        "surfaces.fractal_dimension.count": 3,
-        "surfaces.amplitude": ["50 nm", "100 nm"],
-        "surfaces.points": 20_000,
-        "surfaces.extent": "5 um",
-        "contact.approach.count": 8,
-        "ensemble.repetitions": 6,
-    }
-)
-
 
 @pytest.fixture(scope="module")
-def result():
-    return run(SMALL)
+def result(small_result):
+    return small_result
 
 
 def test_figures_are_files_with_something_in_them(result, tmp_path):
-    paths = save_figures(result, tmp_path)
+    paths = save_figures(result.isel(amplitude=[0]), tmp_path)
     assert [p.name for p in paths] == [
         "friction_mu0_0.1.png",
         "friction_mu0_0.4.png",
@@ -60,7 +49,7 @@ def test_friction_has_a_panel_for_each_strength_and_amplitude_and_a_legend_for_w
 def test_area_has_units_and_a_curve_for_each_dimension(result):
     figure = area_figure(result)
     left = figure.axes[0]
-    assert len(left.lines) == 2 * 3  # as far as it is to be trusted, and beyond
+    assert len(left.lines) == 2 * 4  # as far as it is to be trusted, and beyond
     assert "µm²" in left.get_ylabel()
     assert any("mN" in ax.get_xlabel() for ax in figure.axes)
 
@@ -81,5 +70,5 @@ def test_nothing_to_draw_is_said_so():
 def test_figures_of_an_unfinished_study_say_so(result):
     part = result.isel(repetition=[0, 1, 4])
     for figure in (friction_figure(part, 0.1), area_figure(part)):
-        assert figure.get_suptitle() == "unfinished: 3 of 6 repetitions"
+        assert figure.get_suptitle() == "unfinished: 3 of 12 repetitions"
     assert not area_figure(result).get_suptitle()

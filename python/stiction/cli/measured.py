@@ -16,7 +16,7 @@ from stiction._units import quantity
 from stiction.cli.application import app, say
 from stiction.mechanics.closed_forms import effective_modulus as _effective_modulus
 from stiction.mechanics.law import JacksonGreen
-from stiction.surfaces.formats import read_measurement
+from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.pairing import LINES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -49,6 +49,32 @@ Spacings = Annotated[
     list[str] | None,
     typer.Option("--spacing", metavar="LENGTH", help="The same.", show_default=False),
 ]
+Channel = Annotated[
+    str | None,
+    typer.Option(
+        "--channel",
+        metavar="NAME|NUMBER",
+        help="What to read of a file of several channels or sheets, numbers from 0 on.",
+        show_default="the first of heights",
+    ),
+]
+Columns = Annotated[
+    str | None,
+    typer.Option(
+        "--columns",
+        metavar="X,Z|Z",
+        help="Of a table, names or numbers from 0 on, of positions and heights or of heights.",
+        show_default=False,
+    ),
+]
+ChannelOfEach = Annotated[
+    list[str] | None,
+    typer.Option("--channel", metavar="NAME|NUMBER", help="The same.", show_default=False),
+]
+ColumnsOfEach = Annotated[
+    list[str] | None,
+    typer.Option("--columns", metavar="X,Z|Z", help="The same.", show_default=False),
+]
 MissingPoints = Annotated[
     str, typer.Option("--missing", metavar="error|interpolate", help="What to do about points without a height.")
 ]
@@ -60,6 +86,8 @@ def characterise(
     unit: Unit = None,
     spacing: Spacing = None,
     missing: MissingPoints = "error",
+    channel: Channel = None,
+    columns: Columns = None,
     row: Annotated[
         int | None, typer.Option("--row", metavar="N", min=0, help="Of a surface, this row alone, from 0 on.")
     ] = None,
@@ -90,19 +118,19 @@ def characterise(
     ] = None,
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent."""
-    from stiction.surfaces.lines import line_roughness
+    from stiction.surfaces.lines import lines_along_both
     from stiction.views import characterisation as views
     from stiction.views.figures import save_picture
 
     fitted = _band(band)
-    body = _levelled(_line(_measurement(file, unit, spacing, missing), row, column), level)
+    body = _levelled(_line(_measurement(file, unit, spacing, missing, channel, columns), row, column), level)
     if isinstance(body, Profile):
         typer.echo(views.characterisation_text(body, band=fitted), nl=False)
         figure = views.characterisation_figure(body, band=fitted)
     else:
-        along_x, along_y = (line_roughness(body, along, band=fitted) for along in ("x", "y"))
-        typer.echo(views.surface_characterisation_text(body, along_x, along_y), nl=False)
-        figure = views.surface_characterisation_figure(body, along_x, along_y)
+        along_x, along_y = lines_along_both(body, band=fitted)
+        typer.echo(views.surface_characterisation_text(body, along_x, along_y, band=fitted), nl=False)
+        figure = views.surface_characterisation_figure(body, along_x, along_y, band=fitted)
     path = output if output is not None else Path(f"{file.stem}.png")
     save_picture(figure, path)
     typer.echo(f"wrote {path}")
@@ -234,6 +262,8 @@ def pair(
     unit: Units = None,
     spacing: Spacings = None,
     missing: MissingPoints = "error",
+    channel: ChannelOfEach = None,
+    columns: ColumnsOfEach = None,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("pair"),
     replace: Annotated[bool, typer.Option("--replace", help="Write over the results of an earlier pair.")] = False,
 ) -> None:
@@ -258,7 +288,14 @@ def pair(
         "curvature": curvature,
     }
     bodies = [
-        _measurement(file, _either(unit, index, "--unit"), _either(spacing, index, "--spacing"), missing)
+        _measurement(
+            file,
+            _either(unit, index, "--unit"),
+            _either(spacing, index, "--spacing"),
+            missing,
+            _either(channel, index, "--channel"),
+            _either(columns, index, "--columns"),
+        )
         for index, file in enumerate((upper, lower))
     ]
     surfaces = any(isinstance(body, Surface) for body in bodies)
@@ -447,9 +484,14 @@ def _either(values: list[str] | None, index: int, option: str) -> str | None:
     return values[index] if len(values) == 2 else values[0]
 
 
-def _measurement(file: Path, unit: str | None, spacing: str | None, missing: str) -> Profile | Surface:
+def _measurement(
+    file: Path, unit: str | None, spacing: str | None, missing: str, channel: str | None, columns: str | None
+) -> Profile | Surface:
     """What a file holds, by the options that every command takes for it."""
-    return read_measurement(file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing)  # type: ignore[arg-type]
+    return read_measurement(
+        file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
+        channel=channel, columns=_one_or_pair(columns),
+    )  # fmt: skip
 
 
 def _one_or_pair(text: str | None) -> Any:

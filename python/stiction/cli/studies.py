@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import contextlib
 import sys
-import tomllib
 import warnings
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 
-from stiction import __version__
-from stiction.cli.application import INTERRUPTED, app, say
+from stiction._core import __version__
+from stiction._text import named
+from stiction._units import shortened
+from stiction.cli.application import INTERRUPTED, app, say, tell
 from stiction.cli.measured import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
-from stiction.studies.runner import available_cores, run
-from stiction.studies.study import Study, StudyError, differences, study_names
+from stiction.studies.executors import threads
+from stiction.studies.processes import processes
+from stiction.studies.runner import run
+from stiction.studies.study import Study, StudyError, differences, study_names, toml
 
 RESULT = "result.zarr"
 
@@ -27,7 +30,7 @@ Workers = Annotated[
 ]
 Cluster = Annotated[
     int | None,
-    typer.Option("--cluster", metavar="N", min=1, help="Worker processes of a local Dask cluster.", show_default=False),
+    typer.Option("--cluster", metavar="N", min=1, help="Worker processes on this machine.", show_default=False),
 ]
 Scheduler = Annotated[
     str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, as in tcp://host:8786.")
@@ -90,20 +93,32 @@ def claims_command(
         ("variants.md", tables.variants_markdown(others)),
     ):
         (output / file).write_text(text, encoding="utf-8")
-        typer.echo(f"wrote {output / file}")
-    typer.echo(tables.claims_text(outcomes), nl=False)
+        tell(f"wrote {output / file}")
+    tell(tables.claims_text(outcomes))
 
 
 @app.command()
-def plot(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
+def plot(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the figures go.", show_default="DIR")
+    ] = None,
+) -> None:
     """Draw the results of a study again, or what is finished of them; or those of a pair."""
     from stiction.studies import store
 
-    if (result := paired(directory)) is not None:
-        draw_pair(result, directory)
-        return
-
-    _draw(store.read(directory / RESULT), directory)
+    result = paired(directory)
+    dataset = store.read(_stored(directory)) if result is None else None
+    if output is not None:
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StudyError(f"{named(output)}: cannot be written: {error.strerror or error}") from None
+    where = directory if output is None else output
+    if result is None:
+        _draw(dataset, where)
+    else:
+        draw_pair(result, where)
 
 
 @app.command()
@@ -119,8 +134,8 @@ def report(
     from stiction.views.report import save_report
 
     path = output if output is not None else directory / "report.html"
-    save_report(store.read(directory / RESULT), path)
-    typer.echo(f"wrote {path}")
+    save_report(store.read(_stored(directory)), path)
+    tell(f"wrote {path}")
 
 
 @app.command()
@@ -131,18 +146,15 @@ def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a 
     if (result := paired(directory)) is not None:
         show_pair(result)
         return
-
-    kept = store.info(directory / RESULT)
+    kept = store.info(_stored(directory))
     changes = [f"{key} = {value}" for key, _, value in differences(Study(), kept.study)]
-    typer.echo(
-        "study        " + "\n             ".join(["the defaults, but", *changes] if changes else ["the defaults"])
-    )
-    typer.echo(f"repetitions  {kept.finished} of {kept.study.ensemble.repetitions} finished")
-    typer.echo(f"size         {kept.size / 2**20:.1f} MiB")
-    typer.echo("versions     " + ", ".join(f"{name} {version}" for name, version in kept.versions.items()))
+    tell("study        " + "\n             ".join(["the defaults, but", *changes] if changes else ["the defaults"]))
+    tell(f"repetitions  {kept.finished} of {kept.study.ensemble.repetitions} finished")
+    tell(f"size         {kept.size / 2**20:.1f} MiB")
+    tell("versions     " + ", ".join(f"{name} {version}" for name, version in kept.versions.items()))
     if kept.finished:
         with warnings.catch_warnings(action="ignore"):  # that it is not finished stands above
-            dataset = store.read(directory / RESULT)
+            dataset = store.read(_stored(directory))
         _show_validity(dataset)
 
 
@@ -152,11 +164,11 @@ def _show_validity(dataset: Any) -> None:
     approaches = dataset["approach"].values
     shown = sorted({0, approaches.size // 2, approaches.size - 1})
     titles = [f"at {1000 * approaches[index]:.3g} nm" for index in shown]
-    typer.echo(f"{'validity':<24}" + "".join(f"{title:>18}" for title in titles))
+    tell(f"{'validity':<24}" + "".join(f"{title:>18}" for title in titles))
     for name, figure in figures.items():
         columns = (figure.isel(approach=index).values for index in shown)
         ranges = "".join(f"{_range(column[~np.isnan(column)]):>18}" for column in columns)
-        typer.echo(f"  {name.replace('_', ' '):<22}{ranges}")
+        tell(f"  {name.replace('_', ' '):<22}{ranges}")
 
 
 def _range(values: Any) -> str:
@@ -173,8 +185,8 @@ def export(
     from stiction.studies import store
 
     result = paired(directory)
-    exports.export(store.read(directory / RESULT) if result is None else result, file)
-    typer.echo(f"wrote {file}")
+    exports.export(store.read(_stored(directory)) if result is None else result, file)
+    tell(f"wrote {file}")
 
 
 @app.command()
@@ -183,10 +195,10 @@ def studies(
 ) -> None:
     """List the built-in studies, or print one as a study file."""
     if name is not None:
-        typer.echo(Study.named(name).to_toml(), nl=False)
+        tell(Study.named(name).to_toml())
         return
     for each in study_names():
-        typer.echo(each)
+        tell(each)
 
 
 def _executor(
@@ -194,11 +206,20 @@ def _executor(
 ) -> contextlib.AbstractContextManager[Executor]:
     if sum(choice is not None for choice in (workers, cluster, scheduler)) > 1:
         raise StudyError("--workers, --cluster and --scheduler exclude each other")
-    if cluster is not None or scheduler is not None:
-        from stiction.studies import cluster as clusters
+    if cluster is not None:
+        return processes(cluster)
+    if scheduler is not None:
+        from stiction.studies.cluster import connected
 
-        return clusters.local(cluster) if cluster is not None else clusters.connected(str(scheduler))
-    return ThreadPoolExecutor(max_workers=workers or available_cores())
+        return connected(scheduler)
+    return threads(workers)
+
+
+def _stored(directory: Path) -> Path:
+    """The store of a study that was written to a directory."""
+    if not directory.exists():
+        raise StudyError(f"{named(directory)}: no such directory")
+    return directory / RESULT
 
 
 def _result(study: Study, directory: Path, executor: Executor) -> Any:
@@ -206,7 +227,7 @@ def _result(study: Study, directory: Path, executor: Executor) -> Any:
     from stiction.studies import store
 
     if directory.is_file():
-        raise StudyError(f"{directory} is a file; say where the results shall go with --output DIR")
+        raise StudyError(f"{named(directory)} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
     stored = store.info(path).finished if path.exists() else 0
     try:
@@ -217,11 +238,11 @@ def _result(study: Study, directory: Path, executor: Executor) -> Any:
         raise typer.Exit(INTERRUPTED) from None
     total = study.ensemble.repetitions
     if stored < total:
-        typer.echo(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
+        tell(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
     else:
         computed_by = dataset.attrs["stiction_version"]
         by = "" if computed_by == __version__ else f", computed by stiction {computed_by}"
-        typer.echo(f"{path} holds this study already{by}; drawing it again")
+        tell(f"{path} holds this study already{by}; drawing it again")
     return dataset
 
 
@@ -239,7 +260,7 @@ def _draw(dataset: Any, directory: Path) -> None:
     from stiction.views.figures import save_figures
 
     for path in save_figures(dataset, directory):
-        typer.echo(f"wrote {path}")
+        tell(f"wrote {path}")
 
 
 def _study(name_or_file: str) -> Study:
@@ -256,7 +277,7 @@ def _changes(assignments: list[str]) -> dict[str, Any]:
     for assignment in assignments:
         key, equals, value = assignment.partition("=")
         if not equals or not key.strip():
-            raise StudyError(f"--set needs KEY=VALUE, as in ensemble.repetitions=10, got {assignment!r}")
+            raise StudyError(f"--set needs KEY=VALUE, as in ensemble.repetitions=10, got {shortened(assignment)}")
         changes[key.strip()] = _value(value.strip())
     return changes
 
@@ -264,7 +285,7 @@ def _changes(assignments: list[str]) -> dict[str, Any]:
 def _value(text: str) -> Any:
     """A TOML value; what is none is a string, so that quantities need no quotes of their own."""
     try:
-        parsed = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
+        parsed = toml(f"value = {text}")
+    except ValueError:
         return text
     return parsed["value"] if len(parsed) == 1 else text

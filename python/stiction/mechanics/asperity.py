@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import stiction._core
 from stiction._checks import Floats, choice, read_only
-from stiction.surfaces.fractal import Side
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, Side
 
 
 @dataclass(frozen=True, eq=False)

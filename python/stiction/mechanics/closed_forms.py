@@ -5,11 +5,19 @@ Plain NumPy, independent of the core. Every argument broadcasts.
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
+import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array
+from stiction._checks import Floats, choice, float_array
 from stiction.mechanics.friction import friction_parameter
+
+Sliding = Literal["opposing", "all"]
+
+_BISECTIONS = 64
+"""Of the logarithm of an aspect ratio, to the last bit."""
 
 
 def _positive(**arguments: ArrayLike) -> list[Floats]:
@@ -87,6 +95,79 @@ def hertz_cylinder(
     return np.asarray(np.pi * e * w * half_width**2 / (4 * r)), np.asarray(2 * half_width * w)
 
 
+def hertz_line(
+    load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
+) -> tuple[Floats, Floats]:
+    """Half-width (µm) and peak pressure (GPa) of parallel cylinders: a² = 4 F R/(π E* w) and 2 F/(π a w).
+
+    Parameters
+    ----------
+    load : array_like of float, mN
+    radius, width : array_like of float, µm
+        1/R = 1/R_u + 1/R_l; the length of the cylinders.
+    effective_modulus : array_like of float, GPa
+
+    Notes
+    -----
+    Johnson, Contact Mechanics (1985), eqs. 4.43-4.45. The pressure is that of the peak times sqrt(1 - (x/a)²).
+
+    Examples
+    --------
+    >>> from stiction import hertz_line
+    >>> half_width, peak = hertz_line(load=1.0, radius=1.0, effective_modulus=10.0)
+    >>> half_width.round(4), peak.round(4)
+    (np.float64(0.3568), np.float64(1.7841))
+    """
+    f, r, e, w = _positive(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
+    half_width = np.sqrt(4 * f * r / (np.pi * e * w))
+    return np.asarray(half_width), np.asarray(2 * f / (np.pi * half_width * w))
+
+
+def hertz_ellipse(
+    overlap: ArrayLike, radius_1: ArrayLike, radius_2: ArrayLike, effective_modulus: ArrayLike
+) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
+    """Force (mN), area (µm²) and semi-axes (µm) of the elliptic contact of bodies with two relative radii.
+
+    Parameters
+    ----------
+    overlap : array_like of float, µm
+    radius_1, radius_2 : array_like of float, µm
+        Of the gap along its two principal directions; the semi-axes are along the same.
+    effective_modulus : array_like of float, GPa
+
+    Notes
+    -----
+    Johnson, Contact Mechanics (1985), section 4.2. With κ1 <= κ2 the curvatures, k = b/a, m = 1 - k², and K and E the
+    complete elliptic integrals of m: κ1/κ2 = k² (K - E)/(E - k² K), a² = 2 d (K - E)/(κ1 K m), F = 2/3 π a d E*/K. The
+    differences are Carlson's R_D, so that nothing cancels.
+
+    Examples
+    --------
+    >>> from stiction import hertz_ellipse
+    >>> force, area, (first, second) = hertz_ellipse(0.25, 1.0, 1.0, 3.0)  # a sphere
+    >>> force.round(12), (area / (first * second)).round(4)
+    (np.float64(0.5), np.float64(3.1416))
+    """
+    d, r1, r2, e = np.broadcast_arrays(
+        *_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
+    )
+    larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
+    ratio = smaller / larger  # of the curvatures, the smaller over the larger
+    # R_D(0, k², 1)/R_D(0, 1, k²) grows with k, and lies below k.
+    low, high = np.log(ratio), np.zeros(ratio.shape)
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        square = np.exp(2 * middle)
+        above = scipy.special.elliprd(0, square, 1) > ratio * scipy.special.elliprd(0, 1, square)
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    aspect = np.where(ratio == 1, 1.0, np.exp(0.5 * (low + high)))
+    complete = scipy.special.ellipkm1(aspect**2)
+    major = np.sqrt(2 / 3 * d * larger * scipy.special.elliprd(0, aspect**2, 1) / complete)
+    minor = aspect * major
+    first, second = np.where(r1 >= r2, major, minor), np.where(r1 >= r2, minor, major)
+    return np.asarray(2 / 3 * np.pi * major * d * e / complete), np.asarray(np.pi * major * minor), (first, second)
+
+
 def slope_friction(
     slope_angle: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike = 0.0, mean_pressure: ArrayLike | None = None
 ) -> Floats:
@@ -150,3 +231,124 @@ def westergaard_contact_fraction(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / (np.pi * e * d / wave), 1))))
+
+
+def westergaard_pressure(
+    x: ArrayLike,
+    mean_pressure: ArrayLike,
+    *,
+    amplitude: ArrayLike,
+    wavelength: ArrayLike,
+    effective_modulus: ArrayLike,
+) -> Floats:
+    """Pressure (GPa) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 out of contact.
+
+    Parameters
+    ----------
+    x : array_like of float, µm
+    mean_pressure, amplitude, wavelength, effective_modulus
+        As for `westergaard_contact_fraction`.
+
+    Notes
+    -----
+    2 p̄ cos ψ / sin² ψ_a (sin² ψ_a - sin² ψ)^(1/2) with ψ = πx/λ and sin² ψ_a = p̄/p*; p̄ + p* cos 2ψ from p* on.
+    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8.
+    """
+    sine, cosine, p, full, _ = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    share = np.minimum(p / full, 1)
+    partial = 2 * full * np.abs(cosine) * np.sqrt(np.maximum(share - sine**2, 0))
+    return np.asarray(np.where(p < full, partial, p + full * (1 - 2 * sine**2)))
+
+
+def westergaard_gap(
+    x: ArrayLike,
+    mean_pressure: ArrayLike,
+    *,
+    amplitude: ArrayLike,
+    wavelength: ArrayLike,
+    effective_modulus: ArrayLike,
+) -> Floats:
+    """Gap (µm) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 in contact.
+
+    Parameters
+    ----------
+    x : array_like of float, µm
+    mean_pressure, amplitude, wavelength, effective_modulus
+        As for `westergaard_contact_fraction`.
+
+    Notes
+    -----
+    With s = |sin(πx/λ)| and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its slope,
+    4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
+    """
+    sine, _, p, full, d = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    edge = np.sqrt(np.minimum(p / full, 1))
+    s = np.maximum(np.abs(sine), edge)
+    return np.asarray(2 * d * (s * np.sqrt(s**2 - edge**2) - edge**2 * np.arccosh(s / edge)))
+
+
+def _wave(
+    x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Sine and cosine of πx/λ, mean pressure, pressure of full contact, amplitude."""
+    p, d, wave, e = _positive(
+        mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
+    )
+    phase = np.pi * float_array("x", x) / wave
+    return np.asarray(np.sin(phase)), np.asarray(np.cos(phase)), p, np.asarray(np.pi * e * d / wave), d
+
+
+def gentle_friction(
+    mu0: ArrayLike,
+    tau0: ArrayLike = 0.0,
+    *,
+    rms_gradient: ArrayLike,
+    rms_slope: ArrayLike | None = None,
+    effective_modulus: ArrayLike = 10.0,
+    kappa: ArrayLike = 2.2,
+    sliding: Sliding = "opposing",
+) -> Floats:
+    """Friction coefficient of gentle, independent and equally rough surfaces on an elastic half-space, lightly loaded.
+
+    Parameters
+    ----------
+    mu0 : array_like of float
+        Molecular friction coefficient.
+    tau0 : array_like of float, GPa
+        Adhesive shear strength.
+    rms_gradient : array_like of float
+        h' of the gap, over all directions; on a line its root-mean-square slope.
+    rms_slope : array_like of float, optional
+        g_s of the gap along the motion: h'/sqrt(2) where isotropic, which is what None means; h' on a line.
+    effective_modulus : array_like of float, GPa
+    kappa : array_like of float
+        A E* h'/F: 2.1 to 2.4 on Gaussian areas at light load.
+    sliding : {"opposing", "all"}
+        Whether only contacts rub whose force opposes the motion, or all.
+
+    Returns
+    -------
+    ndarray
+        NaN where the contact locks itself, m S >= 1.
+
+    Notes
+    -----
+    With m = mu0 + κ tau0/(E* h') and S = g_s/(2 sqrt(2π)): half of the load leans against the motion, at a mean slope S
+    each, so that mu_s = (m/2 + S)/(1 - m S). Where all contacts rub, mu_s = m.
+
+    Examples
+    --------
+    >>> from stiction import gentle_friction
+    >>> gentle_friction(0.4, rms_gradient=[0.041, 0.41]).round(3)
+    array([0.206, 0.264])
+    """
+    mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
+    gradient, modulus, factor = _positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
+    slope = gradient / np.sqrt(2) if rms_slope is None else _positive(rms_slope=rms_slope)[0]
+    choice("sliding", sliding, Sliding)
+    m = mu + factor * tau / (modulus * gradient)
+    mean = slope / (2 * np.sqrt(2 * np.pi))
+    if sliding == "all":
+        return np.asarray(np.broadcast_arrays(m, mean)[0].copy())
+    free = m * mean < 1
+    return np.divide(m / 2 + mean, 1 - m * mean, out=np.full(free.shape, np.nan), where=free)

@@ -1,4 +1,4 @@
-"""Many processes or machines, by Dask: executors for `run`, and its failures as errors of ours."""
+"""Many machines, by Dask: an executor for `run`, and its failures as errors of ours."""
 
 from __future__ import annotations
 
@@ -8,32 +8,15 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from typing import Any
 
+from stiction._text import LONGEST_NAME, printable
+from stiction._units import shortened
+
 PATIENCE = "15s"
 """For a scheduler to answer."""
 
 
 class ClusterError(ValueError):
     """A cluster that is not there, or cannot compute."""
-
-
-@contextlib.contextmanager
-def local(workers: int) -> Iterator[Executor]:
-    """Worker processes on this machine, one thread each; one that dies is replaced.
-
-    Raises
-    ------
-    ClusterError
-        If distributed is not installed, or the workers keep dying.
-    """
-    distributed = _distributed()
-    with (
-        distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
-        ) as cluster,
-        distributed.Client(cluster) as client,
-        _failures(distributed),
-    ):
-        yield client.get_executor()
 
 
 @contextlib.contextmanager
@@ -47,11 +30,13 @@ def connected(address: str) -> Iterator[Executor]:
     """
     distributed = _distributed()
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
-        raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {address!r}")
+        raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {shortened(address)}")
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        raise ClusterError(f"no Dask scheduler answers at {address!r}: {str(error).splitlines()[0]}") from None
+        raise ClusterError(
+            f"no Dask scheduler answers at {shortened(address)}: {printable(str(error).splitlines()[0], LONGEST_NAME)}"
+        ) from None
     with client, _failures(distributed):
         yield client.get_executor()
 

@@ -1,6 +1,6 @@
 """95 % intervals of means: over independent repetitions at a load, and over the positions of a traverse.
 
-What they cover, and how wide they are beside the best that is possible, is measured by docs/intervals.py.
+What they cover, and how wide they are beside the best that is possible, is measured by docs/scripts/intervals.py.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ CONFIDENCE = 0.95
 
 # ---- Over repetitions ------------------------------------------------------------------------------------------------
 
-_AROUND = 4
+AROUND = 4
 """Steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise."""
 
 
@@ -65,9 +65,9 @@ def of_ratio_at_load(normal: Floats, values: Floats, crossing: Crossing, loads: 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
     """(l,): least-squares slope of mean values (k,) against mean normal loads (k,) over the steps around an index."""
-    first = np.maximum(index - 1 - _AROUND, 0)[:, np.newaxis]
-    last = np.minimum(index + _AROUND, normal.size - 1)[:, np.newaxis]
-    steps = first + np.arange(2 * _AROUND + 2)
+    first = np.maximum(index - 1 - AROUND, 0)[:, np.newaxis]
+    last = np.minimum(index + AROUND, normal.size - 1)[:, np.newaxis]
+    steps = first + np.arange(2 * AROUND + 2)
     inside = steps <= last
     steps = np.minimum(steps, last)
     count = inside.sum(axis=1, keepdims=True)

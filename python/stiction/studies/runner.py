@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import collections
 import contextlib
 import functools
 import itertools
-import os
 import queue
 import socket
 import threading
-from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from collections.abc import Generator
+from concurrent.futures import Executor, Future
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +20,9 @@ from stiction._checks import Floats
 from stiction._core import __version__
 from stiction.mechanics.contact import press
 from stiction.mechanics.quantities import SUMS
+from stiction.studies.executors import given_or_threads, progress_bar
+from stiction.studies.pairs import ProfileGenerator
 from stiction.studies.study import Study, StudyError, study_from_text
-from stiction.surfaces.fractal import Side, fill_family, random_phases
 from stiction.surfaces.profile import scaled_profile
 
 if TYPE_CHECKING:
@@ -33,9 +32,6 @@ Sums = dict[str, NDArray[Any]]
 
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time."""
-
-MOST_AHEAD = 16
-"""The same, where arguments are whole profiles."""
 
 FAMILY_MEMORY = 64_000_000
 """Bytes of each body's profiles that a task holds at a time, so that its memory does not grow with the study."""
@@ -47,7 +43,8 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     amplitudes = study.surfaces.amplitudes()
     approaches = study.contact.approaches()
     model = study.contact.model()
-    spacing = float(study.surfaces.extent) / study.surfaces.points
+    generator = ProfileGenerator.of(study)
+    spacing = generator.spacing
     measure = study.surfaces.amplitude_measure
     shape = (dimensions.size, amplitudes.size, approaches.size)
     sums: Sums = {name: np.empty(shape, np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
@@ -57,8 +54,8 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
         uppers, lowers = memory[0, : family.size], memory[1, : family.size]
-        _fill(uppers, study, repetition, "upper", family)
-        _fill(lowers, study, repetition, "lower", family)
+        generator.fill(uppers, family, repetition, "upper")
+        generator.fill(lowers, family, repetition, "lower")
         for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
             for a, amplitude in enumerate(amplitudes):
                 curve = press(
@@ -104,27 +101,6 @@ def _memory(shape: tuple[int, ...]) -> Floats:
     return memory
 
 
-def _fill(heights: Floats, study: Study, repetition: int, side: Side, dimensions: Floats) -> None:
-    surfaces = study.surfaces
-    phases = random_phases(
-        study.ensemble.seed,
-        repetition=repetition,
-        side=side,
-        directions=surfaces.directions,
-        frequencies=surfaces.frequencies,
-    )
-    fill_family(
-        heights,
-        phases,
-        dimensions,
-        length_scale=float(surfaces.length_scale),
-        gamma=surfaces.gamma,
-        extent=float(surfaces.extent),
-        convention=surfaces.convention,
-        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-    )
-
-
 def run(
     study: Study,
     *,
@@ -164,8 +140,8 @@ def run(
         kept = None if store is None else stack.enter_context(opened(store, study))
         result = empty_dataset(study) if kept is None else kept.result
         finished = frozenset() if kept is None else kept.finished
-        pool = stack.enter_context(_executor(executor))
-        advance = stack.enter_context(_progress_bar("repetitions", study.ensemble.repetitions, len(finished), progress))
+        pool = stack.enter_context(given_or_threads(executor))
+        advance = stack.enter_context(progress_bar("repetitions", study.ensemble.repetitions, len(finished), progress))
         # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
         for repetition, sums in stack.enter_context(contextlib.closing(_computed(study, finished, pool))):
             if kept is not None:
@@ -174,48 +150,6 @@ def run(
                 result[name].values[:, :, repetition, :] = values
             advance()
     return result
-
-
-_Argument = TypeVar("_Argument")
-_Result = TypeVar("_Result")
-
-
-def in_order(
-    function: Callable[[_Argument], _Result],
-    arguments: Iterable[_Argument],
-    *,
-    total: int,
-    what: str,
-    executor: Executor | None,
-    progress: bool,
-) -> Generator[_Result]:
-    """The results of a function, in the order of its arguments, of which some are submitted at a time."""
-    with _executor(executor) as pool, _progress_bar(what, total, 0, progress) as advance:
-        rest = iter(arguments)
-        waiting = collections.deque(pool.submit(function, each) for each in itertools.islice(rest, MOST_AHEAD))
-        try:
-            while waiting:
-                result = waiting.popleft().result()
-                waiting.extend(pool.submit(function, each) for each in itertools.islice(rest, 1))
-                advance()
-                yield result
-        finally:
-            for future in waiting:
-                future.cancel()
-
-
-@contextlib.contextmanager
-def _executor(given: Executor | None) -> Iterator[Executor]:
-    if given is not None:
-        yield given  # its owner shuts it down
-    else:
-        with ThreadPoolExecutor(max_workers=available_cores()) as own:
-            yield own
-
-
-def available_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Generator[tuple[int, Sums]]:
@@ -238,36 +172,3 @@ def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Generat
     finally:
         for future in waiting:
             future.cancel()
-
-
-@contextlib.contextmanager
-def _progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[[], None]]:
-    if not wanted:
-        yield lambda: None
-        return
-    from importlib.util import find_spec
-
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    columns = (
-        TextColumn(what),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("elapsed"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
-    in_notebook = None if find_spec("ipywidgets") else False
-    with Progress(*columns, console=Console(stderr=True, force_jupyter=in_notebook)) as bar:
-        task = bar.add_task("", total=total, completed=finished)
-        yield lambda: bar.advance(task)

@@ -11,10 +11,9 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import warnings
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,9 +23,11 @@ import xarray
 from numpy.typing import NDArray
 
 from stiction._core import __version__
+from stiction._files import NotReadableError, content, reason, replace
+from stiction._text import named, printable
 from stiction.mechanics.quantities import SUMS
 from stiction.studies.dataset import empty_dataset
-from stiction.studies.files import (
+from stiction.studies.layout import (
     COMPLETE,
     METADATA,
     PARTIAL,
@@ -36,10 +37,12 @@ from stiction.studies.files import (
     chunk,
     decoded,
     encoded,
+    is_known,
+    is_left_behind,
     layout,
-    replace,
+    metadata,
 )
-from stiction.studies.lock import locked
+from stiction.studies.lock import locked, locked_directory
 from stiction.studies.study import Study, StudyError, differences, study_of
 
 _CHECKED = ("data_type", "chunk_grid", "chunk_key_encoding", "fill_value", "dimension_names", "attributes")
@@ -84,14 +87,15 @@ def read(path: str | Path) -> xarray.Dataset:
     """
     path = Path(path)
     root = _Root.of(path, path)
-    _check_metadata(path, root.study)
+    _check_metadata(path, path, root.study)
     finished = _finished(path, path, root.study)
     total = root.study.ensemble.repetitions
     if not finished:
-        raise StoreError(f"{path}: none of its {total} repetitions is finished yet")
+        raise StoreError(f"{named(path)}: none of its {total} repetitions is finished yet")
     if len(finished) < total:
         warnings.warn(
-            f"{path}: {len(finished)} of {total} repetitions are finished; the result has only those", stacklevel=2
+            f"{named(path)}: {len(finished)} of {total} repetitions are finished; the result has only those",
+            stacklevel=2,
         )
     return _loaded(path, path, root, finished, finished)
 
@@ -118,7 +122,7 @@ def info(path: str | Path) -> StoreInfo:
         root.study,
         len(_finished(path, path, root.study)),
         size,
-        {name: str(root.attributes.get(attribute, "unknown")) for name, attribute in names.items()},
+        {name: printable(root.attributes.get(attribute, "unknown")) for name, attribute in names.items()},
     )
 
 
@@ -134,41 +138,67 @@ class _Root:
     def of(cls, path: Path, shown: Path) -> _Root:
         """Of a store that messages call by the name it was given."""
         try:
-            metadata = json.loads((path / METADATA).read_bytes())
+            said = metadata(path / METADATA)
         except (FileNotFoundError, NotADirectoryError):
-            raise StoreError(f"{shown}: is not a result of stiction: there is no {METADATA} in it") from None
+            raise StoreError(f"{named(shown)}: is not a result of stiction: there is no {METADATA} in it") from None
         except OSError as error:
-            raise StoreError(f"{shown}: cannot be read: {error.strerror or error}") from None
-        except (ValueError, RecursionError):
-            raise StoreError(f"{shown}: is not a result of stiction, or is damaged: {METADATA}") from None
-        attributes = metadata.get("attributes") if isinstance(metadata, dict) else None
-        if not isinstance(attributes, dict) or "stiction_schema" not in attributes:
-            raise StoreError(f"{shown}: is not a result of stiction, or is damaged: {METADATA} does not say what it is")
-        schema, version = attributes["stiction_schema"], attributes.get("stiction_version")
-        if isinstance(schema, int) and schema > SCHEMA:
+            raise StoreError(f"{named(shown)}: cannot be read: {reason(error)}") from None
+        except DecodingError as error:
             raise StoreError(
-                f"{shown}: has schema {schema}, written by stiction {version}; "
+                f"{named(shown)}: is not a result of stiction, or is damaged: {METADATA}: {error}"
+            ) from None
+        attributes = said.get("attributes")
+        if not isinstance(attributes, dict) or type(attributes.get("stiction_schema")) is not int:
+            raise StoreError(
+                f"{named(shown)}: is not a result of stiction, or is damaged: {METADATA} does not say what it is"
+            )
+        schema, version = attributes["stiction_schema"], printable(attributes.get("stiction_version"))
+        if schema > SCHEMA:
+            raise StoreError(
+                f"{named(shown)}: has schema {printable(schema)}, written by stiction {version}; "
                 f"this is stiction {__version__}, which knows schemas up to {SCHEMA}"
             )
         if attributes.get("checksum") != checksum(attributes):
-            raise StoreError(f"{shown}: is damaged: {METADATA} is not what was written")
+            raise StoreError(f"{named(shown)}: is damaged: {METADATA} is not what was written")
         try:
-            return cls(attributes, study_of(xarray.Dataset(attrs=attributes)), str(version))
+            root = cls(attributes, study_of(xarray.Dataset(attrs=attributes)), str(attributes.get("stiction_version")))
         except StudyError as error:
-            raise StoreError(f"{shown}: its study, of stiction {version}, cannot be read: {error}") from None
+            raise StoreError(f"{named(shown)}: its study, of stiction {version}, cannot be read: {error}") from None
+        try:
+            _check_kinds(path, shown)
+        except OSError as error:
+            raise StoreError(f"{named(shown)}: cannot be read: {reason(error)}") from None
+        return root
 
 
-def _check_metadata(path: Path, study: Study) -> None:
+def _folders() -> list[str]:
+    """Directories of a store."""
+    return [*map(str, empty_dataset(Study(), []).variables), COMPLETE]
+
+
+def _check_kinds(path: Path, shown: Path) -> None:
+    """That nothing which is read or written by its name leads out of the store."""
+    for folder in _folders():
+        for name, kind in ((folder, Path.is_dir), (f"{folder}/{METADATA}", Path.is_file)):
+            file = path / name
+            if os.path.lexists(file) and (file.is_symlink() or not kind(file)):
+                raise StoreError(
+                    f"{named(shown)}: is damaged: {name} is a link, or not a "
+                    f"{'directory' if kind is Path.is_dir else 'regular file'}"
+                )
+
+
+def _check_metadata(path: Path, shown: Path, study: Study) -> None:
     for name, expected in layout(empty_dataset(study, [])).items():
         if not name.endswith(f"/{METADATA}"):
             continue
         try:
-            stored = json.loads((path / name).read_bytes())
-        except (OSError, ValueError, RecursionError):
-            stored = None
+            stored = metadata(path / name)
+        except (OSError, DecodingError):
+            stored = {}
         wanted = json.loads(expected)
-        if not isinstance(stored, dict) or any(stored.get(key) != wanted[key] for key in _CHECKED):
-            raise StoreError(f"{path}: is damaged: {name}; running its study on it again writes that anew")
+        if any(stored.get(key) != wanted[key] for key in _CHECKED):
+            raise StoreError(f"{named(shown)}: is damaged: {name}; running its study on it again writes that anew")
 
 
 def _finished(path: Path, shown: Path, study: Study) -> list[int]:
@@ -176,7 +206,7 @@ def _finished(path: Path, shown: Path, study: Study) -> list[int]:
     try:
         files = os.listdir(path / COMPLETE)
     except OSError as error:
-        raise StoreError(f"{shown}: is damaged: {COMPLETE}: {error.strerror or error}") from None
+        raise StoreError(f"{named(shown)}: is damaged: {COMPLETE}: {error.strerror or error}") from None
     numbers = sorted(int(match[1]) for file in files if (match := re.fullmatch(r"c\.(0|[1-9][0-9]{0,17})", file)))
     return [
         repetition
@@ -224,11 +254,11 @@ def _coordinate(path: Path, name: str, expected: xarray.Variable) -> NDArray[Any
 
 
 def _damage(shown: Path, file: str, repetition: int, error: Exception) -> StoreError:
-    reason = error.strerror if isinstance(error, OSError) else error
+    why = reason(error) if isinstance(error, OSError) else error
+    flag = shown / COMPLETE / f"c.{repetition}"
     return StoreError(
-        f"{shown}: is damaged: {file}: {reason}\n"
-        f"to have repetition {repetition} computed again, remove {shown / COMPLETE / f'c.{repetition}'} and run its "
-        "study on it again"
+        f"{named(shown)}: is damaged: {file}: {why}\n"
+        f"to have repetition {repetition} computed again, remove {named(flag)} and run its study on it again"
     )
 
 
@@ -265,12 +295,14 @@ class Store:
         self.check_is_there()
         try:
             for name in SUMS:
-                replace(self._path / name / chunk(repetition), encoded(sums[name]))
-            replace(self._path / COMPLETE / f"c.{repetition}", encoded(np.ones(1, np.bool_)))
+                file = self._path / name / chunk(repetition)
+                replace(file, encoded(file, sums[name]))
+            flag = self._path / COMPLETE / f"c.{repetition}"
+            replace(flag, encoded(flag, np.ones(1, np.bool_)))
         except OSError as error:
             self.check_is_there()
             raise StoreError(
-                f"{self._shown}: cannot be written: {error.strerror or error}\n{self._saved} of "
+                f"{named(self._shown)}: cannot be written: {reason(error)}\n{self._saved} of "
                 f"{self.result.sizes['repetition']} repetitions are finished and kept; running the study on it again "
                 "continues from there"
             ) from None
@@ -283,12 +315,14 @@ class Store:
                 return
         except OSError:
             pass
-        raise StoreError(f"{self._shown}: was removed or replaced while it was being written")
+        raise StoreError(f"{named(self._shown)}: was removed or replaced while it was being written")
 
 
 @contextmanager
 def opened(path: str | Path, study: Study) -> Iterator[Store]:
     """Open the store of a study for writing: a new one, or one that holds some or all of its repetitions.
+
+    One that holds all of them need not be writeable.
 
     Raises
     ------
@@ -300,25 +334,25 @@ def opened(path: str | Path, study: Study) -> Iterator[Store]:
     with _written(shown):
         real = shown.resolve()
         real.parent.mkdir(parents=True, exist_ok=True)
-    with _lock(real, shown):
+    with ExitStack() as locks:
         with _written(shown):
-            store = _opened(real, shown, study)
+            try:
+                _enter(locks, locked(real.with_name(f"{real.name}.lock")), shown)
+            except OSError:
+                store = _whole(real, shown, study)
+                if store is None:
+                    raise
+            else:
+                store = _opened(real, shown, study, locks)
         yield store
         store.check_is_there()
 
 
-@contextmanager
-def _lock(real: Path, shown: Path) -> Iterator[None]:
-    lock = locked(real.with_name(f"{real.name}.lock"))
-    with _written(shown):
-        try:
-            lock.__enter__()
-        except BlockingIOError:
-            raise StoreError(f"{shown}: somebody else is writing it") from None
+def _enter(locks: ExitStack, lock: AbstractContextManager[None], shown: Path) -> None:
     try:
-        yield
-    finally:
-        lock.__exit__(None, None, None)
+        locks.enter_context(lock)
+    except BlockingIOError:
+        raise StoreError(f"{named(shown)}: somebody else is writing it") from None
 
 
 @contextmanager
@@ -326,63 +360,135 @@ def _written(shown: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link to itself
-        raise StoreError(f"{shown}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
+        raise StoreError(f"{named(shown)}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _opened(path: Path, shown: Path, study: Study) -> Store:
+def _whole(path: Path, shown: Path, study: Study) -> Store | None:
+    """A store that nothing is to be written to; None if something is."""
+    if not path.is_dir():
+        return None
+    root = _Root.of(path, shown)
+    finished = _finished(path, shown, root.study)
+    if len(finished) < study.ensemble.repetitions:
+        return None
+    _check_metadata(path, shown, root.study)
+    return Store(path, shown, _loaded_as(path, shown, root, finished, study), finished)
+
+
+def _opened(path: Path, shown: Path, study: Study, locks: ExitStack) -> Store:
     partial = path.with_name(f"{path.name}{PARTIAL}")
-    if os.path.lexists(partial):
-        shutil.rmtree(partial)
+    removed = []  # nothing is, before all that may be refused has been looked at
     if os.path.lexists(path):
+        if path.is_dir():
+            _enter(locks, locked_directory(path), shown)
         root = _Root.of(path, shown)
         finished = _finished(path, shown, root.study)
         if finished:
             return _continued(path, shown, root, finished, study)
-        path.rename(partial)  # whatever it was to be: there is nothing in it
-        shutil.rmtree(partial)
+        _files_of(path, shown)  # whatever it was to be: there is nothing in it
+        removed.append(path)
     result = empty_dataset(study)
-    _begin(path, partial, result)
+    files = layout(result)
+    if os.path.lexists(partial):
+        _files_of(partial, partial)
+        _enter(locks, locked_directory(partial), shown)
+        removed.append(partial)
+    for directory in reversed(removed):
+        if directory == path:
+            path.rename(partial)
+        for each in _files_of(partial, shown):
+            each.rmdir() if each.is_dir() else each.unlink()
+    _begin(path, partial, files, shown, locks)
     return Store(path, shown, result, ())
 
 
-def _begin(path: Path, partial: Path, dataset: xarray.Dataset) -> None:
+def _files_of(store: Path, shown: Path) -> list[Path]:
+    """Everything in a store without results, and last itself.
+
+    Raises
+    ------
+    StoreError
+        If it holds anything that was not written here.
+    """
+    found = []
+
+    def foreign(file: Path) -> StoreError:
+        return StoreError(
+            f"{named(shown)}: holds no finished repetition, but {printable(file.relative_to(store))}, which is not "
+            "of stiction; choose another place, or remove it"
+        )
+
+    if store.is_symlink() or not store.is_dir():
+        raise StoreError(f"{named(shown)}: is in the way; choose another place, or remove it")
+    folders = _folders()
+    for entry in store.iterdir():
+        if entry.is_symlink():
+            raise foreign(entry)
+        if entry.is_dir() and entry.name in folders:
+            for file in entry.iterdir():
+                if file.is_symlink() or not file.is_file() or not is_known(file.name):
+                    raise foreign(file)
+                found.append(file)
+        elif not (entry.is_file() and (entry.name == METADATA or is_left_behind(entry.name))):
+            raise foreign(entry)
+        found.append(entry)
+    return [*found, store]
+
+
+def _begin(path: Path, partial: Path, layout: Mapping[str, bytes], shown: Path, locks: ExitStack) -> None:
     """A store without any repetition, which appears at its path when it is whole."""
+    partial.mkdir()
     try:
-        for name, content in layout(dataset).items():
-            (partial / name).parent.mkdir(parents=True, exist_ok=True)
-            (partial / name).write_bytes(content)
+        _enter(locks, locked_directory(partial), shown)
+        for name, wanted in layout.items():
+            (partial / name).parent.mkdir(exist_ok=True)
+            (partial / name).write_bytes(wanted)
         partial.rename(path)
     except OSError:
-        shutil.rmtree(partial, ignore_errors=True)
+        with suppress(OSError):
+            for each in _files_of(partial, shown):
+                each.rmdir() if each.is_dir() else each.unlink()
         raise
 
 
 def _continued(path: Path, shown: Path, root: _Root, finished: list[int], study: Study) -> Store:
-    _check_study(shown, root.study, study)
-    total = study.ensemble.repetitions
-    if finished[-1] >= total:
-        raise StoreError(
-            f"{shown}: repetition {finished[-1]} is finished, and ensemble.repetitions = {total} would drop it; "
-            f"ask for at least {finished[-1] + 1}, or choose another place"
-        )
-    new = _Root(root.attributes, study, root.version)
-    result = _loaded(path, shown, new, frozenset(finished), range(total))
-    if len(finished) < total:
-        _check_same_bits(shown, new, result)
+    result = _loaded_as(path, shown, root, finished, study)
+    if len(finished) < study.ensemble.repetitions:
+        _check_same_bits(shown, _Root(root.attributes, study, root.version), result)
     _lay_out_again(path, layout(result, root.attributes))
     return Store(path, shown, result, finished)
 
 
+def _loaded_as(path: Path, shown: Path, root: _Root, finished: list[int], study: Study) -> xarray.Dataset:
+    """Every repetition of a study from a store that holds some; a StoreError if that is not of the same study."""
+    _check_study(shown, root.study, study)
+    total = study.ensemble.repetitions
+    if finished[-1] >= total:
+        raise StoreError(
+            f"{named(shown)}: repetition {finished[-1]} is finished, and ensemble.repetitions = {total} would drop it; "
+            f"ask for at least {finished[-1] + 1}, or choose another place"
+        )
+    return _loaded(path, shown, _Root(root.attributes, study, root.version), frozenset(finished), range(total))
+
+
 def _lay_out_again(path: Path, layout: Mapping[str, bytes]) -> None:
     """Bring a store to its layout, in the layout's order, and remove what a killed writer left half-written."""
-    for folder in (path, *(each for each in path.iterdir() if each.is_dir())):
-        for file in folder.glob(f"*{PARTIAL}"):
-            file.unlink()
-    for name, content in layout.items():
+    for folder in (path, *(path / each for each in _folders())):
+        for file in folder.iterdir() if folder.is_dir() else ():
+            if is_left_behind(file.name) and file.is_file() and not file.is_symlink():
+                file.unlink()
+    for name, wanted in layout.items():
         file = path / name
-        if not (file.exists() and file.read_bytes() == content):
+        if not _holds(file, wanted):
             file.parent.mkdir(exist_ok=True)
-            replace(file, content)
+            replace(file, wanted)
+
+
+def _holds(file: Path, wanted: bytes) -> bool:
+    try:
+        return content(file, len(wanted), link=False) == wanted
+    except (FileNotFoundError, NotReadableError):
+        return False
 
 
 def _check_study(shown: Path, stored: Study, asked: Study) -> None:
@@ -396,7 +502,9 @@ def _check_study(shown: Path, stored: Study, asked: Study) -> None:
         lines = [f"{key} = {_short(there)} there, {_short(here)} here" for key, there, here in differ[:4]]
         if len(differ) > 4:
             lines.append(f"... and {len(differ) - 4} more")
-        raise StoreError("\n".join([f"{shown}: holds another study; choose another place, or remove it", *lines]))
+        raise StoreError(
+            "\n".join([f"{named(shown)}: holds another study; choose another place, or remove it", *lines])
+        )
 
 
 def _short(text: str) -> str:
@@ -406,14 +514,15 @@ def _short(text: str) -> str:
 def _check_same_bits(shown: Path, root: _Root, result: xarray.Dataset) -> None:
     """Repetitions that are still to come must be those that an undisturbed run would have computed."""
     if root.version != __version__:
+        version = printable(root.version)
         raise StoreError(
-            f"{shown}: was begun by stiction {root.version} and this is {__version__}, whose results may differ; "
-            f"finish it with stiction {root.version}, or choose another place"
+            f"{named(shown)}: was begun by stiction {version} and this is {__version__}, whose results may differ; "
+            f"finish it with stiction {version}, or choose another place"
         )
     here = empty_dataset(root.study).coords
     for name in here:
         if not np.array_equal(here[name].values, result[name].values):
             raise StoreError(
-                f"{shown}: was begun on a machine or with a NumPy whose {name} differs in the last digits; "
+                f"{named(shown)}: was begun on a machine or with a NumPy whose {name} differs in the last digits; "
                 "finish it there, or choose another place"
             )

@@ -6,6 +6,7 @@ import dataclasses
 import difflib
 import itertools
 import json
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from importlib import resources
@@ -30,6 +31,8 @@ from pydantic import (
 from pydantic_core import ErrorDetails
 
 from stiction._checks import Floats
+from stiction._files import NotReadableError, content, reason
+from stiction._text import LONGEST_NAME, LONGEST_WORD, named, printable
 from stiction._units import Quantity, quantity, shortened
 from stiction.mechanics.law import LAWS, NAMED, Law, LawName
 from stiction.mechanics.model import ContactModel, Curvature, Detection, Shear
@@ -48,6 +51,12 @@ MOST_VALUES = 10_000
 
 LONGEST_FILE = 1_000_000
 """Bytes of a study file; a study is a page."""
+
+MOST_HARMONICS = 1_000_000
+"""Directions times frequencies, of which each takes a phase, and time at every point."""
+
+MOST_PARTS = 20
+"""Of a dotted key: those of a study have three, and a parser takes a time that grows with their square."""
 
 
 class StudyError(ValueError):
@@ -326,6 +335,11 @@ class Study(_Table):
 
     @model_validator(mode="after")
     def _fits(self) -> Study:
+        harmonics = self.surfaces.directions * self.surfaces.frequencies
+        if harmonics > MOST_HARMONICS:
+            raise ValueError(
+                f"surfaces.directions times surfaces.frequencies must be at most {MOST_HARMONICS}, got {harmonics}"
+            )
         pairs = self.surfaces.fractal_dimensions().size * self.surfaces.amplitudes().size * self.ensemble.repetitions
         size = 8 * len(SUMS) * pairs * self.contact.approaches().size
         if size > MOST_MEMORY:
@@ -345,7 +359,7 @@ class Study(_Table):
             If there is none of that name.
         """
         if name not in study_names():
-            raise StudyError(f"there is no built-in study {name!r}; there are {', '.join(study_names())}")
+            raise StudyError(f"there is no built-in study {shortened(name)}; there are {', '.join(study_names())}")
         return study_from_text((_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
@@ -358,16 +372,14 @@ class Study(_Table):
             If the file cannot be read, is not TOML, or has unknown keys, wrong units or impossible values.
         """
         try:
-            with Path(path).open("rb") as file:
-                raw = file.read(LONGEST_FILE + 1)
-        except OSError as error:
-            raise StudyError(f"{path}: cannot be read: {error.strerror or error}") from None
-        if len(raw) > LONGEST_FILE:
-            raise StudyError(f"{path}: is longer than {LONGEST_FILE} bytes, which no study is")
-        try:
+            raw = content(Path(path), LONGEST_FILE)
             return study_from_text(raw.decode("utf-8"), str(path))
+        except OSError as error:
+            raise StudyError(f"{named(path)}: cannot be read: {reason(error)}") from None
+        except NotReadableError as error:
+            raise StudyError(f"{named(path)}: {error}, so it is no study") from None
         except UnicodeDecodeError:
-            raise StudyError(f"{path}: is not a text file, so it is no study") from None
+            raise StudyError(f"{named(path)}: is not a text file, so it is no study") from None
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
         """The study with some values replaced, by dotted key.
@@ -386,12 +398,12 @@ class Study(_Table):
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
-                raise StudyError(f"{key!r}: unknown key")
+                raise StudyError(f"{shortened(key)}: unknown key")
             *path, last = key.split(".")
             for part in path:
                 table = table.setdefault(part, {}) if isinstance(table, dict) else None
             if not isinstance(table, dict):
-                raise StudyError(f"{key}: unknown key")
+                raise StudyError(f"{printable(key)}: unknown key")
             table[last] = value
         return _validated(data, "changes")
 
@@ -464,10 +476,35 @@ def _toml(value: Any) -> str:
 def study_from_text(text: str, source: str) -> Study:
     """The study that a TOML text is; errors call it by the name of its source."""
     try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise StudyError(f"{source}: is not TOML: {error}") from None
+        data = toml(text)
+    except ValueError as error:
+        raise StudyError(f"{named(source)}: is not TOML: {printable(error, LONGEST_NAME)}") from None
     return _validated(data, source)
+
+
+def toml(text: str) -> dict[str, Any]:
+    """What a TOML text says.
+
+    Raises
+    ------
+    ValueError
+        If it is not TOML, or is deeper than any study.
+    """
+    if any(key.group().count(".") >= MOST_PARTS for key in _DOTTED.finditer(_STRINGS.sub("s", text))):
+        raise ValueError(f"a key has more than {MOST_PARTS} parts")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("it is too deep") from None
+
+
+# Each of these takes a time that grows with the length of the text, whatever is in it.
+_STRINGS = re.compile(
+    r"""\"{3}(?:\\.|[^\\])*?(?:\"{3}|\Z)|'{3}.*?(?:'{3}|\Z)|"(?:\\.|[^"\\\n])*"?|'[^'\n]*'?|\#[^\n]*""", re.DOTALL
+)
+"""Strings and comments."""
+
+_DOTTED = re.compile(r"[\w-]+(?:[ \t]*\.[ \t]*[\w-]+)*")
 
 
 def _validated(data: Mapping[str, Any], source: str) -> Study:
@@ -475,15 +512,16 @@ def _validated(data: Mapping[str, Any], source: str) -> Study:
         return Study.model_validate(data)
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        lines = [f"{source}: {_fault(fault)}" for fault in faults[:5]]
+        lines = [f"{named(source)}: {_fault(fault)}" for fault in faults[:5]]
         if len(faults) > 5:
-            lines.append(f"{source}: ... and {len(faults) - 5} more")
+            lines.append(f"{named(source)}: ... and {len(faults) - 5} more")
         raise StudyError("\n".join(lines)) from None
 
 
 def _fault(fault: ErrorDetails) -> str:
     location = [part for part in fault["loc"] if part not in _TAGS]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
+    key = printable(key)
     if fault["type"] == "extra_forbidden":
         return f"{key}: unknown key{_suggestion(location)}"
     message = fault["msg"].removeprefix("Value error, ")
@@ -501,5 +539,5 @@ def _suggestion(location: list[int | str]) -> str:
     for part in location[:-1]:
         field = table.get(part)
         table = getattr(getattr(field, "annotation", None), "model_fields", {})
-    close = difflib.get_close_matches(str(location[-1]), list(table), n=1)
+    close = difflib.get_close_matches(str(location[-1])[:LONGEST_WORD], list(table), n=1)
     return f"; is it {close[0]!r}?" if close else ""

@@ -19,13 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import LoadCurve
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
 from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.runner import in_order
+from stiction.studies.executors import in_order
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 
@@ -252,7 +251,7 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0
     return {**values, "status": status}
 
 
-def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
+def _across(curve: Sums, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
     """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
     to_load, jump = rise
     share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from stiction._checks import Floats, choice, read_only
+from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    HurstEstimate,
-    PowerSpectrum,
-    hurst_exponent_of,
-    power_spectrum,
-    roughness_parameters,
-)
+from stiction.surfaces.profile import Along, Profile
+from stiction.surfaces.roughness import roughness_parameters
+from stiction.surfaces.spectrum import PowerSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface
-
-Along = Literal["x", "y"]
 
 MOST_FITTED = 64
 """Lines that a Hurst exponent is fitted to. Neighbouring lines are alike, so more of them say little more."""
@@ -47,6 +41,9 @@ class LineRoughness:
         Those of them in which a band was found; all, if it was given.
     hurst_exponents : (k,) ndarray of float
         Of the fitted lines, all in the same band; empty without one. Lines without roughness have none.
+    misfit : float
+        Factor by which the mean spectrum, in ten bins to a decade of the band, is off the power law of the mean
+        exponent, as a root mean square of logarithms: 1 for a straight spectrum. NaN without exponents.
     """
 
     lines: int
@@ -58,6 +55,7 @@ class LineRoughness:
     fitted: int
     with_band: int
     hurst_exponents: Floats
+    misfit: float = math.nan
 
 
 def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
@@ -119,17 +117,73 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
         band = float(ends[0]), float(ends[1])
         estimates = [fit for line in fitted if (fit := _fit(line, band)) is not None]
     rms = np.sqrt(squares)
+    spectrum = replace(spectrum, density=read_only(density))
+    exponents = np.array([fit.value for fit in estimates if band is not None])
     return LineRoughness(
         lines=count,
         Pq=float(rms[0]),
         Pdq=float(rms[1]),
         Pdq_neighbours=float(rms[2]),
-        spectrum=replace(spectrum, density=read_only(density)),
+        spectrum=spectrum,
         band=band,
         fitted=len(fitted),
         with_band=len(found),
-        hurst_exponents=read_only(np.array([fit.value for fit in estimates if band is not None])),
+        hurst_exponents=read_only(exponents),
+        misfit=_misfit(spectrum, band, float(exponents.mean())) if band is not None and exponents.size else math.nan,
     )
+
+
+def lines_along_both(
+    surface: Surface, *, band: tuple[float, float] | None = None
+) -> tuple[LineRoughness, LineRoughness]:
+    """Roughness of the lines along x and along y, their exponents fitted in one band.
+
+    Parameters
+    ----------
+    surface : Surface
+    band : (float, float), µm, optional
+        By default, where the bands of the lines along x and along y agree within a factor of 1.5 at both ends, the one
+        between them. Where they do not, or both mean spectra are off their power laws there by more than a factor of
+        1.5, that which `hurst_exponent_of` finds in the spectrum of the surface. Where it finds none, or one too narrow
+        for lines, the lines along x and those along y keep bands of their own.
+
+    Raises
+    ------
+    ValueError
+        As `line_roughness`.
+    """
+    along_x, along_y = line_roughness(surface, "x", band=band), line_roughness(surface, "y", band=band)
+    if band is not None:
+        return along_x, along_y
+    if along_x.band is not None and along_y.band is not None:
+        ends = np.array([along_x.band, along_y.band])
+        if (ends.max(axis=0) < _SAME_BAND * ends.min(axis=0)).all():
+            if along_x.band != along_y.band:
+                shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
+                along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH)
+            if not min(along_x.misfit, along_y.misfit) > BENT:
+                return along_x, along_y
+    try:
+        found = hurst_exponent_of(surface)
+        common = found.shortest_wavelength, found.longest_wavelength
+        return line_roughness(surface, "x", band=common), line_roughness(surface, "y", band=common)
+    except ValueError:
+        return along_x, along_y
+
+
+_BOTH: tuple[Along, Along] = ("x", "y")
+
+BENT = 1.5
+"""Factor by which a spectrum is off its power law, at which it is none."""
+
+_SAME_BAND = 1.5
+
+
+def _misfit(spectrum: PowerSpectrum, band: tuple[float, float], exponent: float) -> float:
+    bins = spectrum.in_bins()
+    inside = in_band(bins.wave_number, *band) & (bins.density > 0)
+    ratio = np.log(bins.density[inside] * bins.wave_number[inside] ** (1 + 2 * exponent))
+    return math.exp(float(ratio.std())) if ratio.size else math.nan
 
 
 _FEWEST_POINTS = 7

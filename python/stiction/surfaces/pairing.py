@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 from stiction._checks import choice, number, whole_number
-from stiction.surfaces.fractal import Side
-from stiction.surfaces.lines import Along
 from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import surrogate
+from stiction.surfaces.profile import Along, Profile, Side
+from stiction.surfaces.self_affine import surrogate
 from stiction.surfaces.surface import Surface
 
 LINES = 128

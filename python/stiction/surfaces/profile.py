@@ -13,6 +13,12 @@ from stiction._checks import Floats, choice, float_array, number, read_only
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 
+Side = Literal["lower", "upper"]
+"""Of the two bodies."""
+
+Along = Literal["x", "y"]
+"""Of the lines of a surface: its rows or its columns."""
+
 MOST_POINTS = 100_000_000
 """Of a generated profile: 0.8 GB of heights."""
 

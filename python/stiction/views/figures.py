@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction import __version__
 from stiction._checks import Floats
+from stiction._core import __version__
+from stiction._files import replaced_file
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
 from stiction.studies.maps import area_map, friction_map
+from stiction.studies.pairs import ProfileGenerator, pair_of
 from stiction.studies.study import Study, study_of
-from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot, weierstrass_mandelbrot_surface
+from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
@@ -28,6 +30,12 @@ WIDTH = 80 * MILLIMETRE
 
 LOAD_STEPS = 80
 MOST_CURVES = 8
+SHARE_LIMIT = 0.5
+"""Share of the load beyond Hertz, or on radii below the grid spacing, from which on a figure marks a value."""
+
+COLOUR_QUANTILES = (0.01, 0.95)
+"""Of the friction coefficients, those between which the colours run: a few high values would take them all."""
+
 STYLE: dict[Any, Any] = {
     "font.size": 7,
     "axes.titlesize": 7,
@@ -87,14 +95,8 @@ def save_picture(figure: Figure, path: Path) -> None:
     """
     if path.suffix.lower() != ".png":
         raise ValueError(f"{path}: cannot be written: its name must end in .png")
-    try:
-        if path.exists():
-            with path.open("rb") as file:
-                if (start := file.read(1000)) and _MADE_BY not in start:
-                    raise ValueError(f"{path}: exists already and is no figure of stiction; choose another name")
-        figure.savefig(path, metadata={"Software": f"stiction {__version__}"})
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {os.strerror(error.errno) if error.errno else error}") from None
+    with replaced_file(path, _MADE_BY, ValueError) as partial, partial.open("wb") as file:
+        figure.savefig(file, format="png", metadata={"Software": f"stiction {__version__}"})
 
 
 _MADE_BY = b"Software\0stiction"
@@ -141,7 +143,7 @@ def profiles_figure(study: Study) -> Figure:
     figure = Figure(figsize=(WIDTH, (12 + 13 * dimensions.size) * MILLIMETRE), layout="constrained")
     axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
     for row, dimension in enumerate(dimensions):
-        profile = _example(study, dimension).with_amplitude(amplitude, study.surfaces.amplitude_measure)
+        _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
         for ax, end in zip(axes[row], (profile.extent, window), strict=True):
             shown = profile.x <= end
             ax.fill_between(profile.x[shown], profile.heights[shown], profile.heights.min(), color="0.85", linewidth=0)
@@ -166,10 +168,11 @@ def length_scales_figure(study: Study) -> Figure:
     figure = Figure(figsize=(WIDTH, 66 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
     for column, scale in enumerate(scales):
-        profile = _example(study, dimension, length_scale=scale)
+        generator = replace(ProfileGenerator.of(study), length_scale=scale)
+        profile = Profile(generator.heights(dimension, 0, "lower"), spacing=generator.spacing)
         surface = weierstrass_mandelbrot_surface(
-            _example_phases(study), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
-            gamma=study.surfaces.gamma, convention=study.surfaces.convention, band_limit="nyquist",
+            generator.phases(0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
+            gamma=generator.gamma, convention=generator.convention, band_limit="nyquist",
         )  # fmt: skip
         top, bottom = axes[:, column]
         top.plot(profile.x, profile.heights - profile.heights.mean(), color="C0", linewidth=0.4, rasterized=True)
@@ -201,26 +204,6 @@ MOST_PROFILES = 5
 def _some(count: int, most: int) -> NDArray[np.intp]:
     """At most so many indices out of `count`, evenly spread, both ends included."""
     return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))
-
-
-def _example_phases(study: Study) -> Floats:
-    surfaces = study.surfaces
-    return random_phases(study.ensemble.seed, directions=surfaces.directions, frequencies=surfaces.frequencies)
-
-
-def _example(study: Study, dimension: float, *, length_scale: float | None = None) -> Profile:
-    """The lower profile of the study's first pair, unscaled."""
-    surfaces = study.surfaces
-    return weierstrass_mandelbrot(
-        _example_phases(study),
-        dimension,
-        length_scale=length_scale or float(surfaces.length_scale),
-        gamma=surfaces.gamma,
-        extent=float(surfaces.extent),
-        points=surfaces.points,
-        convention=surfaces.convention,
-        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-    )
 
 
 # ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
@@ -277,11 +260,12 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 def _ticks(norm: Any) -> list[float]:
     """Some of the round numbers on a scale of equal ratios, no closer than their labels are long."""
-    inside = [tick for tick in _TICKS if norm.vmin <= tick <= norm.vmax]
+    inside = [tick for tick in TICKS if norm.vmin <= tick <= norm.vmax]
     return inside[:: max(1, -(-len(inside) // 8))]
 
 
-_TICKS = (0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20)
+TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
+"""Round coefficients of friction on a scale of colours."""
 
 
 def _norm(values: Floats) -> Any:
@@ -289,7 +273,7 @@ def _norm(values: Floats) -> Any:
     from matplotlib.colors import LogNorm
 
     positive = values[np.isfinite(values) & (values > 0)]
-    low, high = np.quantile(positive, [0.01, 0.95]) if positive.size else (0.1, 1.0)
+    low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
     return LogNorm(low, max(high, 1.05 * low))
 
 
@@ -309,10 +293,10 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     if min(values.shape) > 1:
         for name, style, _ in _VALIDITY_LINES:
             share = np.ma.masked_invalid(panel[name].values)
-            if share.count() and share.min() < 0.5 < share.max():
+            if share.count() and share.min() < SHARE_LIMIT < share.max():
                 axes.contour(
                     panel["fractal_dimension"].values, panel["load"].values, share,
-                    levels=[0.5], colors="white", linewidths=0.8, linestyles=[style],
+                    levels=[SHARE_LIMIT], colors="white", linewidths=0.8, linestyles=[style],
                 )  # fmt: skip
     return mesh
 
@@ -371,7 +355,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
             line = areas.isel(amplitude=column, fractal_dimension=curve)
             load = line["load"].values
             label = f"{float(line['fractal_dimension']):.2f}"
-            trusted = line["share_beyond_hertz"].values <= 0.5
+            trusted = line["share_beyond_hertz"].values <= SHARE_LIMIT
             for ax, scale in zip(axes[:, column], (1.0, 1 / load), strict=True):
                 area = scale * line["contact_area"].values
                 ax.plot(load, area, ":", color=colour, linewidth=0.8)

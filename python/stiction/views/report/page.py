@@ -1,8 +1,9 @@
 """One page of a result for a browser: interactive, whole in itself, nothing fetched.
 
-The page carries the means over the repetitions and the sums of every repetition, and `report.js` does with them what
-`studies.maps` does: so every mu0 and tau0 is at hand, with intervals. Markup, style and script stand beside this
-file, as what they are.
+The page carries the means over the repetitions and the sums of every repetition, and `numbers.js` does with them what
+`friction_map` and `area_map` do, so every mu0 and tau0 is at hand, with intervals. Markup and style stand beside this
+file, and so do the three parts of the script: `numbers.js` computes, `plots.js` draws, and `page.js` holds the state of
+the page, its controls and its words. Every constant that they share with the library is handed to them in `facts`.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from __future__ import annotations
 import base64
 import html
 import json
+import re
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import resources
+from importlib import metadata, resources
 from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -24,19 +26,20 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
+from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
-from stiction.mechanics.friction import SHEAR_STRENGTH_LIMIT
-from stiction.mechanics.quantities import SUMS
+from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
+from stiction.studies.intervals import AROUND, CONFIDENCE
+from stiction.studies.pairs import pair_of
 from stiction.studies.study import Study, differences, study_of
-from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot_family
 from stiction.surfaces.profile import Profile
-from stiction.views.figures import LOAD_STEPS, reached_loads
+from stiction.views.figures import COLOUR_QUANTILES, LOAD_STEPS, SHARE_LIMIT, TICKS, reached_loads
 
 if TYPE_CHECKING:
     import xarray
 
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""How a report begins; no other file is written over."""
+"""Every report begins so; no other file is written over."""
 
 MOST_MEANS = 1_000_000
 """Pairs of surfaces times approaches, of which a page can make a map between two pictures."""
@@ -46,11 +49,31 @@ MOST_SUMS = 12_000_000
 
 PER_REPETITION = ("contact_area", *(name for name in SUMS if name.startswith(("normal_", "tangential_"))))
 
-SUM_BYTES = 5
-"""Leading bytes of a double that are kept of the sums of a repetition: 2e-9 of the number."""
+BYTES = {"means": 8, "sums": 5, "profiles": 3, "contacts": 3}
+"""Leading bytes of a double that are kept: all of them, 2e-9 of a sum, and 1e-4 of what is only drawn."""
 
-PICTURE_BYTES = 3
-"""The same of what is only drawn: 1e-4 of the number."""
+SCRIPTS = ("numbers.js", "plots.js", "page.js")
+
+STATUSES = {
+    friction.STATUS_OK: ("", ""),
+    friction.STATUS_NOT_REACHED: ("load not reached", "no approach carries this load"),
+    friction.STATUS_BELOW_RANGE: ("below the loads computed", "the smallest approach carries more than this load"),
+    friction.STATUS_NO_CONTACT: ("no contact", "no pair touches within the approaches"),
+    friction.STATUS_SELF_LOCKED: (
+        "self-locked: no load is carried",
+        "friction locks the contacts: at the largest approach the mean load is zero or below",
+    ),
+}
+"""What the legend of the map, and a sentence, say of each status."""
+
+MOST_OVERLAP = 0.1
+"""Mean of overlap / radius above which the page warns; of the shares it is `SHARE_LIMIT`."""
+
+MAP_LINES = {
+    "share_beyond_hertz": "above: over half of the load on overlaps > radius / 10",
+    "share_below_grid": "below: over half of the load on radii < grid spacing",
+}
+"""What the legend of the map says of the lines on it."""
 
 WINDOW = 1500
 """Points of the example profiles, around where they first touch."""
@@ -81,8 +104,7 @@ def save_report(dataset: xarray.Dataset, path: str | Path) -> None:
     Raises
     ------
     ReportError
-        If plotly is not installed, the result is too large for a page, the path holds something that is no report, or
-        it cannot be written.
+        As `report_page`, and if the path holds something that is no report or cannot be written.
     """
     with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
         partial.write_bytes(report_page(dataset).encode())
@@ -99,43 +121,41 @@ def report_page(dataset: xarray.Dataset) -> str:
     Raises
     ------
     ReportError
-        If plotly is not installed, or the result is too large for a page.
+        If plotly is not installed, the result is too large for a page or has no repetitions, or one of its numbers is
+        not finite.
     """
     plotly = _plotly()
     study = study_of(dataset)
-    data = dataset.transpose("fractal_dimension", "amplitude", "repetition", "approach")
-    values = data["normal_elastic"].size // data.sizes["repetition"]
-    if values > MOST_MEANS:
-        raise ReportError(
-            f"the result has {values} pairs times approaches, more than the {MOST_MEANS} that a page can hold; "
-            "choose fewer fractal dimensions, amplitudes or approaches"
-        )
+    data = _checked(dataset)
     has_intervals = data.sizes["repetition"] > 1 and data["normal_elastic"].size * len(PER_REPETITION) <= MOST_SUMS
     example = _Example.of(data, study)
-    packed = {
-        "plotly": _packed_bytes(plotly.encode()),
-        "means": _packed(np.stack([data[name].values.mean(axis=2) for name in SUMS]), 8),
-        "sums": _packed(np.stack([data[name].values for name in PER_REPETITION]) if has_intervals else [], SUM_BYTES),
-        "profiles": _packed(example.profiles, PICTURE_BYTES),
-        "contacts": _packed(example.contacts, PICTURE_BYTES),
+    numbers = {
+        "means": np.stack([data[name].values.mean(axis=2) for name in SUMS]),
+        "sums": np.stack([data[name].values for name in PER_REPETITION]) if has_intervals else np.empty(0),
+        "profiles": example.profiles,
+        "contacts": example.contacts,
     }
+    packed = {"plotly": _packed_bytes(plotly.encode())}
+    packed |= {name: _packed(values, BYTES[name]) for name, values in numbers.items()}
     facts = _facts(data, study, has_intervals) | {"example": example.facts}
-    folder = resources.files("stiction.views")
-    style, script, markup = ((folder / f"report.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
-    return MARK + Template(markup).substitute(
-        style=style,
-        script=script,
+    folder = resources.files(__package__)
+    return MARK + Template((folder / "page.html").read_text("utf-8")).substitute(
+        style=(folder / "page.css").read_text("utf-8"),
+        script="\n".join((folder / name).read_text("utf-8") for name in SCRIPTS),
         # No "<", so that nothing in it ends the element or begins another.
         facts=json.dumps(facts, allow_nan=False).replace("<", "\\u003c"),
         packed="\n".join(
             f'<script type="application/octet-stream" id="packed-{name}">{text}</script>'
             for name, text in packed.items()
         ),
+        percent=f"{100 * CONFIDENCE:g} %",
         pairs=_pairs(data),
         unfinished=_unfinished(data, study),
         changes=_changes(study),
         study=html.escape(dataset.attrs["study"]),
         versions=html.escape(_versions(dataset)),
+        plotly_licence=html.escape(_plotly_licence(plotly)),
+        own_licence=html.escape(_own_licence()),
     )
 
 
@@ -145,6 +165,29 @@ def _plotly() -> str:
     except ImportError:
         raise ReportError("a report needs the package plotly: pip install 'stiction[report]'") from None
     return str(get_plotlyjs())
+
+
+def _checked(dataset: xarray.Dataset) -> xarray.Dataset:
+    """The result in the order of the page, if it is one that a page can hold."""
+    missing = [name for name in _DIMS if not dataset.sizes.get(name)]
+    if missing:
+        raise ReportError(f"dataset has nothing along {missing[0]!r}; a page needs one repetition or more")
+    data = dataset.transpose(*_DIMS)
+    values = data.sizes["fractal_dimension"] * data.sizes["amplitude"] * data.sizes["approach"]
+    if values > MOST_MEANS:
+        raise ReportError(
+            f"the result has {values} pairs times approaches, more than the {MOST_MEANS} that a page can hold; "
+            "choose fewer fractal dimensions, amplitudes or approaches"
+        )
+    for name in (*SUMS, "fractal_dimension", "amplitude", "approach"):
+        if name not in data.variables:
+            raise ReportError(f"dataset has no {name}; a page is made of what `run` returns")
+        if not np.isfinite(data[name].values).all():
+            raise ReportError(f"dataset has a {name} that is not finite; a page needs numbers")
+    return data
+
+
+_DIMS = ("fractal_dimension", "amplitude", "repetition", "approach")
 
 
 # ---- Numbers ---------------------------------------------------------------------------------------------------------
@@ -168,7 +211,7 @@ def _packed_bytes(content: bytes) -> str:
 
 
 def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str, Any]:
-    """What the script knows besides the numbers: axes, ranges, and where there are contacts at all."""
+    """What the script knows besides the numbers: axes, ranges, words, limits, and where there are contacts at all."""
     counts: NDArray[np.bool_] = np.any(data["contact_count"].values, axis=2)  # (dimension, amplitude, approach)
     modulus = float(study.contact.effective_modulus)
     mu0, tau0 = study.friction.mu0, [1000 * float(value) for value in study.friction.tau0]
@@ -176,12 +219,19 @@ def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str,
         "variables": SUMS,
         "perRepetition": PER_REPETITION,
         "dimensions": data["fractal_dimension"].values.tolist(),
-        "classical": study.surfaces.convention == "classical",
+        "convention": " (classical)" if study.surfaces.convention == "classical" else "",
         "amplitudes": data["amplitude"].values.tolist(),
         "measure": study.surfaces.amplitude_measure,
         "repetitions": data.sizes["repetition"],
         "approaches": data["approach"].values.tolist(),
         "hasIntervals": has_intervals,
+        "confidence": CONFIDENCE,
+        "stepsAround": AROUND,
+        "statuses": {name: {"short": short, "why": why} for name, (short, why) in STATUSES.items()},
+        "validity": {name: _figure_of_validity(name, QUANTITIES[name].words) for name in VALIDITY},
+        "bytes": BYTES,
+        "ticks": TICKS,
+        "colourQuantiles": COLOUR_QUANTILES,
         "touched": counts.any(axis=2).tolist(),
         "touchedAtLast": counts[:, :, -1].tolist(),
         "loads": _loads(data),
@@ -190,8 +240,19 @@ def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str,
         "tau0": tau0,
         "mu0Most": max(1.0, mu0[-1]),
         "tau0Most": max(tau0[-1], 20 * modulus),  # MPa: a fiftieth of the modulus
-        "tau0Sane": 1000 * SHEAR_STRENGTH_LIMIT * modulus,
+        "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * modulus,
         "shear": 1 if study.contact.shear == "+x" else -1,
+    }
+
+
+def _figure_of_validity(name: str, words: str) -> dict[str, Any]:
+    """What the page says of one of the figures of validity, and from where on it warns."""
+    is_share = name.startswith("share_")
+    return {
+        "words": words[0].upper() + words[1:],
+        "isShare": is_share,
+        "limit": SHARE_LIMIT if is_share else MOST_OVERLAP,
+        "onMap": MAP_LINES.get(name, ""),
     }
 
 
@@ -251,30 +312,13 @@ class _Example:
 
 
 def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile, int, int, float]]:
-    """Of each dimension: the two profiles, cut out; first point of the window and of what is cut out; where they touch.
+    """Yield for each dimension the two profiles, cut out, and where the cut lies.
 
+    That is the first point of the window, the first point of what is cut out, and the height at which the two touch.
     Scaled to another amplitude they touch at the same point.
     """
-    surfaces = study.surfaces
     for dimension in dimensions:
-        bodies = []
-        for side in ("lower", "upper"):
-            phases = random_phases(
-                study.ensemble.seed, side=side, directions=surfaces.directions, frequencies=surfaces.frequencies
-            )
-            heights = weierstrass_mandelbrot_family(
-                phases,
-                [dimension],
-                length_scale=float(surfaces.length_scale),
-                gamma=surfaces.gamma,
-                extent=float(surfaces.extent),
-                points=surfaces.points,
-                convention=surfaces.convention,
-                band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-            )[0]
-            spacing = float(surfaces.extent) / surfaces.points
-            bodies.append(Profile(heights, spacing=spacing).with_amplitude(amplitude, surfaces.amplitude_measure))
-        lower, upper = bodies
+        upper, lower = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
         touch = int(np.argmin(upper.heights - lower.heights))
         start = max(0, min(touch - WINDOW // 2, len(lower) - WINDOW))
         crop = max(0, start - MARGIN)
@@ -309,7 +353,7 @@ def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, appro
 
 
 def _pairs(data: xarray.Dataset) -> str:
-    """How many pairs the page is of."""
+    """Say of how many pairs the page is."""
     parts = [
         _counted(data.sizes["repetition"], "pair of surfaces", "pairs of surfaces"),
         f"at {'each of ' if data.sizes['fractal_dimension'] > 1 else ''}"
@@ -342,3 +386,19 @@ def _versions(dataset: xarray.Dataset) -> str:
 
     computed = dataset.attrs.get("stiction_version", "unknown")
     return f"Computed by stiction {computed}; page by stiction {__version__} and plotly.js {get_plotlyjs_version()}."
+
+
+def _plotly_licence(plotly: str) -> str:
+    """The terms of plotly.js, and every notice in it of what it has taken in."""
+    notices = [notice for notice in re.findall(r"/\*.*?\*/", plotly, re.DOTALL) if _NOTICE.search(notice)]
+    # Quoted in a string of the library, a notice has its line breaks spelled out.
+    lines = "\n\n".join(dict.fromkeys(notice.replace("\\n", "\n") for notice in notices))
+    return f"{resources.files(__package__).joinpath('mit.txt').read_text('utf-8')}\n{lines}"
+
+
+_NOTICE = re.compile("licen[sc]e|copyright", re.IGNORECASE)
+
+
+def _own_licence() -> str:
+    text = metadata.distribution("stiction").read_text("licenses/LICENSE")
+    return text or "https://www.gnu.org/licenses/gpl-3.0.txt"

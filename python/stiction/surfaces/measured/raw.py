@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from stiction._checks import Floats
@@ -31,9 +32,9 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Stated:
-    """A spacing that stands in words beside the data, with what its last digit is worth."""
+    """A length that stands in words beside the data, with what its last digit is worth."""
 
-    spacing: float
+    length: float
     digit: float
     unit: str
 
@@ -54,6 +55,43 @@ class Raw:
     spacing: tuple[float, ...] | None = None
     """(Δx,) or (Δy, Δx), where there are no positions"""
     stated: Stated | None = None
+    """A spacing in words"""
+    size: tuple[Stated, Stated] | None = None
+    """Height and width of an area in words"""
+    history: tuple[str, ...] = ()
+    """What was chosen of what the file holds, a short sentence for each"""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers in columns, of which one or two make a profile, or all an area."""
+
+    values: Floats
+    """(rows, columns), NaN where they are missing"""
+    names: tuple[str, ...] = ()
+    """Of the columns; empty if they have none"""
+    units: tuple[str | None, ...] = ()
+    digit: Callable[[int], Floats] | None = None
+    """(rows,) what the last printed digit of each number of a column is worth"""
+    stated: Stated | None = None
+    size: tuple[Stated, Stated] | None = None
+    area: bool = False
+    """Whether two columns may be an area as well: then positions are told by counting evenly"""
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Several sets of heights in one file, each with a name."""
+
+    names: tuple[str, ...]
+    read: Callable[[int], Raw | Table]
+    """What a channel holds, by its place"""
+    default: int | None
+    """Read if none is asked for; without one, one has to be chosen"""
+
+
+Content = Raw | Table | Channels
+"""What a reader may find in a file."""
 
 
 def length_unit(text: str) -> str | None:

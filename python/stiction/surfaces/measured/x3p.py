@@ -5,19 +5,34 @@ from __future__ import annotations
 import hashlib
 import io
 import math
+import re
 import zipfile
 from typing import Any
-from xml.etree import ElementTree
+from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction.surfaces.measured.archive import chunks
+from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError, Raw
 from stiction.surfaces.profile import MOST_POINTS
-from stiction.surfaces.raw import MOST_BYTES, MOST_TEXT_BYTES, FormatError, Raw
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"
+
+_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
+"""As XML Schema writes them: no underscores, and no digits of other scripts."""
+
+_MOST_WORDS = 4_000_000
+"""Bytes of main.xml, but for the points that it lists."""
+
+_MOST_ELEMENTS = 100_000
+"""Of main.xml, but for the points."""
+
+_BYTES_OF_A_POINT = 200
+_SPARE = 64
+"""Bytes of bits beyond the last point."""
 
 
 def read_x3p(data: bytes) -> Raw:
@@ -34,12 +49,7 @@ def read_x3p(data: bytes) -> Raw:
 def _read(archive: zipfile.ZipFile) -> Raw:
     if _MAIN not in archive.namelist():
         raise FormatError(f"is a zip archive without {_MAIN}, so no X3P file")
-    text = _member(archive, _MAIN, MOST_TEXT_BYTES)
-    if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-        raise FormatError(f"has a document type of its own in {_MAIN}, which X3P has not")
-    root = ElementTree.fromstring(text)
-    for element in root.iter():  # the standard has a namespace for the root alone, some programs for all
-        element.tag = element.tag.rpartition("}")[2]
+    root = _Main(archive)
     feature = _text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
         raise FormatError(f"holds the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
@@ -56,7 +66,7 @@ def _read(archive: zipfile.ZipFile) -> Raw:
     columns = _columns(archive, root, {name: axes[name].stored for name in absolute}, points)
     heights = axes["Z"].lengths(columns["Z"])
     if (link := _text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
-        bits = np.frombuffer(_member(archive, link, MOST_BYTES), dtype=np.uint8)
+        bits = np.frombuffer(b"".join(chunks(archive, link, points // 8 + _SPARE)), dtype=np.uint8)
         if bits.size * 8 < points:
             raise FormatError(f"says which of {points} points are valid in only {bits.size} bytes")
         heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
@@ -79,10 +89,64 @@ def _read(archive: zipfile.ZipFile) -> Raw:
     return Raw(heights, unit="m", spacing=(axes["X"].increment,), position_unit="m")
 
 
+class _Main:
+    """The texts of main.xml by their paths below the root, and the points that it lists.
+
+    The parser refuses a document type, and so all entities, in whatever encoding it is. It stops as soon as there is
+    more than the points that were announced can need.
+    """
+
+    def __init__(self, archive: zipfile.ZipFile) -> None:
+        self.texts: dict[str, str] = {}
+        self.listed: list[str] | None = None
+        self._path: list[str] = []
+        self._words: list[str] = []
+        self._elements = 0
+        parser = expat.ParserCreate(namespace_separator="}")  # some programs give all elements a namespace
+        parser.buffer_text = True
+        parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._refuse
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._words.append
+        read = 0
+        for chunk in chunks(archive, _MAIN, MOST_TEXT_BYTES):
+            parser.Parse(chunk)
+            read += len(chunk)
+            if read > _MOST_WORDS + (0 if self.listed is None else _BYTES_OF_A_POINT * math.prod(_shape(self))):
+                raise FormatError(f"has a {_MAIN} of more than {read - len(chunk)} bytes, which its points do not need")
+        parser.Parse(b"", True)
+
+    def _refuse(self, *_: object) -> None:
+        raise FormatError(f"has a document type of its own in {_MAIN}, which X3P has not")
+
+    def _start(self, tag: str, _: object) -> None:
+        name = tag.rpartition("}")[2]
+        self._path.append(name)
+        self._words.clear()
+        if name == "DataList":
+            self.listed = []
+        if name != "Datum":
+            self._elements += 1
+            if self._elements > _MOST_ELEMENTS:
+                raise FormatError(f"has more than {_MOST_ELEMENTS} elements in {_MAIN}")
+
+    def _end(self, _: str) -> None:
+        text = "".join(self._words)
+        self._words.clear()
+        if self._path[-1] == "Datum" and self.listed is not None:
+            self.listed.append(text.strip())
+        elif len(self._path) <= _DEEPEST:
+            self.texts.setdefault("/".join(self._path[1:]), text)
+        self._path.pop()
+
+
+_DEEPEST = 6
+
+
 class _Axis:
     """How positions along one axis are stored."""
 
-    def __init__(self, root: ElementTree.Element, name: str) -> None:
+    def __init__(self, root: _Main, name: str) -> None:
         path = f"Record1/Axes/C{name}"
         kind = _text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
         stored = _text(root, f"{path}/DataType", "D")
@@ -105,7 +169,7 @@ class _Axis:
             return stored.astype(np.float64) * self.increment + self.offset
 
 
-def _shape(root: ElementTree.Element) -> tuple[int, int]:
+def _shape(root: _Main) -> tuple[int, int]:
     """Rows and columns."""
     if (listed := _text(root, "Record3/ListDimension", "")) != "":
         return 1, _count(listed)
@@ -115,27 +179,25 @@ def _shape(root: ElementTree.Element) -> tuple[int, int]:
     return y, x
 
 
-def _columns(
-    archive: zipfile.ZipFile, root: ElementTree.Element, stored: dict[str, str], points: int
-) -> dict[str, NDArray[Any]]:
+def _columns(archive: zipfile.ZipFile, root: _Main, stored: dict[str, str], points: int) -> dict[str, NDArray[Any]]:
     """What is stored of each point, by axis."""
-    listed = root.find("Record3/DataList")
-    if listed is not None:
-        return _listed(listed, list(stored), points)
-    data = _member(archive, _text(root, "Record3/DataLink/PointDataLink"), MOST_BYTES)
+    if root.listed is not None:
+        return _listed(root.listed, list(stored), points)
+    kind = np.dtype(list(stored.items()))
+    link, wanted = _text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
+    size = archive.getinfo(link).file_size if link in archive.namelist() else wanted
+    data = b"".join(chunks(archive, link, wanted)) if size == wanted else b""
+    if len(data) != wanted:
+        raise FormatError(f"says it holds {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")
     checksum = _text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
     if checksum not in ("", hashlib.md5(data, usedforsecurity=False).hexdigest()):
         raise FormatError("is damaged: its heights do not have the checksum that it gives")
-    kind = np.dtype(list(stored.items()))
-    if len(data) != points * kind.itemsize:
-        raise FormatError(f"says it holds {points} points of {kind.itemsize} bytes, but has {len(data)} bytes")
     table = np.frombuffer(data, dtype=kind)
     return {name: table[name] for name in stored}
 
 
-def _listed(listed: ElementTree.Element, absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
+def _listed(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
     """Points that are written out: a text each, the axes separated by semicolons, empty if the point is missing."""
-    rows = [(datum.text or "").strip() for datum in listed.iter("Datum")]
     if len(rows) != points:
         raise FormatError(f"says it holds {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}
@@ -151,19 +213,8 @@ def _listed(listed: ElementTree.Element, absolute: list[str], points: int) -> di
     return columns
 
 
-def _member(archive: zipfile.ZipFile, name: str, most: int) -> bytes:
-    try:
-        size = archive.getinfo(name).file_size
-    except KeyError:
-        raise FormatError(f"lacks {name[:80]!r}, where its data should be") from None
-    if size > most:
-        raise FormatError(f"holds {name[:80]!r} of {size} bytes; at most {most} can be read")
-    return archive.read(name)
-
-
-def _text(root: ElementTree.Element, path: str, otherwise: str | None = None) -> str:
-    found = root.find(path)
-    text = (found.text or "").strip() if found is not None else ""
+def _text(root: _Main, path: str, otherwise: str | None = None) -> str:
+    text = root.texts.get(path, "").strip()
     if text:
         return text
     if otherwise is None:
@@ -171,16 +222,15 @@ def _text(root: ElementTree.Element, path: str, otherwise: str | None = None) ->
     return otherwise
 
 
-def _number(root: ElementTree.Element, path: str, otherwise: float) -> float:
+def _number(root: _Main, path: str, otherwise: float) -> float:
     text = _text(root, path, "")
     return _float(text) if text else otherwise
 
 
 def _float(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise FormatError(f"has {text[:40]!r} where a number should be") from None
+    if _NUMBER.fullmatch(text) is None:
+        raise FormatError(f"has {text[:40]!r} where a number should be")
+    return float(text)
 
 
 def _count(text: str) -> int:

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.special import stdtrit
 from stiction.studies.intervals import of_neighbours
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
+DOCS = Path(__file__).parent.parent
+sys.path.insert(0, str(DOCS.parent / "tests"))
 
 from reference.neighbours import QUANTITIES, judged, of_quantity, traverses  # noqa: E402  the tests repeat some of it
 
@@ -66,7 +66,7 @@ def main():
                         f"{_marked(f'{covered:.3f}', covered < COVERED)}, {_marked(f'{width:.2f}', width > WIDEST)}"
                     )
                 lines.append(f"| {quantity} | {positions} | {correlation:g} | {' | '.join(cells)} |")
-    (HERE / "intervals_table.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _marked(text, bold):

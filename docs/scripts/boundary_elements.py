@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
+DOCS = Path(__file__).parents[1]
+sys.path.insert(0, str(DOCS.parent / "tests"))
 
 from reference.boundary_elements import (  # noqa: E402  the tests repeat points of this page
     EFFECTIVE_MODULUS,
@@ -120,7 +120,7 @@ def ratio_figure(results: dict, quantity: int, label: str, name: str, wave, *, l
         columnspacing=1,
         handlelength=2.2,
     )
-    figure.savefig(HERE / "images" / name)
+    figure.savefig(DOCS / "images" / name)
 
 
 def kappa_figure(results: dict) -> None:
@@ -152,7 +152,7 @@ def kappa_figure(results: dict) -> None:
         frameon=False,
         columnspacing=1,
     )
-    figure.savefig(HERE / "images/boundary_elements_kappa.png")
+    figure.savefig(DOCS / "images/boundary_elements_kappa.png")
 
 
 def load_rows(results: dict) -> list[str]:
@@ -268,7 +268,7 @@ def main() -> None:
         f"How far the grid and the solver matter: largest change of a mean ratio of {CHECKED} profiles, over all H.",
     )
     text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
-    (HERE / "boundary_elements_table.md").write_text(text + "\n", encoding="utf-8")
+    (DOCS / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

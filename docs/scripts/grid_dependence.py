@@ -1,4 +1,4 @@
-"""How results depend on the number of points: writes images/grid_dependence.png and grid_dependence_table.md here."""
+"""How results depend on the number of points: writes images/grid_dependence.png and generated/grid_dependence.md."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.mechanics.friction import normal_load, tangential_load
 
-HERE = Path(__file__).parent
+DOCS = Path(__file__).parents[1]
 POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
 DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
@@ -80,8 +80,8 @@ def main() -> None:
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(), title="$D$", loc="outside right center", fontsize=7, frameon=False
     )
-    figure.savefig(HERE / "images/grid_dependence.png")
-    (HERE / "grid_dependence_table.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    figure.savefig(DOCS / "images/grid_dependence.png")
+    (DOCS / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

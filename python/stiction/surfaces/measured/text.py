@@ -9,13 +9,40 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stiction.surfaces.raw import FormatError, Raw, Stated, length_unit
+from stiction._checks import Floats
+from stiction.surfaces.measured.raw import FormatError, Stated, Table, length_unit
 
 _NUMBER = r"([+-]?)([0-9]{{0,40}})(?:{point}([0-9]{{0,40}}))?(?:[eE]([+-]?[0-9]{{1,3}}))?"
 _MISSING = re.compile(r"|nan|\*{1,20}|-{2,20}", re.IGNORECASE)
 _COMMENT = ("#", "%", "//", "!")
 _OTHER_UNITS = frozenset(
-    {"V", "mV", "s", "ms", "deg", "°", "rad", "K", "N", "nN", "Pa", "in", "inch", "mil", "pt", "px", "pixel", "pixels"}
+    {
+        "V",
+        "mV",
+        "s",
+        "ms",
+        "deg",
+        "°",
+        "rad",
+        "K",
+        "kN",
+        "N",
+        "mN",
+        "uN",
+        "µN",
+        "nN",
+        "Pa",
+        "kPa",
+        "MPa",
+        "Hz",
+        "in",
+        "inch",
+        "mil",
+        "pt",
+        "px",
+        "pixel",
+        "pixels",
+    }
 )
 _BRACKETS = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
 _VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
@@ -25,7 +52,17 @@ _STATED = re.compile(
     r"([0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W\d_]{1,12})\s*(/|per\b)?",
     re.IGNORECASE,
 )
+_SIZES = tuple(
+    re.compile(
+        rf"\W{{0,4}}{name}\s*[:=]\s*([0-9]{{1,20}}(?:[.,][0-9]{{1,20}})?(?:[eE][+-]?[0-9]{{1,2}})?)\s*([^\W\d_]{{1,12}})\s*",
+        re.IGNORECASE,
+    )
+    for name in ("height", "width")
+)
+"""As Gwyddion writes them above a matrix."""
+
 _SAMPLE = 200
+_SAMPLE_WIDTH = 20_000
 
 
 @dataclass(frozen=True)
@@ -54,14 +91,17 @@ _DIALECTS = [
 ]  # fmt: skip
 
 
-def read_text(data: bytes) -> Raw:
-    """Take a text apart: one column of heights, two of positions and heights, or a matrix of heights."""
-    lines = _decoded(data).split("\n")
+def read_text(data: bytes) -> Table:
+    """Take a text apart into columns of numbers."""
+    return read_lines(_decoded(data).split("\n"))
+
+
+def read_lines(lines: list[str]) -> Table:
+    """Take the lines of a text apart into columns of numbers."""
     dialect = _dialect(lines)
     if dialect.point == ",":
         _refuse_thousands(lines, dialect)
-    table = _table(lines, dialect)
-    return _interpreted(table, lines, dialect)
+    return _interpreted(_numbers(lines, dialect), lines, dialect)
 
 
 def _decoded(data: bytes) -> str:
@@ -102,7 +142,7 @@ def _values(cells: list[str], number: re.Pattern[str]) -> list[re.Match[str] | N
 
 def _dialect(lines: list[str]) -> Dialect:
     """The one in which most of the last lines are data."""
-    sample = [text for line in lines[-2 * _SAMPLE :] if (text := line.strip(" \r"))][-_SAMPLE:]
+    sample = [_beginning(text) for line in lines[-2 * _SAMPLE :] if (text := line.strip(" \r"))][-_SAMPLE:]
     counts = []
     for dialect in _DIALECTS:
         number = dialect.number
@@ -122,6 +162,11 @@ def _dialect(lines: list[str]) -> Dialect:
             'write decimal points, or a header such as "x (um),z (um)"'
         )
     return dialect
+
+
+def _beginning(line: str) -> str:
+    """A line that can be looked at several times: of a long one the first cells."""
+    return line if len(line) <= _SAMPLE_WIDTH else re.sub(r"[^\t;, ]*$", "", line[:_SAMPLE_WIDTH]).rstrip("\t;, ")
 
 
 def _refuse_thousands(lines: list[str], dialect: Dialect) -> None:
@@ -152,20 +197,18 @@ def _header_has_cells(lines: list[str], dialect: Dialect) -> bool:
 
 
 @dataclass(frozen=True)
-class _Table:
+class _Numbers:
     values: array[float]
     counts: array[int]
+    written: array[int]
+    """Cells of each line, with the empty ones at its end; of white space as the counts."""
     first_line: int
-    decimals: array[int]
-    """Of the first number of each line."""
-    digits: int
-    """Most significant digits of any first number."""
 
 
-def _table(lines: list[str], dialect: Dialect) -> _Table:
+def _numbers(lines: list[str], dialect: Dialect) -> _Numbers:
     number = dialect.number
-    values, counts, decimals = array("d"), array("q"), array("q")
-    digits, first_line, text_since = 0, 0, 0
+    values, counts, written = array("d"), array("q"), array("q")
+    first_line, text_since = 0, 0
     for at, line in enumerate(lines, start=1):
         stripped = line.strip(" \r")
         if not stripped or stripped == "\t" * len(stripped):
@@ -186,71 +229,91 @@ def _table(lines: list[str], dialect: Dialect) -> _Table:
         values.extend(
             float(f"{match[1]}{match[2]}.{match[3] or ''}e{match[4] or 0}") if match else np.nan for match in row
         )
-        if (first := row[0]) is not None:
-            decimals.append(len(first[3] or "") - int(first[4] or 0))
-            digits = max(digits, len((first[2] + (first[3] or "")).lstrip("0")))
-        else:
-            decimals.append(0)
+        written.append(len(row) if dialect.separator is None else stripped.count(dialect.separator) + 1)
     if text_since > first_line:
         raise FormatError(f"line {text_since} ({lines[text_since - 1].strip()[:40]!r}), after the data, is none")
-    return _Table(values, counts, first_line, decimals, digits)
+    return _Numbers(values, counts, written, first_line)
 
 
 # ---- What they mean -------------------------------------------------------------------------------------------------
 
 
-def _interpreted(table: _Table, lines: list[str], dialect: Dialect) -> Raw:
-    counts = np.frombuffer(table.counts, dtype=np.int64)
-    values = np.array(table.values)
+def _interpreted(table: _Numbers, lines: list[str], dialect: Dialect) -> Table:
+    counts, written = (np.frombuffer(each, dtype=np.int64) for each in (table.counts, table.written))
     columns = Counter(table.counts).most_common(1)[0][0]
     if columns == 1 and counts.max() == 2 and (counts == 2).sum() > 1:
         columns = 2  # most heights are missing
-    header = [text for line in lines[: table.first_line - 1] if (text := line.strip(" \r\t"))]
-    stated = next((found for line in header if (found := _stated(line))), None)
-    short = columns == 2 and counts.max() == 2  # an x without a height: the height is missing
-    if not (counts == columns).all() and not short:
-        row = int(np.flatnonzero(counts != columns)[0])
+    header = [text for line in lines[: table.first_line - 1] if (text := line.rstrip(" \r\t")).strip(" \t")]
+    # The last numbers of a line may be missing, with their separators there, or the height of an x.
+    short = (counts < columns) & ((written >= columns) | (columns == 2))
+    if not (short | (counts == columns)).all():
+        row = int(np.flatnonzero(~short & (counts != columns))[0])
         raise FormatError(
             f"the {row + 1}. line of data has {counts[row]} column(s) and most have {columns}; all need the same"
         )
-    units = _units(header, columns, dialect)
-    if columns == 1:
-        return Raw(values, unit=units[0], stated=stated)
-    if columns > 2:
-        if columns == 3 or len(set(units)) > 1 or _names(header, columns, dialect):
-            raise FormatError(
-                f"has {columns} columns of numbers that may be positions and several heights; a profile has one column "
-                "of heights or two of positions and heights, a surface a matrix of four or more without names"
-            )
-        matrix = values.reshape(-1, columns)
-        return Raw(matrix, unit=units[0] if len(set(units)) == 1 else None, stated=stated)
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    positions = values[starts]
-    heights = np.full(positions.shape, np.nan)
-    heights[counts == 2] = values[starts[counts == 2] + 1]
+    values = np.full((counts.size, columns), np.nan)
+    values[np.arange(columns) < counts[:, np.newaxis]] = np.array(table.values)
+    names = _names(header, columns, dialect)
+    sizes = [next((found for line in header if (found := _length(pattern, line))), None) for pattern in _SIZES]
+    return Table(
+        values,
+        names=names,
+        units=tuple(_units(header, columns, dialect)),
+        digit=lambda column: _digit(values[:, column], column, lines, dialect),
+        stated=next((found for line in header if (found := _stated(line))), None),
+        size=(sizes[0], sizes[1]) if sizes[0] is not None and sizes[1] is not None else None,
+    )
+
+
+def _digit(values: Floats, column: int, lines: list[str], dialect: Dialect) -> Floats:
+    """What the last printed digit of each number of a column is worth: by its decimals or by its significant digits."""
+    number = dialect.number
+    decimals = digits = 0
+    most = -1000
+    for line in lines:
+        stripped = line.strip(" \r")
+        if not stripped or stripped.startswith(_COMMENT):
+            continue
+        cells = dialect.cells(stripped)
+        if column >= len(cells) or _values(cells, number) is None:
+            continue
+        match = number.fullmatch(cells[column])
+        if match is not None and (match[2] or match[3]):
+            decimals = len(match[3] or "") - int(match[4] or 0)
+            digits = max(digits, len((match[2] + (match[3] or "")).lstrip("0")))
+        else:
+            decimals = 0
+        most = max(most, decimals)
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = np.floor(np.log10(np.abs(positions)))
-    by_digits = np.where(np.isfinite(size), size, -400) + 1 - table.digits
-    by_decimals = -max(table.decimals)
-    digit = 10.0 ** np.clip(np.maximum(by_decimals, by_digits), -300, 300)
-    return Raw(heights, unit=units[1], positions=positions, digit=digit, position_unit=units[0], stated=stated)
+        size = np.floor(np.log10(np.abs(values)))
+    by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
+    return np.asarray(10.0 ** np.clip(np.maximum(-most, by_digits), -300, 300))
 
 
 def _stated(line: str) -> Stated | None:
     match = _STATED.match(line)
-    if match is None:
+    if match is None or (match[1].casefold() == "resolution" and not match[4]):
         return None
-    label, digits, unit, per = match.groups()
-    if length_unit(unit) is None or (label.casefold() == "resolution" and not per):
+    return _with_digit(match[2], match[3])
+
+
+def _length(pattern: re.Pattern[str], line: str) -> Stated | None:
+    match = pattern.fullmatch(line)
+    return None if match is None else _with_digit(match[1], match[2])
+
+
+def _with_digit(digits: str, unit: str) -> Stated | None:
+    if length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
     return Stated(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
 
 
-def _names(header: list[str], columns: int, dialect: Dialect) -> bool:
-    """Whether each column has a name of its own."""
-    return bool(header) and columns > 2 and len(dialect.cells(header[-1].lstrip("#%!/ "))) == columns
+def _names(header: list[str], columns: int, dialect: Dialect) -> tuple[str, ...]:
+    """The name of each column, where each has one; the first may be empty."""
+    cells = dialect.cells(header[-1].lstrip("#%!/ ")) if header and columns > 1 else []
+    return tuple(cell.strip(" \"'") for cell in cells) if len(cells) == columns else ()
 
 
 def _units(header: list[str], columns: int, dialect: Dialect) -> list[str | None]:
@@ -274,10 +337,8 @@ def _unit(cell: str) -> str | None:
     """The unit that the name of a column ends with: "z (nm)", "z [nm]", "z/nm", "height in nm", "z nm"."""
     bracketed = _BRACKETS.findall(cell)
     named = bracketed[-1] if bracketed else cell.strip(" \"'")
-    if named in _OTHER_UNITS:
-        raise FormatError(
-            f"a column has the unit {named!r}, which is no length that is known here (m, mm, um, nm, ...)"
-        )
+    if named in _OTHER_UNITS:  # which is refused, if it is this column that is meant
+        return named
     return _known(named if bracketed else re.split(r"[\s/_]+", named)[-1])
 
 

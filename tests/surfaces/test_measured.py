@@ -1,6 +1,8 @@
 import hashlib
 import io
 import os
+import time
+import tracemalloc
 import zipfile
 from collections import Counter
 
@@ -21,7 +23,10 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.surfaces import formats
+from stiction.surfaces.measured import excel, raw
+from stiction.surfaces.measured import npy as npy_files
+from stiction.surfaces.measured.raw import Raw
+from stiction.surfaces.measured.reading import READERS
 
 HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 
@@ -131,7 +136,7 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("x (um),z (um)\n", "no numbers were found"),
         ("a text\nwithout numbers\n", "no numbers were found"),
         ("x (um),z (um)\n0,1\n0.1,2\n", "holds 2 point(s)"),
-        ("x (V),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n", "unit 'V'"),
+        ("x (V),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n", "has positions in 'V', which is no length"),
         ("x (um),y (um),z (um)\n" + "0,0.1,2\n" * 9, "has 3 columns of numbers that may be positions and several"),
         ("z (um)\n" + "0,0.1,2,3\n" * 9, "holds 9 rows of 4 columns; a profile has one column"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1,7\n0.3,5\n0.4,6.5\n", "the 3. line of data has 3 column(s) and most have 2"),
@@ -237,7 +242,7 @@ def test_positions_are_no_heights_of_a_matrix(file):
     for matrix, said in (
         (np.c_[y, heights[:, :2]], "20 rows of 3 columns, of which the first column counts evenly"),
         (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row counts evenly"),
-        (labelled, "of which the first row and column count evenly, as positions do; leave the heights alone"),
+        (labelled, "of which the first row and column count evenly, as positions do; leave only heights in the file"),
     ):
         assert said in refusal(file(npy(matrix), "a.npy"), **options)
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
@@ -255,6 +260,158 @@ def test_a_spacing_said_above_a_matrix_is_one_of_those_given(file):
     assert "says that its spacing is 0.5 µm, but 2 µm and 1 µm are given" in refusal(
         path, read_surface, spacing=("2 um", "1 um")
     )
+
+
+def test_the_size_above_a_matrix_of_gwyddion_gives_its_spacing(file):
+    header = "# Channel: Height\n# Width: 0.600 µm\n# Height: 480 nm\n# Value units: m\n"
+    path = file(header + "1e-9\t2e-9\t3e-9\t0\n" * 3 + "0\t0\t0\t1e-9\n", "map.txt")
+    surface = read_surface(path)
+    assert surface.spacing == pytest.approx((0.12, 0.15), rel=1e-15)
+    assert surface.heights[0].tolist() == [0.001, 0.002, 0.003, 0]
+    assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y, as it says"
+    # 0.600 may be 0.6004, and a given spacing is not rounded.
+    assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
+    assert "that its spacing is 0.15 µm, but spacing says 0.16 um" in refusal(
+        path, read_surface, spacing=("0.12 um", "0.16 um")
+    )
+
+
+# ---- Columns and channels -------------------------------------------------------------------------------------------
+
+X = [0, 0.1, 0.2, 0.3, 0.4]
+
+
+def columns_of(*columns, header=""):
+    return header + "".join(",".join(f"{value}" for value in row) + "\n" for row in zip(*columns, strict=True))
+
+
+def test_columns_are_chosen_by_name_or_number(file):
+    text = columns_of([0.5, 1, 1.5, 2, 2.5], X, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
+    path = file(text)
+    said = refusal(path, read_measurement)
+    assert "has 4 columns of numbers that may be positions and several heights: 0 (t (s)), 1 (x (um)), 2" in said
+    for columns in (("x", "z"), ("X (um)", 3), (1, 3), ["1", "3"]):
+        profile = read_measurement(path, columns=columns)
+        assert profile.heights.tolist() == HEIGHTS
+        assert profile.spacing == pytest.approx(0.1)
+        assert profile.history[1] == "columns 1 (x (um)), 3 (z (um))"
+    assert read_profile(path, columns="z", spacing="2 um").history[1] == "column 3 (z (um))"
+    for columns, wrong in (
+        (("x", "q"), "has no column 'q', but 0 (t (s)), 1 (x (um)), 2 (F (mN)), 3 (z (um))"),
+        (("x", 4), "has no column 4; they are numbered from 0 to 3"),
+        (("t", "z"), "has positions in 's', which is no length"),
+        (("x", "F"), "has heights in 'mN', which is no length"),
+    ):
+        assert wrong in refusal(path, columns=columns)
+    twice = file(columns_of(X, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
+    assert "has more than one column 'z'; give its number: 0 (x (um))," in refusal(twice, columns=("x", "z"))
+    assert read_profile(twice, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
+    assert "has no columns to choose from" in refusal(file(x3p(METRES), "a.x3p"), columns=("x", "z"))
+
+
+def test_a_column_has_the_digits_with_which_it_is_printed(file):
+    # Positions of one decimal, after a column of many: uniform within their digits, wherever they stand.
+    true = 0.156245 * np.arange(900)
+    lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
+    profile = read_profile(file(lines), columns=(1, 2), unit="um")
+    assert profile.spacing == pytest.approx(0.156245, rel=1e-3)
+    assert "is not uniform" in refusal(file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um")
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_the_column_in_which_pandas_numbers_the_rows_is_left_out(file, separator):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
+    for table in (frame, frame.rename_axis("index")):
+        path = file(table.to_csv(sep=separator))
+        assert "has 1 missing points of 5, the first at 5" in refusal(path)
+        profile = read_profile(path, missing="interpolate")
+        assert profile.heights.tolist() == HEIGHTS[:4]
+        assert profile.history[1] == "the first column, which numbers the rows, left out"
+    heights = np.random.default_rng(3).normal(size=(6, 9))
+    surface = read_surface(file(pandas.DataFrame(heights).to_csv(sep=separator)), unit="um", spacing="1 um")
+    assert np.array_equal(surface.heights, heights)
+    assert surface.history[1] == "the first row and column, which number columns and rows, left out"
+    # A first column that does not number the rows is data.
+    assert "has 3 columns" in refusal(file(columns_of(X, X, HEIGHTS, header="index,x (um),z (um)\n")))
+
+
+def test_two_columns_of_an_array_are_positions_and_heights(file):
+    path = file(npy(np.c_[X, HEIGHTS]), "a.npy")
+    for read in (read_profile, read_measurement):
+        profile = read(path, unit=("mm", "nm"))
+        assert profile.spacing == pytest.approx(100)
+        assert profile.heights.tolist() == pytest.approx([z / 1000 for z in HEIGHTS])
+    assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
+    uneven = file(npy(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy")  # an area of two columns, as far as one knows
+    assert read_measurement(uneven, unit="um", spacing="1 um").heights.shape == (5, 2)
+    assert "is not uniform: point 3" in refusal(uneven, unit="um", columns=(0, 1))
+
+
+def workbook(*sheets, **changes):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, rows in sheets:
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    stream = io.BytesIO()
+    book.save(stream)
+    return stream.getvalue()
+
+
+ROWS = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
+ROWS += [[None, x, z, "ok"] for x, z in zip(X, HEIGHTS, strict=True)]
+
+
+def test_workbooks(file):
+    profile = read_profile(file(workbook(("one", ROWS), ("empty", [])), "a.xlsx"))
+    assert profile.heights.tolist() == HEIGHTS
+    assert profile.spacing == pytest.approx(0.1)
+    assert profile.history[0] == "read from a.xlsx"
+    two = file(workbook(("raw", ROWS), ("Filtered", [[*row[1:3], 5] for row in ROWS])), "b.xlsx")
+    assert "holds 0 (raw), 1 (Filtered); choose one by channel" in refusal(two)
+    assert read_profile(two, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
+    assert "has no channel 'rough', but 0 (raw), 1 (Filtered)" in refusal(two, channel="rough")
+    heights = np.random.default_rng(3).normal(size=(6, 9))
+    area = read_surface(file(workbook(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
+    assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # of which openpyxl writes 16 digits
+    gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(ROWS)]
+    assert "has 1 missing points of 5, the first at 3" in refusal(file(workbook(("one", gaps)), "d.xlsx"))
+
+
+def test_workbooks_that_are_none_are_refused(file, monkeypatch):
+    data = workbook(("one", ROWS))
+    assert "is a workbook without a column of numbers" in refusal(file(workbook(("one", [])), "a.xlsx"))
+    assert "is a damaged workbook" in refusal(file(data[:-60], "a.xlsx"))
+    assert "is a damaged workbook" in refusal(file(x3p(METRES), "a.xlsx"))
+    assert "is named .xlsx, but what it holds is not a zip archive" in refusal(file("1,2\n", "a.xlsx"))
+    monkeypatch.setattr(excel, "MOST_TEXT_BYTES", 5000)
+    assert "at most" in refusal(file(data, "a.xlsx"))
+    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    assert 'pip install "stiction[excel]"' in refusal(file(data, "a.xlsx"))
+
+
+def test_what_has_no_channels_refuses_them(file):
+    assert "has no channels to choose one from, but channel says 1" in refusal(file(TEXTS["comma"]), channel=1)
+
+
+def test_channels_of_an_instrument(measured):
+    pytest.importorskip("SurfaceTopography")
+    path = measured("di-4.di")
+    surface = read_surface(path)
+    channels = "0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
+    assert surface.history[1] == f"channel 0 (ZSensor) of {channels}"
+    assert np.array_equal(read_surface(path, channel="zsensor").heights, surface.heights)
+    assert read_surface(path, channel=1).history[1] == f"channel 1 (AmplitudeError) of {channels}"
+    assert "a channel 2 (Phase) of something else than heights" in refusal(path, read_surface, channel="Phase")
+    assert "has no channel 3; they are numbered from 0 to 2" in refusal(path, read_surface, channel=3)
+
+
+def test_another_format_is_one_line(file, monkeypatch):
+    monkeypatch.setitem(READERS, ".dec", lambda data: Raw(np.array(data.split(), dtype=float), unit="um"))
+    assert read_measurement(file("0.5 -0.25 1 0.125 2", "a.DEC"), spacing="1 um").heights.tolist() == HEIGHTS
 
 
 # ---- NumPy arrays and writing ---------------------------------------------------------------------------------------
@@ -317,10 +474,12 @@ def npy(array):
         (npy(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
         (npy(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
         (npy(np.zeros(9)), "a.csv", "is named .csv, but what it holds is a NumPy array (.npy)"),
-        (b"0,1\n", "a.npy", "is named .npy, but what it holds is neither"),
-        (b"0,1\n", "a.x3p", "is named .x3p, but what it holds is neither"),
+        (b"0,1\n", "a.npy", "is named .npy, but what it holds is not a NumPy array (.npy)"),
+        (b"0,1\n", "a.x3p", "is named .x3p, but what it holds is not a zip archive"),
         (bytes(range(256)) * 9, "a.csv", "is binary, not text"),
         (b"\x93NUMPY\x01\x00" + b"\xff" * 300, "a.npy", "damaged"),
+        (b"\x93NUMPY\x01\x00" + (9002).to_bytes(2, "little") + b"(" * 9000 + b" \n", "a.npy", "damaged"),
+        (npy(np.zeros(9)).replace(b"(9,)", b"(-9,)").replace(b" \n", b"\n"), "a.npy", "damaged"),
         (b"PK\x03\x04" + b"\xff" * 300, "a.x3p", "damaged X3P"),
         (b"no such format", "a.abc", "SurfaceTopography"),
     ],
@@ -337,11 +496,11 @@ def test_what_cannot_be_opened_is_refused(tmp_path):
 
 
 def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
-    for name, size in (("a.csv", formats.MOST_TEXT_BYTES + 1), ("a.npy", formats.MOST_BYTES + 1)):
+    for name, size in (("a.csv", raw.MOST_TEXT_BYTES + 1), ("a.npy", raw.MOST_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # of holes
         assert f"has {size} bytes" in refusal(tmp_path / name)
-    monkeypatch.setattr(formats, "MOST_POINTS", 8)
+    monkeypatch.setattr(npy_files, "MOST_POINTS", 8)
     (tmp_path / "b.npy").write_bytes(npy(np.zeros(9)))
     assert "holds 9 points; at most 8" in refusal(tmp_path / "b.npy")
 
@@ -356,10 +515,13 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
         ({"spacing": "0.1 MPa"}, "spacing has the unit 'MPa'"),
         ({"spacing": "0 um"}, "spacing must be above 0"),
         ({"missing": "zero"}, "missing must be one of 'error', 'interpolate'"),
+        ({"channel": 1.5}, "channel must be a name or a number from 0 on, got 1.5"),
+        ({"columns": (1, True)}, "columns must be a name or a number"),
+        ({"columns": (0, 1, 2)}, "columns must be one of heights, or two of positions and heights"),
     ],
 )
 def test_bad_arguments_are_named(file, options, said):
-    for read in (read_profile, read_surface, read_measurement):
+    for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
         with pytest.raises(ValueError, match=said) as caught:
             read(file(TEXTS["comma"]), **options)
         assert not isinstance(caught.value, FormatError)
@@ -502,7 +664,7 @@ def test_missing_points_of_x3p(file):
         (("bindata/data.bin", "../../data.bin"), "lacks '../../data.bin'"),
         (("MD5ChecksumPointData>", "X>"), None),
         (("<MD5ChecksumPointData>", "<MD5ChecksumPointData>0"), "do not have the checksum"),
-        (("<Record1>", "<Record9>"), "damaged X3P file (ParseError"),
+        (("<Record1>", "<Record9>"), "damaged X3P file (ExpatError"),
         (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type of its own"),
     ],
 )
@@ -555,3 +717,87 @@ def test_any_damaged_file_is_read_or_refused_in_one_sentence(tmp_path):
         outcomes[fuzzing.fuzz_measured(random, name, pristine[name], tmp_path)] += 1
     assert outcomes["read"] > 100
     assert outcomes["refused"] > 500
+
+
+# ---- Archives of strangers ------------------------------------------------------------------------------------------
+
+
+def archive_of(main, data=bytes(432), method=zipfile.ZIP_DEFLATED):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        archive.writestr("main.xml", main)
+        archive.writestr("bindata/data.bin", data)
+    return stream.getvalue()
+
+
+def main_of(data):
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        return archive.read("main.xml").decode()
+
+
+PLAIN = main_of(x3p(METRES)).replace("MD5ChecksumPointData>", "Sum>")
+
+
+def peak(call):
+    tracemalloc.start()
+    try:
+        call()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("code", ["utf-8", "utf-16", "utf-16-be"])
+@pytest.mark.parametrize(
+    "kind", ['<!DOCTYPE a [<!ENTITY b "SUR">]>', '<!DOCTYPE a SYSTEM "file:///etc/passwd">', "<!DOCTYPE a>"]
+)
+def test_a_document_type_is_refused_by_the_parser_in_any_encoding(file, code, kind):
+    main = PLAIN.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
+    assert "document type of its own" in refusal(file(archive_of(main.encode(code)), "a.x3p"), read_surface)
+
+
+def test_words_beside_the_points_are_bounded(file):
+    few, many, deep = (PLAIN.replace("</p:ISO", f"{words}</p:ISO") for words in (
+        "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
+    ))  # fmt: skip
+    assert read_surface(file(archive_of(few), "a.x3p")).heights.shape == (6, 9)
+    assert "more than 100000 elements in main.xml" in refusal(file(archive_of(many), "a.x3p"), read_surface)
+    assert "which its points do not need" in refusal(file(archive_of(deep), "a.x3p"), read_surface)
+    # Points that are listed may need more than words, but no more than there are.
+    listed = main_of(x3p(np.zeros(40_000), listed=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
+    assert len(listed) > 4_000_000
+    assert len(read_profile(file(archive_of(listed), "b.x3p"))) == 40_000
+    longer = listed.replace("40000</SizeX>", "4</SizeX>")
+    assert "which its points do not need" in refusal(file(archive_of(longer), "b.x3p"))
+
+
+def test_points_are_not_unpacked_beyond_those_that_are_announced(file):
+    # 50 MB where 432 bytes are announced; one archive says so, the other lies.
+    honest = archive_of(PLAIN, bytes(50_000_000))
+    lying = honest.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
+    assert lying != honest
+    for data, said in ((honest, "54 points of 8 bytes, but has 50000000 bytes"), (lying, "damaged X3P file (BadZip")):
+        path = file(data, "a.x3p")
+        assert peak(lambda path=path, said=said: said in refusal(path, read_surface)) < 5_000_000
+        assert said in refusal(path, read_surface)
+    assert "by another method than deflate" in refusal(
+        file(archive_of(PLAIN, method=zipfile.ZIP_BZIP2), "a.x3p"), read_surface
+    )
+
+
+@pytest.mark.parametrize("number", ["1_0e-6", "١e-6", "0x1p-3", "1e", "1,5", "infinity", "--1", "1e-6e"])
+def test_numbers_of_x3p_are_those_of_xml_schema(file, number):
+    main = PLAIN.replace("<Increment>1e-06<", f"<Increment>{number}<")
+    assert main != PLAIN
+    assert "where a number should be" in refusal(file(archive_of(main), "a.x3p"), read_surface)
+    for fine in (" 1E-6 ", "+.000001", "1.e-06"):
+        main = PLAIN.replace("<Increment>1e-06<", f"<Increment>{fine}<")
+        assert read_surface(file(archive_of(main), "a.x3p")).spacing[1] == pytest.approx(1.0)
+
+
+def test_very_long_lines_are_read_in_time(file):
+    # A line is looked at whole once, whatever the number of ways in which cells may be parted.
+    path = file("\n".join([",".join(["1.5", "2", "0"] * 50_000)] * 4), "a.csv")
+    began = time.process_time()
+    assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 150_000)
+    assert time.process_time() - began < 20  # 2 s in a trial

@@ -1,0 +1,84 @@
+// Pressure of an elastic half-space under a gap: the passes over a grid between two convolutions.
+#pragma once
+
+#include "stiction/array.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace stiction {
+
+/// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  over  0 <= p <= hardness, sum p = total.
+///
+/// K maps pressure [GPa] to displacement [µm]; the caller applies it, and a preconditioner that resembles its inverse.
+/// `potential` is K p + g0, so the gap at approach δ is potential - δ. Free points are those under a pressure strictly
+/// between the bounds, and those at a bound that their gap calls away from it. One iteration is
+///
+///     balance()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
+///
+/// The inverse of K on free points is the least energy r·Mr of all continuations of r to the other points. On areas a
+/// continuation by zero is near it. On lines it is not, where contacts are short: there residuals are continued along
+/// straight lines, and what M gives is collected by the transpose.
+///
+/// A step leads from one feasible pressure to another. Only free points move, so that a sum to be restored never leaves
+/// a trace of pressure on others. Polonsky & Keer, Wear 231 (1999) 206 for the scheme; the energy never rises.
+class PressureSearch {
+ public:
+  /// `pressure` must be feasible; `line`: neighbours in memory are neighbours on a line. Throws std::invalid_argument for sizes that differ, 2³¹ points or more, and a total
+  /// that is not positive or that the hardness cannot bear.
+  PressureSearch(Values pressure, Values potential, double total, double hardness, bool line, bool periodic);
+
+  /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
+  /// under pressure is open by more, none overlaps by more. Infinite where potentials are not finite.
+  double balance();
+
+  /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
+  std::span<const float> residual();
+
+  /// Whether the next step wants the residual itself in place of a preconditioned one: descent is then certain.
+  bool plain() const { return plain_; }
+
+  /// A step of pressure [GPa], 0 at points that are not free. `response` is K times the step before, or empty.
+  std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response);
+
+  /// Goes as far along the step as lowers the energy most, with `response` = K step. Returns whether it went at all.
+  bool advance(std::span<const float> response);
+
+  /// Takes a newly computed potential, and begins again with the steepest descent.
+  void restart(Values potential);
+
+  double approach() const { return approach_; }
+  Values pressure() const { return pressure_; }
+  Values potential() const { return potential_; }
+
+ private:
+  void check(std::span<const float> grid) const;
+  bool continued() const { return line_ && !plain_ && !free_.empty(); }
+  template <class Between>
+  void for_each_gap(Between between) const;
+  void collect(std::span<const float> preconditioned);
+
+  std::vector<double> pressure_;
+  std::vector<double> potential_;
+  double total_;
+  double hardness_;
+  bool line_;
+  bool periodic_;
+  std::vector<std::int32_t> free_;          // where residual_ may differ from 0
+  std::vector<std::int32_t> moved_;         // where step_ may differ from 0
+  std::vector<float> residual_;             // on the grid
+  std::vector<float> step_;                 // on the grid
+  std::vector<double> collected_;           // preconditioned residual at free points
+  std::vector<double> target_;              // pressure at free points after a whole step
+  double approach_ = 0.0;
+  double mean_ = 0.0;                       // potential of free points
+  double bound_load_ = 0.0;                 // sum of pressures that are not free
+  double length_ = 1.0;                     // of the next step, in preconditioned residuals
+  double plain_length_ = 1.0;               // the same in residuals
+  double curvature_ = 0.0;                  // step·K step
+  bool conjugate_ = false;
+  bool plain_ = false;
+  bool clipped_ = false;
+};
+
+}  // namespace stiction

@@ -1,0 +1,317 @@
+#include "stiction/pressure_search.hpp"
+
+#include "multiversion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace stiction {
+namespace {
+
+// Steps whose best length differs more than this from the one tried are cut or the next one is lengthened by it.
+constexpr double least_change = 0.5;
+constexpr double most_change = 2.0;
+// After a step that leads nowhere.
+constexpr double retreat = 0.25;
+constexpr int most_newton_steps = 200;
+
+STICTION_MULTIVERSION
+void add_scaled(const float* response, std::size_t size, double factor, double* potential) {
+  for (std::size_t i = 0; i < size; ++i) {
+    potential[i] += factor * static_cast<double>(response[i]);
+  }
+}
+
+// The shift for which pressures less the shift, cut to the bounds, have the sum asked for. The sum falls with the
+// shift, in straight pieces: Newton's steps, kept within a bracket.
+double shift_to_sum(std::span<const double> pressure, double sum, double hardness) {
+  double left = -std::numeric_limits<double>::infinity();
+  double right = std::numeric_limits<double>::infinity();
+  double shift = 0.0;
+  for (int count = 0; count < most_newton_steps; ++count) {
+    double excess = -sum;
+    std::size_t between = 0;
+    for (const double value : pressure) {
+      const double moved = value - shift;
+      excess += std::clamp(moved, 0.0, hardness);
+      between += moved > 0.0 && moved < hardness ? 1 : 0;
+    }
+    if (std::abs(excess) <= 1e-15 * sum) {
+      return shift;
+    }
+    (excess > 0.0 ? left : right) = shift;
+    double next = between > 0 ? shift + excess / static_cast<double>(between) : left + 0.5 * (right - left);
+    if (!std::isfinite(next)) {  // no pressure between the bounds, and only one side known
+      const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
+      left = std::isfinite(left) ? left : *lowest - (std::isfinite(hardness) ? hardness : sum);
+      right = std::isfinite(right) ? right : *highest;
+      next = left + 0.5 * (right - left);
+    } else if (!(next > left && next < right)) {
+      next = left + 0.5 * (right - left);
+    }
+    if (next == shift) {
+      return shift;
+    }
+    shift = next;
+  }
+  return shift;
+}
+
+}  // namespace
+
+PressureSearch::PressureSearch(Values pressure, Values potential, double total, double hardness, bool line,
+                               bool periodic)
+    : pressure_(pressure.begin(), pressure.end()),
+      potential_(potential.begin(), potential.end()),
+      total_(total),
+      hardness_(hardness),
+      line_(line),
+      periodic_(periodic),
+      residual_(pressure.size()),
+      step_(pressure.size()) {
+  if (pressure.size() != potential.size() || pressure.empty() ||
+      pressure.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw std::invalid_argument("PressureSearch: pressure and potential must have one length, from 1 to below 2^31");
+  }
+  if (!(total > 0.0) || !(hardness > 0.0) || !(total < hardness * static_cast<double>(pressure.size()))) {
+    throw std::invalid_argument("PressureSearch: total must be positive and below hardness times points");
+  }
+  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+    if (pressure_[i] > 0.0) {
+      moved_.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+}
+
+void PressureSearch::check(std::span<const float> grid) const {
+  if (grid.size() != pressure_.size()) {
+    throw std::invalid_argument("PressureSearch: grids must have as many points as the pressure");
+  }
+}
+
+double PressureSearch::balance() {
+  if (line_) {
+    std::fill(residual_.begin(), residual_.end(), 0.0F);
+  } else {
+    for (const std::int32_t i : free_) {
+      residual_[static_cast<std::size_t>(i)] = 0.0F;
+    }
+  }
+  // Every point under pressure has moved, or is at the hardness and says nothing of the approach.
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const std::int32_t point : moved_) {
+    const auto i = static_cast<std::size_t>(point);
+    const double p = pressure_[i];
+    if (p > 0.0 && p < hardness_) {
+      sum += potential_[i];
+      ++count;
+    }
+  }
+  if (count > 0) {
+    approach_ = sum / static_cast<double>(count);
+  } else {  // all pressure is at the hardness: none of it may be open
+    approach_ = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < pressure_.size(); ++i) {
+      approach_ = pressure_[i] > 0.0 ? std::max(approach_, potential_[i]) : approach_;
+    }
+  }
+  free_.clear();
+  bound_load_ = 0.0;
+  double distance = 0.0;
+  sum = 0.0;
+  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+    const double p = pressure_[i];
+    const double gap = potential_[i] - approach_;
+    if (p > 0.0 ? p < hardness_ || gap > 0.0 : !(gap >= 0.0)) {
+      free_.push_back(static_cast<std::int32_t>(i));
+      distance = std::max(distance, std::abs(gap));
+      sum += gap;
+    } else {
+      bound_load_ += p;
+    }
+  }
+  mean_ = approach_ + (free_.empty() ? 0.0 : sum / static_cast<double>(free_.size()));
+  return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
+}
+
+// Of each run of points that are not free: the free points on both sides (by their place in the list) and their distance,
+// the place of the first point of the run, and how many there are. At the ends of a free line both sides are the same.
+template <class Between>
+void PressureSearch::for_each_gap(Between between) const {
+  const auto size = static_cast<std::int64_t>(pressure_.size());
+  const std::size_t last = free_.size() - 1;
+  for (std::size_t k = 0; k < last; ++k) {
+    const std::int64_t count = free_[k + 1] - free_[k] - 1;
+    if (count > 0) {
+      between(k, k + 1, free_[k] + 1, count);
+    }
+  }
+  if (periodic_) {
+    between(last, std::size_t{0}, free_[last] + 1, size - free_[last] - 1 + free_[0]);
+  } else {
+    between(last, last, free_[last] + 1, size - free_[last] - 1);
+    between(std::size_t{0}, std::size_t{0}, 0, free_[0]);
+  }
+}
+
+std::span<const float> PressureSearch::residual() {
+  for (const std::int32_t point : free_) {
+    const auto i = static_cast<std::size_t>(point);
+    residual_[i] = static_cast<float>(mean_ - potential_[i]);
+  }
+  if (continued()) {
+    const std::size_t size = residual_.size();
+    for_each_gap([&](std::size_t left, std::size_t right, std::int64_t first, std::int64_t count) {
+      const float from = residual_[static_cast<std::size_t>(free_[left])];
+      const float slope = (residual_[static_cast<std::size_t>(free_[right])] - from) / static_cast<float>(count + 1);
+      for (std::int64_t j = 0; j < count; ++j) {
+        const auto i = static_cast<std::size_t>(first + j);
+        residual_[i < size ? i : i - size] = from + slope * static_cast<float>(j + 1);
+      }
+    });
+  }
+  return residual_;
+}
+
+void PressureSearch::collect(std::span<const float> preconditioned) {
+  collected_.resize(free_.size());
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    collected_[k] = static_cast<double>(preconditioned[static_cast<std::size_t>(free_[k])]);
+  }
+  if (continued()) {
+    const std::size_t size = preconditioned.size();
+    for_each_gap([&](std::size_t left, std::size_t right, std::int64_t first, std::int64_t count) {
+      double sum = 0.0;
+      double moment = 0.0;
+      for (std::int64_t j = 0; j < count; ++j) {
+        const auto i = static_cast<std::size_t>(first + j);
+        const auto value = static_cast<double>(preconditioned[i < size ? i : i - size]);
+        sum += value;
+        moment += value * static_cast<double>(j + 1);
+      }
+      moment /= static_cast<double>(count + 1);
+      collected_[left] += sum - moment;
+      collected_[right] += moment;
+    });
+  }
+}
+
+std::span<const float> PressureSearch::step(std::span<const float> preconditioned, std::span<const float> response) {
+  check(preconditioned);
+  if (!response.empty()) {
+    check(response);
+  }
+  const std::size_t size = free_.size();
+  const auto count = static_cast<double>(std::max<std::size_t>(size, 1));
+  collect(preconditioned);
+  conjugate_ = conjugate_ && !response.empty();
+  double mean = 0.0;
+  double mean_step = 0.0;
+  double product = 0.0;
+  double mean_response = 0.0;
+  for (std::size_t k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(free_[k]);
+    const double value = collected_[k];
+    mean += value;
+    if (conjugate_) {
+      mean_step += static_cast<double>(step_[i]);
+      mean_response += static_cast<double>(response[i]);
+      product += value * static_cast<double>(response[i]);
+    }
+  }
+  mean /= count;
+  mean_step /= count;
+  double beta = conjugate_ ? std::max((mean * mean_response - product) / curvature_, 0.0) : 0.0;
+  target_.resize(size);
+  const auto aim = [&] {
+    const double length = plain_ ? plain_length_ : length_;
+    double slope = 0.0;
+    double square = 0.0;
+    clipped_ = false;
+    for (std::size_t k = 0; k < size; ++k) {
+      const auto i = static_cast<std::size_t>(free_[k]);
+      const auto rest = static_cast<double>(residual_[i]);
+      double direction = collected_[k] - mean;
+      if (beta > 0.0) {
+        direction += beta * (static_cast<double>(step_[i]) - mean_step);
+      }
+      slope += direction * rest;
+      square += rest * rest;
+      target_[k] = pressure_[i] + length * direction;
+      clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > hardness_;
+    }
+    if (!plain_ && slope > 0.0 && square > 0.0) {
+      plain_length_ = length_ * slope / square;
+    }
+    return slope;
+  };
+  if (!(aim() > 0.0) && beta > 0.0) {
+    beta = 0.0;
+    aim();
+  }
+  conjugate_ = beta > 0.0;
+  const double shift = shift_to_sum(target_, total_ - bound_load_, hardness_);
+  for (const std::int32_t point : moved_) {
+    step_[static_cast<std::size_t>(point)] = 0.0F;
+  }
+  moved_ = free_;
+  for (std::size_t k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(free_[k]);
+    target_[k] = std::clamp(target_[k] - shift, 0.0, hardness_);
+    step_[i] = static_cast<float>(target_[k] - pressure_[i]);
+  }
+  return step_;
+}
+
+bool PressureSearch::advance(std::span<const float> response) {
+  check(response);
+  double descent = 0.0;
+  double curvature = 0.0;
+  double farthest = std::numeric_limits<double>::infinity();  // that keeps within the bounds
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const auto i = static_cast<std::size_t>(moved_[k]);
+    const auto move = static_cast<double>(step_[i]);
+    descent += move * (mean_ - potential_[i]);
+    curvature += move * static_cast<double>(response[i]);
+    if (move < 0.0) {
+      farthest = std::min(farthest, pressure_[i] / -move);
+    } else if (move > 0.0) {
+      farthest = std::min(farthest, (hardness_ - pressure_[i]) / move);
+    }
+  }
+  const double best = descent / curvature;
+  if (!(descent > 0.0) || !(curvature > 0.0) || !std::isfinite(best)) {
+    plain_ = !conjugate_;
+    conjugate_ = false;
+    length_ *= retreat;
+    plain_length_ *= retreat;
+    return false;
+  }
+  // A whole step that meets bounds is taken as it is where it lowers the energy: a part of it would leave a part of
+  // the pressure on points that it wants to free.
+  double part = clipped_ ? (best >= least_change ? 1.0 : best) : std::min(best, std::max(farthest, 1.0));
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const auto i = static_cast<std::size_t>(moved_[k]);
+    pressure_[i] =
+        part == 1.0 ? target_[k] : std::clamp(pressure_[i] + part * static_cast<double>(step_[i]), 0.0, hardness_);
+  }
+  add_scaled(response.data(), response.size(), part, potential_.data());
+  (plain_ ? plain_length_ : length_) *= std::clamp(best, least_change, most_change);
+  curvature_ = curvature;
+  conjugate_ = true;
+  plain_ = false;
+  return true;
+}
+
+void PressureSearch::restart(Values potential) {
+  if (potential.size() != potential_.size()) {
+    throw std::invalid_argument("PressureSearch: potential must keep its length");
+  }
+  std::copy(potential.begin(), potential.end(), potential_.begin());
+  conjugate_ = false;
+}
+
+}  // namespace stiction

@@ -1,0 +1,365 @@
+"""Two rough bodies as one elastic half-space: the exact elastic answer, and friction from it.
+
+For small slopes two elastic bodies in frictionless contact are one gap over one half-space of modulus E*. Friction from
+half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology International 34 (2001) 531.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, choice, float_array, number, read_only
+from stiction.mechanics import friction
+from stiction.mechanics.elastic_pressure import Kernel, Solution, Solver, linear_compliance
+from stiction.mechanics.patches import Sliding, labelled, slopes, sums, true_share
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+Boundary = Literal["free", "periodic"]
+Direction = str | float | Sequence[str | float]
+
+EFFECTIVE_MODULUS = 10.0
+"""GPa, of the paper."""
+
+WIDTH = 1.0
+"""µm, of a profile."""
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpaceContact:
+    """The contact at one load, over the grid; all arrays are read-only.
+
+    Attributes
+    ----------
+    pressure : ndarray, GPa
+    gap : ndarray, µm
+        Between the deformed bodies: 0 in contact, to the tolerance; below 0 where the hardness caps the pressure.
+    patches : ndarray of int
+        Number of the patch that a point under pressure belongs to, from 1 on; 0 where there is no pressure. Points
+        are connected with all their neighbours, on areas eight, and over the edges where periodic.
+    """
+
+    pressure: Floats
+    gap: Floats
+    patches: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Gap (µm, its least is 0), kernel and what else belongs to the pair."""
+
+    gap: Floats
+    kernel: Kernel
+    spacing: tuple[float, ...]
+    periodic: bool
+    hardness: float | None
+
+    @property
+    def cell(self) -> float:
+        """µm², of a grid point."""
+        return float(np.prod(self.spacing)) * (WIDTH if len(self.spacing) == 1 else 1.0)
+
+    @property
+    def has_approach(self) -> bool:
+        """Whether far points stay: not on a free half-plane."""
+        return self.periodic or len(self.spacing) == 2
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpaceCurve:
+    """Contact of two bodies as an elastic half-space at each load, for every mu0 and tau0; all arrays are read-only.
+
+    Sums over points under pressure, as `LoadCurve` has them over asperities: n is the normal of the deformed interface
+    at a point, t the tangent, s the direction; a patch opposes where its force on the upper body points against s. What
+    depends on the direction is (k,), or (d, k) where d directions were given.
+
+    Attributes
+    ----------
+    load : (k,) ndarray, mN
+        What was asked for.
+    approach : (k,) ndarray, µm
+        Displacement of the upper body since first touch: of its far points, or of its mean plane where periodic. NaN on a
+        free half-plane, whose far points have no limit.
+    error : (k,) ndarray
+        No point under pressure is open by more than this, and no point overlaps by more (but where the pressure is at
+        the hardness), in root-mean-square deviations of the gap (of the displacements under an even pressure, where
+        that is more).
+    iterations : (k,) ndarray of int
+        On the finest grid.
+    contact_count : (k,) ndarray of int
+        Patches of connected points.
+    contact_area : (k,) ndarray, µm²
+        True area along the interface, less what a grid's edges add.
+    normal_elastic : (k,) ndarray, mN
+        Σ F n_z.
+    tangential_elastic : (k,) or (d, k) ndarray, mN
+        -Σ F s·n over opposing patches, or all.
+    normal_frictional, tangential_frictional : (k,) or (d, k) ndarray, mN per unit mu0
+        Σ F t_z and -Σ F s·t over opposing patches, or all.
+    normal_adhesive, tangential_adhesive : (k,) or (d, k) ndarray, mN per GPa of tau0
+        Σ A t_z and -Σ A s·t over opposing patches, or all.
+    load_share_at_hardness, area_share_at_hardness : (k,) ndarray
+        Of the load and of the points under pressure where the pressure is the hardness.
+    effective_modulus : float, GPa
+    """
+
+    load: Floats
+    approach: Floats
+    error: Floats
+    iterations: NDArray[np.int64]
+    contact_count: NDArray[np.int64]
+    contact_area: Floats
+    normal_elastic: Floats
+    tangential_elastic: Floats
+    normal_frictional: Floats
+    tangential_frictional: Floats
+    normal_adhesive: Floats
+    tangential_adhesive: Floats
+    load_share_at_hardness: Floats
+    area_share_at_hardness: Floats
+    effective_modulus: float
+    _problem: _Problem = field(repr=False)
+    _pressed: tuple[tuple[NDArray[np.int64], Floats], ...] = field(repr=False)
+
+    @cached_property
+    def stiffness(self) -> Floats:
+        """(k,) dF/dδ, mN/µm, of the patches as they are; infinite at full contact of periodic bodies.
+
+        NaN on a free half-plane, and where all pressure is at the hardness. Computed when first asked for.
+        """
+        problem = self._problem
+        stiffness = np.full(self.load.size, np.nan)
+        for i in range(self.load.size if problem.has_approach else 0):
+            pressure = self._pressure(i)
+            free = pressure > 0
+            if problem.hardness is not None:
+                free &= pressure < problem.hardness
+            if free.any():
+                compliance = linear_compliance(problem.kernel, free)
+                with np.errstate(divide="ignore"):
+                    stiffness[i] = problem.cell / np.float64(compliance)
+        return read_only(stiffness)
+
+    def contact(self, index: int) -> HalfSpaceContact:
+        """Pressure, gap and patches at `load[index]`."""
+        if not -self.load.size <= index < self.load.size:
+            raise ValueError(f"index must be one of the {self.load.size} loads, got {index!r}")
+        problem = self._problem
+        pressure = self._pressure(index)
+        potential = problem.kernel.displacement(pressure) + problem.gap
+        free = pressure > 0
+        if problem.hardness is not None and (free & (pressure < problem.hardness)).any():
+            free &= pressure < problem.hardness
+        patches, _ = labelled(pressure > 0, periodic=problem.periodic)
+        gap = potential - potential[free].mean()
+        return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches))
+
+    def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_N in mN, shape of (mu0, tau0) + (k,) or (d, k); mu0 dimensionless, tau0 in GPa, broadcast."""
+        return np.asarray(friction.normal_load(self, *self._parameters(mu0, tau0)))
+
+    def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_T in mN that starts the sliding; shape and arguments as for `normal_load`."""
+        return np.asarray(friction.tangential_load(self, *self._parameters(mu0, tau0)))
+
+    def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_T / F_N, NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
+        parameters = self._parameters(mu0, tau0)
+        normal = np.asarray(friction.normal_load(self, *parameters))
+        tangential = np.asarray(friction.tangential_load(self, *parameters))
+        coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=normal > 0)
+        return coefficient
+
+    def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
+        """Either "ok" or "self-locked" (F_N <= 0); shape and arguments as for `normal_load`."""
+        normal = np.asarray(friction.normal_load(self, *self._parameters(mu0, tau0)))
+        return np.where(normal > 0, friction.STATUS_OK, friction.STATUS_SELF_LOCKED)
+
+    def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
+        strengths = friction.friction_parameter("tau0", tau0)
+        friction.check_shear_strength(strengths, self.effective_modulus)
+        both = np.broadcast_arrays(friction.friction_parameter("mu0", mu0), strengths)
+        axes = (...,) + (np.newaxis,) * self.tangential_elastic.ndim
+        return both[0][axes], both[1][axes]
+
+    def _pressure(self, index: int) -> Floats:
+        points, values = self._pressed[index]
+        pressure = np.zeros(self._problem.gap.size)
+        pressure[points] = values
+        return pressure.reshape(self._problem.gap.shape)
+
+
+def half_space(
+    upper: Profile | Surface,
+    lower: Profile | Surface,
+    loads: ArrayLike,
+    *,
+    effective_modulus: float = EFFECTIVE_MODULUS,
+    boundary: Boundary = "free",
+    compliance_share: float = 0.5,
+    hardness: float | None = None,
+    direction: Direction = "+x",
+    sliding: Sliding = "opposing",
+    tolerance: float = 1e-6,
+) -> HalfSpaceCurve:
+    """Pressure, true area and friction of two rough bodies as an elastic half-space.
+
+    Parameters
+    ----------
+    upper, lower : Profile or Surface
+        Two of a kind on the same grid.
+    loads : (k,) array_like of float, mN
+        Above 0 and strictly increasing. A profile is 1 µm thick.
+    effective_modulus : float, GPa
+        E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
+    boundary : {"free", "periodic"}
+        Whether nothing lies beyond the edges, or the bodies again and again.
+    compliance_share : float
+        c_l = E* (1 - ν_l²)/E_l, the lower body's share of the compliance, from 0 to 1: the deformed interface is
+        (1 - c_l) z_l + c_l z_u, but for a constant.
+    hardness : float, GPa, optional
+        The most that the pressure can be: elastic, perfectly plastic, in the first loading.
+    direction : {"+x", "-x"}, float or a sequence of them
+        Where the upper body is about to move; on surfaces also an angle in degrees from +x towards +y.
+    sliding : {"opposing", "all"}
+        Whether only patches rub whose force on the upper body points against the motion, or all.
+    tolerance : float
+        Of the error, see `HalfSpaceCurve`.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+    RuntimeError
+        If a load's error does not reach the tolerance: below about 1e-12 round-off does not let it.
+
+    Notes
+    -----
+    Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0, p g = 0 and û(k) = 2/(E* |k|) p̂(k) (Johnson, Contact Mechanics,
+    1985, sections 2.3, 3.2 and 13.2). Memory: about 100 bytes for each grid point, 300 where free. `scipy.fft.set_workers`
+    says how many threads the transforms of areas use.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, half_space
+    >>> x = np.arange(512) / 512
+    >>> wave = Profile(0.01 * np.cos(2 * np.pi * x), spacing=1 / 512)
+    >>> flat = Profile(np.zeros(512), spacing=1 / 512)
+    >>> curve = half_space(flat, wave, [0.1], boundary="periodic")
+    >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
+    array([0.38])
+    """
+    kind = _kind(upper, lower)
+    steps = float_array("loads", loads, ndim=1)
+    if not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
+        raise ValueError(f"loads must be above 0 mN and strictly increasing, got {loads!r}")
+    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    choice("boundary", boundary, Boundary)
+    choice("sliding", sliding, Sliding)
+    share = number("compliance_share", compliance_share)
+    if not 0 <= share <= 1:
+        raise ValueError(f"compliance_share must be from 0 to 1, got {compliance_share!r}")
+    tolerance = number("tolerance", tolerance, above=0, below=1)
+    angles, several = _angles(direction, kind)
+    periodic = boundary == "periodic"
+    spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing
+    gap = upper.heights - lower.heights
+    gap -= gap.min()
+    if hardness is not None:
+        hardness = number("hardness", hardness, unit="GPa", above=0)
+    solver = Solver(gap, spacing, modulus, periodic=periodic, hardness=hardness, tolerance=tolerance)
+    problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness)
+    most = np.inf if hardness is None else hardness * problem.cell * gap.size
+    if not steps[-1] < most:
+        raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
+    slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
+    rows = []
+    pressed = []
+    for load in steps:
+        solution = solver.at(float(load) / (problem.cell * gap.size))
+        if not solution.error <= tolerance:
+            raise RuntimeError(
+                f"no solution at {load:g} mN: error {solution.error:.2g} after {solution.iterations} iterations, "
+                f"above the tolerance {tolerance:g}"
+            )
+        rows.append(_row(problem, solution, slope, angles, sliding))
+        points = np.flatnonzero(solution.pressure)
+        pressed.append((read_only(points), read_only(solution.pressure.ravel()[points])))
+    columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    for name, column in columns.items():
+        if column.ndim == 2:
+            column = np.ascontiguousarray(column.T) if several else column[:, 0].copy()
+        columns[name] = read_only(column)
+    return HalfSpaceCurve(
+        load=read_only(steps.copy()),
+        **columns,
+        effective_modulus=modulus,
+        _problem=problem,
+        _pressed=tuple(pressed),
+    )
+
+
+def _row(
+    problem: _Problem, solution: Solution, slope: list[Floats], angles: Floats, sliding: Sliding
+) -> dict[str, Any]:
+    touching = solution.pressure > 0
+    patches, count = labelled(touching, periodic=problem.periodic)
+    pressure = solution.pressure[touching]
+    capped = pressure == problem.hardness
+    return {
+        "approach": solution.approach if problem.has_approach else np.nan,
+        "error": solution.error,
+        "iterations": solution.iterations,
+        "contact_count": count,
+        "load_share_at_hardness": float(pressure[capped].sum() / pressure.sum()),
+        "area_share_at_hardness": float(capped.mean()),
+        **sums(
+            pressure * problem.cell,
+            true_share(touching, periodic=problem.periodic) * problem.cell,
+            [along[touching] for along in slope],
+            patches[touching],
+            angles,
+            sliding,
+        ),
+    }
+
+
+def _kind(upper: Any, lower: Any) -> type[Profile] | type[Surface]:
+    for kind in (Profile, Surface):
+        if isinstance(upper, kind) and isinstance(lower, kind):
+            break
+    else:
+        names = f"{type(upper).__name__} and {type(lower).__name__}"
+        raise ValueError(f"upper and lower must be two Profiles or two Surfaces, got {names}")
+    for name, pair, unit in (
+        ("shapes", (upper.heights.shape, lower.heights.shape), ""),
+        ("spacings", (upper.spacing, lower.spacing), " µm"),
+    ):
+        if pair[0] != pair[1]:
+            raise ValueError(f"upper and lower must have equal {name}, got {pair[0]!r} and {pair[1]!r}{unit}")
+    return kind
+
+
+def _angles(direction: Any, kind: type[Profile] | type[Surface]) -> tuple[Floats, bool]:
+    """Angles in rad, and whether a sequence was given."""
+    several = not isinstance(direction, (str, float, int, np.number))
+    items = list(direction) if several and np.iterable(direction) else [direction]
+    if not items or (several and (kind is Profile or not np.iterable(direction))):
+        raise ValueError(f'direction must be "+x" or "-x", on surfaces also degrees or a sequence, got {direction!r}')
+    angles = []
+    for item in items:
+        if isinstance(item, str) and item in ("+x", "-x"):
+            angles.append(0.0 if item == "+x" else np.pi)
+        elif kind is Profile or isinstance(item, str):
+            allowed = '"+x" or "-x"' + (" or degrees" if kind is Surface else "")
+            raise ValueError(f"direction must be {allowed}, got {item!r}")
+        else:
+            angles.append(np.radians(number("direction", item, unit="degrees")))
+    return np.array(angles), several

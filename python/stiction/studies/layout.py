@@ -1,0 +1,200 @@
+"""The files of a store: what they are called, what is in them, and how they come to be.
+
+Zarr itself lays the store out. Chunks are written and read here: Zarr takes several times as long over small ones,
+reads a chunk that is missing as fill values, and not all of its versions rename.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import struct
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numcodecs
+import numpy as np
+import xarray
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import ZstdCodec
+
+from stiction._files import HALF_WRITTEN, NotReadableError, content
+
+SCHEMA = 1
+"""Of the layout of a store; what a newer one means is not known here."""
+
+COMPLETE = "complete"
+METADATA = "zarr.json"
+PARTIAL = ".partial"
+"""Of a store that is being begun."""
+
+MOST_METADATA = 16 * 2**20
+"""Bytes of a file of metadata: a study of the longest lists takes a twentieth."""
+
+_REPETITIONS_IN_CHUNK = 4096
+"""Of the coordinate, whose chunks must not depend on how many there are."""
+
+_LEVEL = 0
+_zstd = numcodecs.Zstd(level=_LEVEL, checksum=True)  # without the checksum a flipped bit is a wrong number
+
+
+def layout(dataset: xarray.Dataset, attributes: Mapping[str, Any] | None = None) -> dict[str, bytes]:
+    """Every file of a store but the repetitions themselves, the root's metadata last."""
+    identity = {"stiction_schema": SCHEMA, "numpy_version": np.__version__, "zarr_version": zarr.__version__}
+    # What an existing root says stays: the versions it was begun with, and what others added to it.
+    root = dataset.attrs | identity | dict(attributes or {}) | {"study": dataset.attrs["study"]}
+    files: dict[str, Any] = {}
+    group = zarr.create_group(
+        zarr.storage.MemoryStore(files), zarr_format=3, attributes=root | {"checksum": checksum(root)}
+    )
+    repetitions = dataset.sizes["repetition"]
+    complete = xarray.Variable("repetition", np.zeros(repetitions, np.bool_), {"long_name": "whether it is finished"})
+    for name, variable in {**dataset.variables, COMPLETE: complete}.items():
+        chunks = {"repetition": _REPETITIONS_IN_CHUNK} if name == "repetition" else {"repetition": 1}
+        array = group.create_array(
+            str(name),
+            shape=variable.shape,
+            dtype=variable.dtype,
+            chunks=tuple(chunks.get(str(dim), size) for dim, size in variable.sizes.items()),
+            # Whoever opens an unfinished store with something else sees no zeros that look like results.
+            fill_value={"f": np.nan, "i": -1, "b": False}[variable.dtype.kind],
+            compressors=ZstdCodec(level=_LEVEL, checksum=True),
+            chunk_key_encoding={"name": "default", "separator": "."},  # a file, not a directory, of each repetition
+            dimension_names=[str(dim) for dim in variable.dims],
+            attributes=variable.attrs,
+        )
+        if name in dataset.coords:
+            array[...] = variable.values
+    contents = {name: buffer.to_bytes() for name, buffer in files.items()}
+    last = (f"{COMPLETE}/{METADATA}", METADATA)
+    return dict(sorted(contents.items(), key=lambda item: last.index(item[0]) if item[0] in last else -1))
+
+
+def checksum(attributes: Mapping[str, Any]) -> str:
+    """Of what a result is of: metadata have no checksum of their own, and a flipped bit would be another seed."""
+    said = [attributes.get(name) for name in ("study", "stiction_version", "stiction_schema")]
+    return f"{zlib.crc32(json.dumps(said).encode()):08x}"
+
+
+def chunk(repetition: int) -> str:
+    """File of a repetition in the directory of a variable."""
+    return f"c.0.0.{repetition}.0"
+
+
+def is_known(name: str) -> bool:
+    """Whether a name in the directory of a variable is one that is given here, or what is left of writing it."""
+    return name == METADATA or bool(_CHUNK.fullmatch(name)) or is_left_behind(name)
+
+
+def is_left_behind(name: str) -> bool:
+    """Whether a name is that of a file whose writer was killed."""
+    return bool(HALF_WRITTEN.fullmatch(name) or _LEFT.fullmatch(name))
+
+
+_CHUNK = re.compile(r"c(\.[0-9]{1,18}){1,4}")
+_LEFT = re.compile(r"(c(\.[0-9]{1,18}){1,4}|zarr\.json)\.partial")  # by versions that named it so
+
+
+# ---- Metadata -------------------------------------------------------------------------------------------------------
+
+
+class DecodingError(Exception):
+    """A file that is not what was written."""
+
+
+def metadata(file: Path) -> dict[str, Any]:
+    """What a file of metadata says.
+
+    Raises
+    ------
+    DecodingError
+        If it is no regular file, or is not what was written.
+    OSError
+        If it cannot be read.
+    """
+    try:
+        said = json.loads(_content(file, MOST_METADATA))
+    except (ValueError, RecursionError):
+        raise DecodingError("not what was written") from None
+    if not isinstance(said, dict):
+        raise DecodingError("not what was written")
+    return said
+
+
+def _content(file: Path, most: int) -> bytes:
+    try:
+        return content(file, most, link=False)
+    except NotReadableError as error:
+        raise DecodingError(str(error)) from None
+
+
+# ---- Chunks ---------------------------------------------------------------------------------------------------------
+
+_SKIPPED = 0x184D2A50
+"""How a frame begins that every decoder of Zstandard leaves out: here the chunk's own name, variable/c.0.0.7.0."""
+
+
+def decoded(file: Path, dtype: np.dtype[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """What `encoded` put into a file.
+
+    Raises
+    ------
+    DecodingError
+        If it is no regular file, is another chunk's, or is not what was written; no more memory is taken than the
+        shape needs.
+    OSError
+        If it cannot be read.
+    """
+    size = dtype.itemsize * math.prod(shape)
+    # What compression can add is a 256th at most.
+    written = _content(file, size + size // 128 + 1000)
+    try:
+        said, end = _frame(written)
+    except (IndexError, struct.error):
+        raise DecodingError("not what was written") from None
+    if said != size:
+        raise DecodingError("not of the size that its study says")
+    if end < len(written) and written[end:] != _name_frame(file):  # without a name by a version that wrote none
+        raise DecodingError("not what was written, or another chunk's")
+    values = np.empty(size, np.uint8)
+    try:
+        _zstd.decode(written[:end], values)
+    except (RuntimeError, ValueError):
+        raise DecodingError("not what was written") from None
+    return values.view(dtype.newbyteorder("<")).reshape(shape)
+
+
+def encoded(file: Path, values: NDArray[Any]) -> bytes:
+    """Content of the file of a chunk."""
+    frame = _zstd.encode(np.ascontiguousarray(values, values.dtype.newbyteorder("<")))
+    return bytes(frame) + _name_frame(file)
+
+
+def _name_frame(file: Path) -> bytes:
+    name = f"{file.parent.name}/{file.name}".encode()
+    return struct.pack("<II", _SKIPPED, len(name)) + name
+
+
+def _frame(written: bytes) -> tuple[int | None, int]:
+    """Size of what a Zstandard frame holds (None if it does not say), and where the frame ends: RFC 8878, 3.1.1."""
+    (magic,) = struct.unpack_from("<I", written)
+    if magic != 0xFD2FB528:
+        raise IndexError
+    descriptor = written[4]
+    single, checksum = descriptor >> 5 & 1, descriptor >> 2 & 1
+    at = 5 + (not single) + (0, 1, 2, 4)[descriptor & 3]
+    width = (single, 2, 4, 8)[descriptor >> 6]
+    size = int.from_bytes(written[at : at + width], "little") + (256 if width == 2 else 0) if width else None
+    at += width
+    last = False
+    while not last:
+        header = int.from_bytes(written[at : at + 3], "little")
+        last, kind, length = bool(header & 1), header >> 1 & 3, header >> 3
+        if at + 3 > len(written):
+            raise IndexError
+        at += 3 + (1 if kind == 1 else length)  # of a byte that is repeated only the byte itself
+    return size, at + 4 * checksum

@@ -1,0 +1,114 @@
+"""The pairs of profiles that a study is of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stiction._checks import Floats, read_only
+from stiction.studies.study import Study
+from stiction.surfaces.fractal import BandLimit, Convention, fill_family, random_phases
+from stiction.surfaces.profile import Profile, Side, scaled_profile
+
+
+@dataclass(frozen=True)
+class ProfileGenerator:
+    """Eq. 1 as a study sets it: all of its profiles but for fractal dimension and amplitude. Lengths in µm."""
+
+    seed: int
+    directions: int
+    frequencies: int
+    length_scale: float
+    gamma: float
+    extent: float
+    points: int
+    convention: Convention
+    band_limit: BandLimit | None
+
+    @classmethod
+    def of(cls, study: Study) -> ProfileGenerator:
+        """That of a study."""
+        surfaces = study.surfaces
+        return cls(
+            seed=study.ensemble.seed,
+            directions=surfaces.directions,
+            frequencies=surfaces.frequencies,
+            length_scale=float(surfaces.length_scale),
+            gamma=surfaces.gamma,
+            extent=float(surfaces.extent),
+            points=surfaces.points,
+            convention=surfaces.convention,
+            band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
+        )
+
+    @property
+    def spacing(self) -> float:
+        """Of the points, µm."""
+        return self.extent / self.points
+
+    def phases(self, repetition: int, side: Side) -> Floats:
+        """(directions, frequencies) phases of one body of a repetition, rad."""
+        return random_phases(
+            self.seed, repetition=repetition, side=side, directions=self.directions, frequencies=self.frequencies
+        )
+
+    def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> None:
+        """Unscaled heights (k, points) of one body at fractal dimensions (k,), in memory that is there already."""
+        fill_family(
+            heights,
+            self.phases(repetition, side),
+            dimensions,
+            length_scale=self.length_scale,
+            gamma=self.gamma,
+            extent=self.extent,
+            convention=self.convention,
+            band_limit=self.band_limit,
+        )
+
+    def heights(self, dimension: float, repetition: int, side: Side) -> Floats:
+        """Unscaled heights (points,) of one body at a fractal dimension."""
+        family = np.empty((1, self.points))
+        self.fill(family, np.array([dimension]), repetition, side)
+        return read_only(family[0])
+
+
+def pair_of(study: Study, repetition: int, *, fractal_dimension: float, amplitude: float) -> tuple[Profile, Profile]:
+    """One pair of a study, as `run` presses it together.
+
+    Parameters
+    ----------
+    study : Study
+    repetition : int
+        From 0 on; as its number alone decides, it may lie beyond those that the study asks for.
+    fractal_dimension : float
+        At least 1 and below 2, in the study's convention.
+    amplitude : float, µm
+        Above 0, in the study's measure.
+
+    Returns
+    -------
+    upper, lower : Profile
+
+    Raises
+    ------
+    ValueError
+        If a number is outside its range, or the study's profiles cannot be computed.
+
+    Examples
+    --------
+    >>> from stiction import Study, pair_of, press
+    >>> study = Study.named("figure6").with_changes({"surfaces.points": 2000, "surfaces.extent": "1 um"})
+    >>> upper, lower = pair_of(study, 7, fractal_dimension=1.3, amplitude=0.1)
+    >>> press(upper, lower, [0.01, 0.02]).contact_count.shape
+    (2,)
+    """
+    generator = ProfileGenerator.of(study)
+    measure = study.surfaces.amplitude_measure
+    bodies = []
+    sides: tuple[Side, Side] = ("upper", "lower")
+    for side in sides:
+        heights = generator.heights(fractal_dimension, repetition, side)
+        bodies.append(scaled_profile(heights, generator.spacing, amplitude, measure, np.empty_like(heights)))
+    upper, lower = bodies
+    return upper, lower

@@ -1,0 +1,80 @@
+"""Heights in workbooks of Excel (.xlsx), by openpyxl: each sheet with numbers is taken as a text of its cells."""
+
+from __future__ import annotations
+
+import io
+import warnings
+import zipfile
+from collections import Counter
+from typing import Any
+
+from stiction.surfaces.measured.archive import chunks
+from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatError, Table
+from stiction.surfaces.measured.text import read_lines
+from stiction.surfaces.profile import MOST_POINTS
+
+
+def read_excel(data: bytes) -> Channels:
+    """Take a workbook apart; its sheets are channels."""
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of the style of workbooks
+            from openpyxl import load_workbook
+    except ImportError:
+        raise FormatError(
+            'is a workbook of Excel, which the package openpyxl reads: pip install "stiction[excel]"; '
+            "or save the sheet as .csv"
+        ) from None
+    try:
+        _refuse_bombs(data)
+        with warnings.catch_warnings(action="ignore"):
+            workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+            sheets = {sheet.title: _lines(sheet) for sheet in workbook.worksheets}
+            workbook.close()
+    except (FormatError, MemoryError):
+        raise
+    except Exception as error:  # a package of many ways to fail
+        said = " ".join(str(error).split())[:80]
+        raise FormatError(f"is a damaged workbook ({type(error).__name__}: {said})") from None
+    named = {name: lines for name, lines in sheets.items() if lines}
+    if not named:
+        raise FormatError("is a workbook without a column of numbers")
+    names = tuple(named)
+
+    def read(at: int) -> Table:
+        return read_lines(named[names[at]])
+
+    return Channels(names, read, 0 if len(names) == 1 else None)
+
+
+def _refuse_bombs(data: bytes) -> None:
+    """Refuse an archive that unpacks to more than a text may have, whatever its directory says."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        left = MOST_TEXT_BYTES
+        for name in archive.namelist():
+            left -= sum(map(len, chunks(archive, name, left)))
+
+
+def _lines(sheet: Any) -> list[str]:
+    """The rows of a sheet as lines: the cells of the columns of numbers parted by tabs, any other row as words."""
+    sheet.reset_dimensions()  # which a program may have written wrongly
+    rows, cells = [], 0
+    numbers: Counter[int] = Counter()
+    for row in sheet.iter_rows(values_only=True):
+        cells += len(row)
+        if cells > MOST_POINTS:
+            raise FormatError(f"has a sheet of more than {MOST_POINTS} cells")
+        filled = {at: text for at, cell in enumerate(row) if cell is not None and (text := " ".join(str(cell).split()))}
+        numbers.update(at for at in filled if _is_number(row[at]))
+        rows.append((filled, {at for at in filled if _is_number(row[at])}))
+    columns = sorted(at for at, count in numbers.items() if count > 1)  # or it is one beside other words
+    lines = []
+    for filled, numbered in rows:
+        if filled.keys() <= set(columns) or numbered.issuperset(columns):
+            lines.append("\t".join(filled.get(at, "") for at in columns))
+        else:
+            lines.append(" ".join(filled.values()))
+    return lines if columns else []
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,76 @@
+"""Heights in the files of instruments, by SurfaceTopography."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stiction.surfaces.measured.raw import Channels, FormatError, Raw
+from stiction.surfaces.profile import MOST_POINTS
+
+
+def read_instrument(path: Path) -> Channels:
+    """By the readers of SurfaceTopography, which know some forty formats of instruments."""
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of what it would use if it were there
+            import SurfaceTopography  # noqa: F401
+    except ImportError:
+        raise FormatError(
+            f"ends in {path.suffix}, which the package SurfaceTopography may read: "
+            'pip install "stiction[formats]"; text should end in .csv or .txt'
+        ) from None
+    with _opened(path) as reader:
+        names = tuple(str(channel.name)[:80] for channel in reader.channels)
+        default = int(reader.default_channel.index)
+    return Channels(names, lambda at: _channel(path, at, names[at]), default)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    from SurfaceTopography import open_topography
+
+    try:
+        with warnings.catch_warnings(action="ignore"), open_topography(str(path)) as reader:
+            yield reader
+    except FormatError:
+        raise
+    except Exception as error:  # forty readers have as many ways to fail
+        said = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        if type(error).__name__ == "CannotDetectFileFormat":  # which goes on with what each of the forty says
+            said = "none of its formats"
+        raise FormatError(
+            f"is no profile or surface that SurfaceTopography reads ({said}); text should end in .csv or .txt"
+        ) from None
+
+
+def _channel(path: Path, at: int, name: str) -> Raw:
+    with _opened(path) as reader:
+        channel = reader.channels[at]
+        points = int(np.prod(channel.nb_grid_pts))
+        if points > MOST_POINTS:
+            raise FormatError(f"holds {points} points; at most {MOST_POINTS} can be read")
+        if isinstance(channel.unit, tuple):  # of positions and of values, where these are no lengths
+            raise FormatError(f"has a channel {at} ({name}) of something else than heights; choose another by channel")
+        known = channel.physical_sizes is not None
+        body = channel.topography() if known else channel.topography(physical_sizes=_pixels(channel.nb_grid_pts))
+        heights = np.ma.filled(np.ma.asarray(body.heights(), dtype=np.float64), np.nan)
+        unit = None if body.unit is None else str(body.unit)
+        if not body.is_uniform:
+            positions = np.array(body.positions(), dtype=np.float64)
+            return Raw(heights, unit=unit, positions=positions, digit=np.zeros(positions.shape), position_unit=unit)
+        spacing = None
+        if known:
+            along_x_first = np.atleast_1d(body.pixel_size)
+            spacing = tuple(float(each) for each in reversed(along_x_first))
+    # SurfaceTopography has x along the first axis.
+    return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit)
+
+
+def _pixels(points: Any) -> Any:
+    """Sizes of a body whose file gives none, for a reader that wants some: what is made of them is not used."""
+    return tuple(float(each) for each in np.atleast_1d(points))

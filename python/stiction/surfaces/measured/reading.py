@@ -1,0 +1,218 @@
+"""Reading measured profiles and surfaces: which reader takes which file."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from stiction.surfaces.measured.excel import read_excel
+from stiction.surfaces.measured.instrument import read_instrument
+from stiction.surfaces.measured.npy import read_npy
+from stiction.surfaces.measured.raw import MOST_BYTES, MOST_TEXT_BYTES, Content, FormatError, FormatWarning, Raw
+from stiction.surfaces.measured.settle import (
+    Asked,
+    Missing,
+    asked,
+    settled_measurement,
+    settled_profile,
+    settled_surface,
+)
+from stiction.surfaces.measured.table import Chosen, raw_of
+from stiction.surfaces.measured.text import read_text
+from stiction.surfaces.measured.x3p import read_x3p
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+TEXT_SUFFIXES = ("", ".txt", ".csv", ".tsv", ".dat", ".asc", ".prn", ".xy", ".text")
+
+READERS: dict[str, Callable[[bytes], Content]] = {
+    ".npy": read_npy,
+    ".x3p": read_x3p,
+    ".xlsx": read_excel,
+    **dict.fromkeys(TEXT_SUFFIXES, read_text),
+}
+"""What takes a file apart, by the ending of its name in lower case; SurfaceTopography is asked about all others."""
+
+_BEGINNINGS = {
+    b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
+    b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
+}
+"""What the files of some endings begin with, and no others, and what it is."""
+
+_Body = TypeVar("_Body", bound=Profile | Surface)
+
+
+def read_profile(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | tuple[str, str] | None = None,
+    spacing: str | None = None,
+    missing: Missing = "error",
+    channel: Chosen | None = None,
+    columns: Chosen | Sequence[Chosen] | None = None,
+) -> Profile:
+    """Read a measured profile.
+
+    Parameters
+    ----------
+    path : path
+        Text or CSV with one column of heights or two of positions and heights, below any other text; a NumPy array
+        (.npy), likewise; X3P; with the package openpyxl (``pip install "stiction[excel]"``) a workbook (.xlsx); or,
+        with the package SurfaceTopography installed (``pip install "stiction[formats]"``), what that
+        reads of line scans.
+    unit : str or (str, str), optional
+        Of all lengths in the file ("um"), or of positions and of heights (("mm", "um")): m, mm, um, nm, pm. Needed
+        where the file does not say; where it does, it must say the same.
+    spacing : str, optional
+        Distance between neighbouring points, as in "0.5 um". Needed where the file has neither positions nor a spacing;
+        where it has, it must agree.
+    missing : {"error", "interpolate"}
+        What to do about points without a height, which are empty, NaN, or written as stars or dashes. "interpolate"
+        puts them on a straight line between their neighbours and leaves them out at the ends; how many is said in the
+        history.
+    channel : str or int, optional
+        Name or number, from 0 on, of what to read of a file of an instrument, or of the sheet of a workbook. By default
+        the first of heights, or the only sheet; which one it is, and what else there is, is said in the history.
+    columns : (str or int, str or int), or str or int, optional
+        Of a table, names or numbers, from 0 on, of the columns of positions and of heights, or of heights alone. The
+        unit in a name may be left out.
+
+    Returns
+    -------
+    Profile
+        In µm, its x starting at zero; the history says what was read and from where the spacing is.
+
+    Warns
+    -----
+    FormatWarning
+        If a spacing that stands in words above the data differs from that of the positions by more than its last digit
+        explains. The positions are right then.
+
+    Raises
+    ------
+    FormatError
+        A `ValueError`, if the file cannot be read, is no profile, is not uniform, lacks a unit or contradicts an
+        argument, or has missing points.
+    ValueError
+        If an argument is not what it should be.
+
+    Notes
+    -----
+    Positions need not be more uniform than their printed digits can show. The spacing is (last - first)/(n - 1), unless
+    the argument or the text above the data gives one that fits all positions as printed.
+    """
+    return _read(path, asked(unit, spacing, missing, channel, columns), settled_profile)
+
+
+def read_surface(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | tuple[str, str] | None = None,
+    spacing: str | tuple[str, str] | None = None,
+    missing: Missing = "error",
+    channel: Chosen | None = None,
+) -> Surface:
+    """Read a measured surface.
+
+    Parameters
+    ----------
+    path : path
+        Text or CSV with a matrix of heights of at least four columns, the columns along x, of which a header as that of
+        Gwyddion may give width and height; a NumPy array (.npy); X3P; with the package openpyxl (``pip install
+        "stiction[excel]"``) a workbook (.xlsx); or, with the package SurfaceTopography installed (``pip install
+        "stiction[formats]"``), what that reads.
+    unit, missing, channel
+        As for `read_profile`. Missing points lie on a line between their neighbours in the row, and where these are
+        missing too, in the column.
+    spacing : str or (str, str), optional
+        Distance between neighbouring points, or that between rows and that between columns (Δy, Δx).
+
+    Returns
+    -------
+    Surface
+
+    Raises
+    ------
+    FormatError, ValueError
+        As `read_profile`.
+    """
+    return _read(path, asked(unit, spacing, missing, channel), settled_surface)
+
+
+def read_measurement(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | tuple[str, str] | None = None,
+    spacing: str | tuple[str, str] | None = None,
+    missing: Missing = "error",
+    channel: Chosen | None = None,
+    columns: Chosen | Sequence[Chosen] | None = None,
+) -> Profile | Surface:
+    """Read a measured profile or surface, whichever the file holds.
+
+    Parameters
+    ----------
+    path, unit, missing, channel, columns
+        As for `read_profile`.
+    spacing : str or (str, str), optional
+        As for `read_surface`; a profile has one.
+
+    Returns
+    -------
+    Profile or Surface
+
+    Raises
+    ------
+    FormatError, ValueError
+        As `read_profile`.
+    """
+    return _read(path, asked(unit, spacing, missing, channel, columns), settled_measurement)
+
+
+def _read(
+    path: str | os.PathLike[str], asked: Asked, settled: Callable[[Raw, str, Asked], tuple[_Body, list[str]]]
+) -> _Body:
+    """What is made of a file; every error and warning says the whole path."""
+    path = Path(path)
+    try:
+        raw = raw_of(_content(path), asked.channel, asked.columns)
+        body, doubts = settled(raw, path.name, asked)
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise FormatError(f"{path}: cannot be read: {reason}") from None
+    except MemoryError:
+        raise FormatError(f"{path}: is too large for the memory of this machine") from None
+    except ValueError as error:
+        raise FormatError(f"{path}: {error}") from None
+    for doubt in doubts:
+        warnings.warn(f"{path}: {doubt}", FormatWarning, stacklevel=3)  # of whoever called a public function
+    return body
+
+
+def _content(path: Path) -> Content:
+    suffix = path.suffix.lower()
+    if not path.is_file():
+        path.stat()  # which says why there is none
+        raise FormatError("is a directory" if path.is_dir() else "is not a file")
+    size = path.stat().st_size
+    if size == 0:
+        raise FormatError("is empty")
+    if size > MOST_BYTES:
+        raise FormatError(f"has {size} bytes; at most {MOST_BYTES} can be read")
+    reader = READERS.get(suffix)
+    with path.open("rb") as file:
+        start = file.read(8)
+    for beginning, (suffixes, name) in _BEGINNINGS.items():
+        if reader is not None and start.startswith(beginning) != (suffix in suffixes):
+            name = name if start.startswith(beginning) else f"not {name}"
+            raise FormatError(f"is named {suffix or 'without an ending'}, but what it holds is {name}")
+    if reader is None and start.startswith(b"\x93NUMPY"):
+        reader = read_npy
+    if reader is None:
+        return read_instrument(path)
+    if reader is read_text and size > MOST_TEXT_BYTES:
+        raise FormatError(f"has {size} bytes of text; at most {MOST_TEXT_BYTES} can be read: save it as .npy")
+    return reader(path.read_bytes())

@@ -1,0 +1,246 @@
+"""Power spectrum of a profile and its moments.
+
+Where a function asks whether a profile is `periodic`, a periodic one ends where it begins, one spacing further on, and
+its spectrum is taken as it is. Any other profile has a jump there, which would put a spectrum of its own, falling as
+1/q², on top of the profile's; it is faded out towards its ends by a Hann window.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats, number, read_only, truth, whole_number
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.roughness import refuse_flat
+
+
+@dataclass(frozen=True, eq=False)
+class PowerSpectrum:
+    """Power spectral density of a profile by the convention of Jacobs, Junge & Pastewka (2017).
+
+    Attributes
+    ----------
+    wave_number : (n,) ndarray of float, 1/µm
+        q = 2π / wavelength, rising; in a bin the geometric mean.
+    density : (n,) ndarray of float, µm³
+        C1D(q), so that the mean square height is 1/π times its integral over q from 0 on; in a bin the mean.
+    count : (n,) ndarray of float
+        Harmonics in each value: 1, or those of its bin. The one at the Nyquist wave number counts half, because
+        it has no partner at the negative wave number.
+    resolution : float, 1/µm
+        Distance of the harmonics, 2π / extent.
+    """
+
+    wave_number: Floats
+    density: Floats
+    count: Floats
+    resolution: float
+
+    def moment(self, order: int) -> float:
+        """1/π times the integral of q^order C1D, µm^(2 - order); from bins it is approximate unless the order is 0."""
+        order = whole_number("order", order, least=0)
+        return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
+
+    def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
+        """Means over bins of equal width in log q, as many to a decade; bins without a harmonic are left out.
+
+        Examples
+        --------
+        >>> from stiction import power_spectrum, random_phases, weierstrass_mandelbrot
+        >>> spectrum = power_spectrum(weierstrass_mandelbrot(random_phases(1), 1.3, points=2001))
+        >>> spectrum.in_bins(2).count
+        array([  3.,   6.,  22.,  68., 217., 683.,   1.])
+        """
+        per_decade = whole_number("per_decade", per_decade, least=1)
+        # Harmonics are whole multiples of the first, whose decades must not fall to either side by round-off.
+        decades = np.log10(self.wave_number / self.wave_number[0])
+        _, index = np.unique(np.floor(per_decade * decades + 1e-9), return_inverse=True)
+        count = np.bincount(index, self.count).astype(np.float64)
+        return PowerSpectrum(
+            wave_number=read_only(np.exp(np.bincount(index, self.count * np.log(self.wave_number)) / count)),
+            density=read_only(np.bincount(index, self.count * self.density) / count),
+            count=read_only(count),
+            resolution=self.resolution,
+        )
+
+
+def peak_of(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
+    """Wavelength (µm) of a spectrum's highest narrow peak, and the share of m4 in all of them; None without one.
+
+    A peak rises above the median of half a decade about it by more than a factor of three, and by more than chance
+    does in the mean of so many lines.
+    """
+    bins = spectrum.in_bins(_PEAK_BINS)
+    density = np.maximum(bins.density, np.finfo(float).tiny)
+    size = density.size
+    reach = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_REACH)
+    level = np.array([np.median(density[at - each : at + each + 1]) for at, each in enumerate(reach)])
+    excess = density / level
+    chance = 1 + 5 * np.sqrt(2 / (bins.count * lines))
+    peaks = (reach >= _PEAK_REACH // 2) & (excess > np.maximum(3.0, chance))
+    if not peaks.any():
+        return None
+    power = bins.wave_number**4 * density * bins.count
+    share = float((power - power / excess)[peaks].sum() / power.sum())
+    highest = int(np.argmax(np.where(peaks, excess, 0)))
+    return 2 * math.pi / float(bins.wave_number[highest]), share
+
+
+_PEAK_BINS = 24
+"""To a decade."""
+
+_PEAK_REACH = 6
+"""Bins to both sides that tell the level at a bin: half a decade together. A straight spectrum is its own median."""
+
+
+def power_spectrum(profile: Profile, *, periodic: bool = False) -> PowerSpectrum:
+    r"""Power spectral density C1D of a profile about its mean.
+
+    Parameters
+    ----------
+    profile : Profile
+    periodic : bool
+        True: as it is, and the mean square height is the sum of the spectrum to round-off. False: after a Hann window,
+        normalised to a mean square of 1; a level profile keeps its mean square on average, and the first two
+        harmonics are not to be trusted.
+
+    Returns
+    -------
+    PowerSpectrum
+        Of all harmonics from 2π/extent to the Nyquist wave number π/spacing.
+
+    Raises
+    ------
+    ValueError
+        If periodic is not a truth value.
+
+    Notes
+    -----
+    .. math:: C(q) = \frac{Δx}{N} \left|\sum_j w_j (z_j - \bar z) e^{-iqx_j}\right|^2, \qquad
+              h_{rms}^2 = \frac1π \int_0^\infty C(q)\,dq
+
+    A self-affine profile has C ∝ q^(-1-2H). Jacobs, Junge & Pastewka, Surface Topography: Metrology and Properties 5
+    (2017) 013001.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, power_spectrum
+    >>> wave = Profile(0.1 * np.cos(2 * np.pi * 3 * np.arange(64) / 64), spacing=0.5)  # a² extent / 4 at one q
+    >>> spectrum = power_spectrum(wave, periodic=True)
+    >>> round(float(spectrum.density[2]), 12), round(spectrum.moment(0), 12)
+    (0.08, 0.005)
+    """
+    truth("periodic", periodic)
+    return spectrum_of(profile.heights - profile.heights.mean(), profile.spacing, windowed=not periodic)
+
+
+def spectrum_of(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpectrum:
+    """Spectrum of heights as they are, or after a Hann window."""
+    points = heights.size
+    if windowed:
+        heights = heights * (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
+    transform = np.fft.rfft(heights)[1:]
+    density = spacing / points * (transform.real**2 + transform.imag**2)
+    resolution = 2 * math.pi / (points * spacing)
+    wave_number = resolution * np.arange(1, transform.size + 1, dtype=np.float64)
+    count = np.ones(transform.size)
+    if points % 2 == 0:
+        count[-1] = 0.5
+    return PowerSpectrum(
+        wave_number=read_only(wave_number),
+        density=read_only(density),
+        count=read_only(count),
+        resolution=resolution,
+    )
+
+
+@dataclass(frozen=True)
+class ProfileMoments:
+    """Variances of a profile and its derivatives: its spectral moments m0, m2, m4.
+
+    Attributes
+    ----------
+    height : float, µm²
+        m0, about the mean.
+    slope : float
+        m2.
+    curvature : float, 1/µm²
+        m4.
+    """
+
+    height: float
+    slope: float
+    curvature: float
+
+    @property
+    def nayak_parameter(self) -> float:
+        """Nayak's α = m0 m4 / m2² of the profile: 1 for a single sinusoid, larger the wider the spectrum."""
+        return self.height * self.curvature / self.slope**2
+
+
+def spectral_moments(
+    profile: Profile,
+    *,
+    periodic: bool = False,
+    shortest_wavelength: float = 0.0,
+    longest_wavelength: float = math.inf,
+) -> ProfileMoments:
+    r"""Spectral moments m0, m2, m4 of a profile: the variances of its height, slope and curvature.
+
+    Parameters
+    ----------
+    profile : Profile
+    periodic : bool
+        As in `power_spectrum`.
+    shortest_wavelength, longest_wavelength : float, µm
+        Wavelengths outside of these are left out. m2 and m4 of a rough profile are those of its shortest wavelengths,
+        and mean nothing without them.
+
+    Raises
+    ------
+    ValueError
+        If no wavelength is left, or the profile is flat.
+
+    Notes
+    -----
+    .. math:: m_j = \frac1π \int_0^\infty q^j C(q)\,dq
+
+    These are moments of a profile, from its one-dimensional spectrum. On an isotropic surface they are the same along
+    any line. `ProfileMoments.nayak_parameter` is m0 m4 / m2². Nayak, Journal of Lubrication Technology 93 (1971) 398.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, spectral_moments
+    >>> wave = Profile(np.cos(np.arange(64) * np.pi / 8), spacing=np.pi / 8)
+    >>> round(spectral_moments(wave, periodic=True).slope, 12)
+    0.5
+    """
+    refuse_flat(profile)
+    shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
+    if not longest_wavelength > shortest:
+        raise ValueError(
+            f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, got {longest_wavelength!r}"
+        )
+    spectrum = power_spectrum(profile, periodic=periodic)
+    kept = in_band(spectrum.wave_number, shortest, longest_wavelength)
+    if not kept.any():
+        raise ValueError(
+            f"no wavelength of the profile lies from shortest_wavelength {shortest:g} µm to longest_wavelength "
+            f"{longest_wavelength:g} µm; it has {2 * profile.spacing:g} to {profile.extent:g} µm"
+        )
+    part = PowerSpectrum(spectrum.wave_number[kept], spectrum.density[kept], spectrum.count[kept], spectrum.resolution)
+    return ProfileMoments(height=part.moment(0), slope=part.moment(2), curvature=part.moment(4))
+
+
+def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
+    """Whether wavelengths are in a band, its ends included whatever their round-off."""
+    return (wave_number * shortest <= 2 * math.pi * ROUND_UP) & (wave_number * longest * ROUND_UP >= 2 * math.pi)
+
+
+ROUND_UP = 1 + 1e-9

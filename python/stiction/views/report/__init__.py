@@ -1,0 +1,5 @@
+"""One page of a result for a browser: `save_report` writes it, `report_page` returns it."""
+
+from stiction.views.report.page import ReportError, report_page, save_report
+
+__all__ = ["ReportError", "report_page", "save_report"]

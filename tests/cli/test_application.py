@@ -1,0 +1,140 @@
+"""How the command speaks, and that no surrounding makes it end with a traceback."""
+
+import os
+import subprocess
+import sys
+import threading
+
+import pytest
+from command import assert_refused, stiction_command
+from stiction.studies import store
+
+TINY = [
+    "--set", "surfaces.fractal_dimension=[1.1]", "--set", "surfaces.points=1000", "--set", "surfaces.extent=1 um",
+    "--set", "ensemble.repetitions=2", "--set", "contact.approach.count=3", "--set", 'figures.draw=["area"]',
+]  # fmt: skip
+
+
+def shell(script, *arguments, cwd):
+    """A script in which "$@" is the command."""
+    command = ["bash", "-o", "pipefail", "-c", script, "bash", sys.executable, "-m", "stiction", *arguments]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
+
+
+def test_streams_that_are_closed_do_not_matter(tmp_path):
+    done = shell('"$@" <&- >&- 2>&-', "run", "quick", *TINY, cwd=tmp_path)
+    assert done.returncode == 0
+    assert store.info(tmp_path / "quick" / "result.zarr").finished == 2
+    assert (tmp_path / "quick" / "area.png").exists()
+    done = shell('"$@" 2>&-', "run", "none.toml", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+
+
+def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
+    done = shell('"$@" | true', "run", "quick", *TINY, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "quick" / "area.png").exists()
+    for arguments in (["studies"], ["studies", "figure6"], ["--help"], ["info", "quick"]):
+        done = shell('"$@" | true', *arguments, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, ""), arguments
+
+
+def test_a_full_disk_behind_the_output_is_one_message(tmp_path):
+    done = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
+    assert_refused(done, "stiction: ", "No space left on device")
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (MemoryError(), "stiction: there is not enough memory for this"),
+        (RecursionError(), "stiction: something in the input is too deep"),
+        (SystemError("error return without exception set"), "stiction: error return without exception set; perhaps"),
+        (ImportError("failed to map segment"), "stiction: failed to map segment"),
+        (OSError(23, "Too many open files in system", "a\nb"), "stiction: a\\nb: Too many open files in system"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, words):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(store, "opened", fail)
+    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
+
+
+def test_no_threads_are_one_message(tmp_path, monkeypatch):
+    """As a limit of processes makes it: before a store is begun."""
+
+    def refuse(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "stiction: can't start new thread")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("[surfaces]\npoints" + ".a" * 5000 + " = 1", "a key has more than 20 parts"),
+        ("a" + ".a" * 490_000 + " = 1", "a key has more than 20 parts"),
+        ("a" + ' . "a"' * 150_000 + " = 1", "a key has more than 20 parts"),
+        ("[surfaces]\npoints = " + "{a=" * 900 + "1" + "}" * 900, "is not TOML"),
+        ("[surfaces]\namplitude = " + "[" * 300 + "]" * 300, "surfaces.amplitude[0]"),
+        ("[surfaces]\namplitude = " + "[{a.a.a.a.a.a.a.a.a=" * 90 + "1" + "}]" * 90, "surfaces.amplitude[0]"),
+        ("k" * 990_000 + " = 1", "kkk: unknown key"),
+        ('"\\u001b[31mred\\u0007" = 1', "\\x1b[31mred\\x07: unknown key"),
+        ('"a\\nstiction: all is well" = 1', "a\\nstiction: all is well: unknown key"),
+        ("[surfaces]\ndirections = 2000\nfrequencies = 2000", "must be at most 1000000, got 4000000"),
+    ],
+    ids=str.strip,
+)
+def test_a_hostile_study_is_one_short_message(tmp_path, content, words):
+    (tmp_path / "s.toml").write_text(content)
+    done = stiction_command("run", "s.toml", cwd=tmp_path)
+    assert_refused(done, words)
+    assert done.stderr.replace("\n", "").isprintable()
+    assert len(done.stderr) < 1000
+    assert all(line.startswith("stiction: s.toml: ") for line in done.stderr.splitlines())
+
+
+@pytest.mark.parametrize("option", ["surfaces.points={" + "a" + ".a" * 5000 + "=1}", "surfaces" + ".a" * 5000 + "=1"])
+def test_a_hostile_option_is_one_short_message(tmp_path, option):
+    done = stiction_command("run", "quick", "--set", option, cwd=tmp_path)
+    assert_refused(done, "stiction: ")
+    assert len(done.stderr) < 1000
+
+
+def test_what_is_deep_in_a_store_is_said_so(tmp_path):
+    done = stiction_command("run", "quick", *TINY, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    root = tmp_path / "quick" / "result.zarr" / "zarr.json"
+    root.write_text('{"attributes": ' + "[" * 100_000 + "]" * 100_000 + "}")
+    for command in (["info", "quick"], ["plot", "quick"], ["run", "quick", *TINY]):
+        assert_refused(stiction_command(*command, cwd=tmp_path), "or is damaged")
+
+
+def test_a_pipe_or_a_device_is_no_study(tmp_path):
+    os.mkfifo(tmp_path / "fifo.toml")
+    for name in ("fifo.toml", "/dev/zero"):
+        assert_refused(stiction_command("run", name, "-o", "o", cwd=tmp_path), f"{name}: is no regular file")
+
+
+def test_names_of_any_length_and_kind_are_shown_on_one_line(tmp_path):
+    for name in ("a\nstiction: all is well", "\x1b[31m", "a/b" * 1500, "x" * 5000):
+        done = stiction_command("info", name, cwd=tmp_path)
+        assert_refused(done, "stiction: ")
+        assert len(done.stderr.splitlines()) == 1
+        assert len(done.stderr) < 500
+        assert done.stderr.strip().isprintable()
+
+
+def test_pages_and_exports_of_any_name(tmp_path):
+    assert stiction_command("run", "quick", *TINY, "-o", ".", cwd=tmp_path).returncode == 0
+    long = "x" * 250
+    for command, option in (("report", "--output="), ("export", "")):
+        done = stiction_command(command, ".", f"{option}{long}{command[0]}", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert_refused(stiction_command(command, ".", f"{option}.", cwd=tmp_path), ".: exists already")
+        assert (tmp_path / f"{long}{command[0]}").stat().st_size > 1000

@@ -1,0 +1,195 @@
+"""Parameters of surfaces against their definitions in slow code, closed forms, SurfaceTopography and surfalize."""
+
+import math
+
+import numpy as np
+import pytest
+from stiction import Surface, bearing_curve, roughness_parameters, surface_parameters
+from stiction.surfaces.surface_parameters import autocorrelation
+
+# Of sums over some thousand points, of transforms and their squares.
+ROUND_OFF = 1e-12
+
+
+def rough(seed=1, shape=(40, 50), spacing=(0.5, 0.25), smooth=2.0):
+    """Gaussian heights with a Gaussian autocorrelation, periodic."""
+    white = np.random.default_rng(seed).normal(size=shape)
+    q = np.hypot(2 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(shape[1]))
+    return Surface(np.fft.ifft2(np.fft.fft2(white) * np.exp(-((smooth * q) ** 2) / 2)).real, spacing=spacing)
+
+
+def slow(surface):
+    """Heights, slopes and area by the words of the standard, point by point."""
+    z, (dy, dx) = surface.heights - surface.heights.mean(), surface.spacing
+    rows, columns = z.shape
+    n = z.size
+    sq = math.sqrt(math.fsum(v * v for v in z.flat) / n)
+    along_x = [(z[j, i + 1] - z[j, i]) / dx for j in range(rows) for i in range(columns - 1)]
+    along_y = [(z[j + 1, i] - z[j, i]) / dy for j in range(rows - 1) for i in range(columns)]
+    area = 0.0
+    for j in range(rows - 1):
+        for i in range(columns - 1):
+            corner = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
+            for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):  # both ways to part the mesh
+                area += np.linalg.norm(np.cross(corner[b] - corner[a], corner[c] - corner[a])) / 4
+    return {
+        "Sq": sq,
+        "Sa": math.fsum(abs(v) for v in z.flat) / n,
+        "Sz": float(z.max() - z.min()),
+        "Ssk": math.fsum(v**3 for v in z.flat) / n / sq**3,
+        "Sku": math.fsum(v**4 for v in z.flat) / n / sq**4,
+        "Sdq": math.sqrt(np.mean(np.square(along_x)) + np.mean(np.square(along_y))),
+        "Sdr": area / ((rows - 1) * (columns - 1) * dx * dy) - 1,
+    }
+
+
+@pytest.mark.parametrize("factor", [1.0, 1e-6])
+def test_heights_slopes_and_area_are_those_of_the_definitions(factor):
+    surface = Surface(3.0 + factor * rough().heights, spacing=(0.5, 0.25))
+    found, wanted = surface_parameters(surface, derivative="neighbours"), slow(surface)
+    for name, value in wanted.items():
+        # The slow area less the projected one loses the digits that the heights are below it.
+        loss = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
+        assert getattr(found, name) == pytest.approx(value, rel=loss), name
+
+
+def test_seven_points_are_those_of_the_lines():
+    surface = rough()
+    rows = [roughness_parameters(surface.row(index)).Pdq for index in range(40)]
+    columns = [roughness_parameters(surface.column(index)).Pdq for index in range(50)]
+    wanted = math.sqrt(np.mean(np.square(rows)) + np.mean(np.square(columns)))
+    assert surface_parameters(surface).Sdq == pytest.approx(wanted, rel=ROUND_OFF)
+
+
+def test_autocorrelation_is_the_mean_product_over_the_overlap():
+    z = rough(shape=(9, 12)).heights
+    z = z - z.mean()
+    found = autocorrelation(z)
+    assert found.shape == (5, 13)
+    for j in range(5):
+        for shift in range(-6, 7):
+            pairs = [
+                z[y, x] * z[y + j, x + shift] for y in range(9 - j) for x in range(max(0, -shift), min(12, 12 - shift))
+            ]
+            assert found[j, shift + 6] == pytest.approx(np.mean(pairs) / np.mean(z**2), abs=ROUND_OFF)
+
+
+def test_lengths_of_a_gaussian_autocorrelation():
+    # exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5); 60 correlation areas leave some per cent.
+    surface = rough(shape=(600, 700), spacing=0.5, smooth=8.0)
+    found = surface_parameters(surface)
+    assert found.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
+    assert found.Str > 0.8
+    stretched = surface_parameters(Surface(surface.heights, spacing=(1.5, 0.5)))
+    assert stretched.Sal == pytest.approx(found.Sal, rel=0.1)
+    assert stretched.Str == pytest.approx(1 / 3, rel=0.15)
+
+
+def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
+    """Waves towards an angle in degrees; the grooves run across."""
+    y, x = spacing * np.arange(shape[0])[:, np.newaxis], spacing * np.arange(shape[1])
+    along = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
+    return Surface(np.cos(2 * np.pi * along / wavelength), spacing=spacing)
+
+
+@pytest.mark.parametrize("angle", [0, 31, 90, 135])
+def test_texture_of_grooves(angle):
+    found = surface_parameters(grooves(angle))
+    # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, but for what the overlap leaves of whole waves.
+    assert found.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
+    assert math.isnan(found.Str)  # along the grooves it never falls
+    off = abs((found.Std - angle + 90) % 180 - 90)
+    assert off <= 3  # a sector of two degrees, and the spread of the window
+
+
+def test_core_of_known_distributions():
+    # Heights equally spread: the bearing curve is straight, without peaks or valleys.
+    even = Surface(np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0)
+    found = surface_parameters(even)
+    assert found.Sk == pytest.approx(2, rel=1e-3)
+    assert found.Spk == pytest.approx(0, abs=1e-3)
+    # Normal heights, by integrals of the normal distribution: the core from 30 to 70 % fitted by least squares.
+    from scipy.stats import norm
+
+    share = np.linspace(0.3, 0.7, 40_001)
+    slope, upper = np.polyfit(share, norm.isf(share), 1)
+    lower = slope + upper
+    normal = Surface(
+        np.random.default_rng(2).permutation(norm.isf((np.arange(250_000) + 0.5) / 250_000)).reshape(500, 500),
+        spacing=1.0,
+    )
+    found = surface_parameters(normal)
+    assert found.Sk == pytest.approx(-slope, rel=1e-3)
+    assert found.Smr1 == pytest.approx(norm.sf(upper), abs=1e-3)
+    assert found.Smr2 == pytest.approx(norm.sf(lower), abs=1e-3)
+    assert found.Spk == pytest.approx(2 * (norm.pdf(upper) - upper * norm.sf(upper)) / norm.sf(upper), rel=5e-3)
+    assert found.Svk == pytest.approx(found.Spk, rel=5e-3)
+
+
+def test_peaks_and_valleys_are_triangles_of_equal_area():
+    surface = rough(seed=5)
+    found = surface_parameters(surface)
+    z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
+    upper = z[round(found.Smr1 * z.size) - 1]  # the lowest of the peaks is above the core
+    peaks = z[: round(found.Smr1 * z.size)]
+    assert peaks.min() >= upper
+    area = found.Spk * found.Smr1 / 2
+    core_top = (peaks.sum() / z.size - area) / found.Smr1
+    assert z[round(found.Smr1 * z.size)] <= core_top <= upper
+
+
+def test_bearing_curve_is_the_share_above():
+    surface = rough()
+    shares = np.array([0.1, 0.5, 0.93])
+    heights = bearing_curve(surface, shares)
+    assert [np.mean(surface.heights > height) for height in heights] == pytest.approx(shares, abs=1 / 2000)
+    with pytest.raises(ValueError, match="shares must be from 0 to 1"):
+        bearing_curve(surface, [1.5])
+
+
+def test_scale_and_turning():
+    surface = rough()
+    one = surface_parameters(surface)
+    other = surface_parameters(Surface(1e-3 * surface.heights, spacing=(0.5e-3, 0.25e-3)))
+    for name, power in {
+        "Sq": 1,
+        "Sz": 1,
+        "Ssk": 0,
+        "Sdq": 0,
+        "Sdr": 0,
+        "Sal": 1,
+        "Str": 0,
+        "Std": 0,
+        "Sk": 1,
+        "Smr1": 0,
+    }.items():
+        assert getattr(other, name) == pytest.approx(getattr(one, name) * 1e-3**power, rel=1e-9, nan_ok=True), name
+    turned = surface_parameters(Surface(surface.heights.T, spacing=(0.25, 0.5)))
+    for name in ("Sq", "Sdq", "Sdr", "Sal", "Sk", "Svk"):
+        assert getattr(turned, name) == pytest.approx(getattr(one, name), rel=1e-9), name
+    over = surface_parameters(Surface(-surface.heights, spacing=surface.spacing))
+    assert (over.Spk, over.Ssk, over.Smr1) == pytest.approx((one.Svk, -one.Ssk, 1 - one.Smr2), rel=1e-6)
+
+
+def test_agree_with_surface_topography():
+    topography = pytest.importorskip("SurfaceTopography")
+    surface = rough()
+    (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
+    other = topography.Topography(surface.heights.T - surface.heights.mean(), (columns * dx, rows * dy), periodic=False)
+    found = surface_parameters(surface, derivative="neighbours")
+    assert found.Sq == pytest.approx(np.sqrt(np.mean(other.heights() ** 2)), rel=ROUND_OFF)
+    # It takes slopes of triangles, where each mesh has one along x and one along y on both of its sides.
+    assert found.Sdq == pytest.approx(other.rms_gradient(), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("surface", "options", "said"),
+    [
+        (Surface(np.ones((9, 9)), spacing=1.0), {}, "a flat surface has no roughness"),
+        (Surface(np.eye(6), spacing=1.0), {}, "at least 7 rows and 7 columns"),
+        (Surface(np.eye(9), spacing=1.0), {"derivative": "spline"}, "derivative must be one of"),
+    ],
+)
+def test_bad_arguments_are_named(surface, options, said):
+    with pytest.raises(ValueError, match=said):
+        surface_parameters(surface, **options)

@@ -1,0 +1,97 @@
+"""What others wrote, on a terminal; and files of others, read within bounds."""
+
+import os
+import re
+
+import pytest
+from stiction import _files
+from stiction._files import NotReadableError, content, new_file, replaced_file
+from stiction._text import named, printable
+
+
+def test_what_a_terminal_would_obey_is_spelt_out():
+    for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
+        said = printable(f"one{text}two")
+        assert said.isprintable()
+        assert said.startswith("one")
+        assert said.endswith("two")
+    assert printable("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
+
+
+def test_what_is_long_is_cut():
+    assert len(printable("x" * 10**6)) <= 80
+    assert len(named("/" + "y/" * 10**5)) <= 300
+    assert printable("x" * 80) == "x" * 80
+
+
+def test_files_are_read_within_bounds(tmp_path):
+    (tmp_path / "file").write_bytes(b"x" * 100)
+    assert content(tmp_path / "file", 100) == b"x" * 100
+    with pytest.raises(NotReadableError, match="longer than 99 bytes"):
+        content(tmp_path / "file", 99)
+    os.mkfifo(tmp_path / "pipe")
+    for place in (tmp_path / "pipe", _files.Path("/dev/zero")):
+        with pytest.raises(NotReadableError, match="is no regular file"):
+            content(place, 100)
+    with pytest.raises(IsADirectoryError):
+        content(tmp_path, 100)
+    (tmp_path / "link").symlink_to("file")
+    assert len(content(tmp_path / "link", 100)) == 100
+    with pytest.raises(NotReadableError, match="is a link"):
+        content(tmp_path / "link", 100, link=False)
+
+
+@pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])
+class TestWriting:
+    def test_what_is_written_in_between_cannot_be_foreseen(self, tmp_path, writer):
+        names = []
+        for each in range(2):
+            with writer(tmp_path / f"f{each}", ValueError) as partial:
+                assert _files.HALF_WRITTEN.fullmatch(partial.name)
+                assert not partial.is_symlink()
+                names.append(partial.name)
+                partial.write_bytes(b"mark")
+        assert names[0] != names[1]
+        assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
+
+    def test_nothing_planted_is_followed(self, tmp_path, writer, monkeypatch):
+        monkeypatch.setattr(_files.secrets, "token_hex", lambda _: "0" * 16)
+        (tmp_path / "target").write_text("mine")
+        (tmp_path / f".stiction-{'0' * 16}.partial").symlink_to("target")
+        with pytest.raises(ValueError, match="exists already"), writer(tmp_path / "f", ValueError):
+            pass
+        assert (tmp_path / "target").read_text() == "mine"
+
+    def test_long_names_work(self, tmp_path, writer):
+        with writer(tmp_path / ("x" * 255), ValueError) as partial:
+            partial.write_bytes(b"mark")
+        assert os.listdir(tmp_path) == ["x" * 255]
+        with pytest.raises(ValueError, match="cannot be written: File name too long"):  # noqa: SIM117
+            with writer(tmp_path / ("x" * 256), ValueError) as partial:
+                partial.write_bytes(b"mark")
+        assert os.listdir(tmp_path) == ["x" * 255]
+
+    def test_directories_and_devices_are_left_alone(self, tmp_path, writer, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        for place in (".", "/dev/null", "/dev/full", "/"):
+            with (
+                pytest.raises(ValueError, match=re.escape(f"{place}: exists already")),
+                writer(_files.Path(place), ValueError),
+            ):
+                pass
+        assert os.listdir(tmp_path) == []
+
+    def test_rights_are_those_that_the_user_gives_new_files(self, tmp_path, writer):
+        (tmp_path / "usual").write_text("")
+        with writer(tmp_path / "f", ValueError) as partial:
+            partial.write_bytes(b"mark")
+        assert (tmp_path / "f").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+def test_of_two_writers_neither_writes_half(tmp_path):
+    with replaced_file(tmp_path / "f", b"mark", ValueError) as one:
+        one.write_bytes(b"mark one")
+        with replaced_file(tmp_path / "f", b"mark", ValueError) as two:
+            two.write_bytes(b"mark two")
+        assert (tmp_path / "f").read_bytes() == b"mark two"
+    assert (tmp_path / "f").read_bytes() == b"mark one"
