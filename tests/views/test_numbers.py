@@ -99,7 +99,7 @@ def statuses_held_to_the_library(numbers, data, loads, mu0, tau0):
                     # Ends are mean exp(±h): an error of h, relative to it, is h times as much of an end.
                     ratio = (at["upper"] / at["lower"]).values
                     h = np.maximum(np.log(np.where(np.isfinite(ratio) & (ratio > 1), ratio, 1.0)) / 2, 1.0)
-                    values = expected + (values - expected) / h  # noqa: PLW2901
+                    values = expected + (values - expected) / h
                 assert values == pytest.approx(expected, rel=AGREEMENT, abs=1e-12, nan_ok=True), key
             statuses += at["status"].values.tolist()
     return statuses
