@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 from stiction import Surface, paired_lines, read_surface, self_affine, traverse, traverse_mean
-from stiction.views.pairing import contact_figure, load_figure
+from stiction.views.traverse import contact_figure, load_figure
 
 
 def stand_in(side):

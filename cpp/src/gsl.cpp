@@ -10,7 +10,8 @@
 namespace stiction::gsl {
 namespace {
 
-// GSL aborts the process on an error unless told otherwise; once, at load.
+// GSL aborts the process on an error unless told otherwise; once, at load. It does not throw: it is C.
+// NOLINTNEXTLINE(bugprone-throwing-static-initialization)
 [[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
 
 void check(int status, const char* what) {

@@ -357,6 +357,7 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
     throw std::invalid_argument("frequency_weights: gamma must be above 1 and length_scale above 0");
   }
   std::vector<double> weights;
+  weights.reserve(static_cast<std::size_t>(frequencies));
   for (Index n = 0; n < frequencies; ++n) {
     weights.push_back(std::pow(length_scale, hurst_exponent) * std::log(gamma) *
                       std::pow(gamma, -static_cast<double>(n) * hurst_exponent));

@@ -24,12 +24,12 @@ from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.mechanics.model import ContactModel
-from stiction.studies.ensemble import area_map, friction_map, stiffness_map
+from stiction.studies.maps import area_map, friction_map, stiffness_map
+from stiction.studies.nondimensional import nondimensional
 from stiction.studies.pairs import pair_of
 from stiction.studies.runner import run
-from stiction.studies.scaling import nondimensional
 from stiction.studies.study import Study, study_names
-from stiction.studies.traverse import paired_lines, traverse, traverse_mean
+from stiction.studies.traverse import traverse, traverse_mean
 from stiction.surfaces.fractal import (
     random_phases,
     weierstrass_mandelbrot,
@@ -42,6 +42,7 @@ from stiction.surfaces.lines import LineRoughness, line_roughness, lines_along_b
 from stiction.surfaces.measured.raw import FormatError, FormatWarning
 from stiction.surfaces.measured.reading import read_measurement, read_profile, read_surface
 from stiction.surfaces.measured.writing import write_profile, write_surface
+from stiction.surfaces.pairing import paired_lines
 from stiction.surfaces.preparation import cropped, levelled, on_common_grid, rotated, turned_over
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters

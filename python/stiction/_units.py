@@ -8,7 +8,7 @@ from decimal import Decimal
 _UNITS = {
     "length": {"m": "1e6", "mm": "1e3", "um": "1", "µm": "1", "μm": "1", "nm": "1e-3", "pm": "1e-6"},
     "pressure": {"TPa": "1e3", "GPa": "1", "MPa": "1e-3", "kPa": "1e-6", "Pa": "1e-9"},
-    "force": {"N": "1e3", "mN": "1", "uN": "1e-3", "µN": "1e-3", "μN": "1e-3", "nN": "1e-6"},
+    "force": {"kN": "1e6", "N": "1e3", "mN": "1", "uN": "1e-3", "µN": "1e-3", "μN": "1e-3", "nN": "1e-6"},
 }
 """Factors to µm, GPa and mN; both Unicode spellings of micro."""
 

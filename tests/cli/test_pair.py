@@ -8,8 +8,10 @@ import pytest
 import xarray
 from command import assert_refused, stiction_command
 from stiction import (
+    Profile,
     Surface,
     cropped,
+    effective_modulus,
     levelled,
     self_affine,
     traverse,
@@ -18,7 +20,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.views.pairing import load_figure
+from stiction.views.traverse import _cell, load_figure
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
 
@@ -61,7 +63,7 @@ def test_the_table_is_that_of_the_library_on_the_profiles_in_memory(where, paire
     upper, lower = (levelled(scan(side), "line") for side in ("upper", "lower"))
     slider = levelled(cropped(turned_over(upper), 0.0, 10.0), "line")
     result = traverse(
-        slider, lower, [0.02, 0.1], mu0=0.3, tau0=0.1, effective_modulus=10.0, offsets=10.0 * np.arange(1, 17) / 16
+        slider, lower, [0.02, 0.1], mu0=0.3, tau0=0.1, effective_modulus=10.0, offsets=10.0 * np.arange(1, 65) / 64
     )
     mean = traverse_mean(result)
     for load in ("0.02", "0.1"):
@@ -72,8 +74,10 @@ def test_the_table_is_that_of_the_library_on_the_profiles_in_memory(where, paire
             ("normal_stiffness", "normal stiffness (mN/µm)", 1),
             ("approach", "approach (nm)", 1000),
         ):
-            wanted = factor * mean[name].sel(load=float(load)).transpose("shear", "statistic").values.ravel()
-            np.testing.assert_allclose(row(paired.stdout, title, load), wanted, rtol=1e-3)  # four digits
+            wanted = factor * mean[name].sel(load=float(load)).transpose("shear", "statistic").values
+            printed = np.reshape(row(paired.stdout, title, load), wanted.shape)
+            half_width = (wanted[:, 2] - wanted[:, 1]) / 2
+            assert (np.abs(printed - wanted) <= 0.05001 * half_width[:, np.newaxis]).all()  # two digits of it
     with xarray.open_dataset(where / "pair" / "result.nc", engine="h5netcdf") as stored:
         assert stored["load"].values[[0, -1]] == pytest.approx([0.02 / 30, 0.1 * 30])
         kept = stored.sel(load=[0.02, 0.1])
@@ -86,15 +90,17 @@ def test_it_says_what_was_paired_and_how(paired):
     for words in (
         "read from upper.csv",
         "turned over; cropped to 0 to 10 µm",
-        "16 offsets (0.62 to 10 µm)",
-        "nominal area 10 µm²",
+        "64 offsets (0.16 to 10 µm)",
+        "slider       10 µm long, 1 µm thick",
         "E* = 10 GPa, mu0 = 0.3, tau0 = 100 MPa, hertz-sphere, gap-minimum, convex",
-        "2 MPa of nominal pressure",
-        "16 of 16",
+        "64 of 64",
+        "load that opposes",
+        "rub nothing (the paper's rule)",
     ):
         assert words in text, text
-    assert text.splitlines()[-4:] == [
-        f"wrote {Path('pair') / name}" for name in ("result.nc", "friction.png", "positions.png", "contact.png")
+    assert text.splitlines()[-5:] == [
+        f"wrote {Path('pair') / name}"
+        for name in ("result.nc", "result.csv", "friction.png", "positions.png", "contact.png")
     ]
 
 
@@ -127,11 +133,12 @@ def test_an_endless_interval_does_not_hide_the_means():
     assert highest < load_figure(mean, [0.01]).axes[0].get_ylim()[1] <= 4 * highest
 
 
-def test_lines_on_a_long_profile_lie_at_its_start(where):
+def test_lines_on_a_long_profile_lie_all_over_it(where):
     given = ["--unit", "um", "--unit", "um", "--spacing", "0.01 um"]
     done = stiction_command("pair", "map.npy", "lower.csv", *MATERIAL, *given, "-o", "long", cwd=where)
     assert done.returncode == 0, done.stderr
     assert "6: 6 pairs of lines, 1 offset (0 µm)" in done.stdout
+    assert "no interval" in done.stdout  # of six
 
 
 def test_columns_stay_apart_and_most_positions_must_have_an_answer(where):
@@ -151,7 +158,9 @@ def test_the_spread_of_the_positions_is_told(where, paired):
         values = stored["friction_coefficient"].sel(load=0.02, shear="+x").values
     line = next(line for line in paired.stdout.splitlines() if line.startswith("  four of five positions"))
     lowest, _, highest = line.split("positions")[1].split()[:3]
-    np.testing.assert_allclose([float(lowest), float(highest)], np.quantile(values, [0.1, 0.9]), rtol=1e-3)
+    np.testing.assert_allclose(
+        [float(lowest), float(highest)], np.quantile(values, [0.1, 0.9]), rtol=5e-3
+    )  # three digits
 
 
 def test_lines_of_a_map_with_itself(where):
@@ -161,14 +170,15 @@ def test_lines_of_a_map_with_itself(where):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "6: 6 pairs of lines, 1 offset (0 µm)" in done.stdout
-    assert "0 of 6, 6 not-reached" in done.stdout
-    assert "none" in done.stdout
+    assert "none of the positions has an answer: not-reached" in done.stdout
+    assert "is it the load of a whole part?" in done.stderr
 
 
 def test_a_result_is_not_written_over(where, paired):
     assert_refused(
         stiction_command("pair", "upper.csv", "lower.csv", *MATERIAL, cwd=where),
         "result.nc: exists already",
+        "--replace",
         "--output",
     )
 
@@ -183,11 +193,20 @@ def test_a_result_is_not_written_over(where, paired):
         (["upper.csv", "lower.csv", "--unit", "um", "--unit", "nm"], ["lower.csv", "unit says nm"]),
         (["upper.csv", "lower.csv", "--unit", "um", "--unit", "um", "--unit", "um"], ["--unit", "got 3"]),
         (["upper.csv", "lower.csv", "--load", "3"], ["--load", "number unit"]),
+        (["upper.csv", "lower.csv", "--output", "out.pdf"], ["out.pdf", "name of a file"]),
+        (["upper.csv", "lower.csv", "--lines", "4"], ["--lines is for surfaces and surrogates"]),
+        (["upper.csv", "lower.csv", "--along", "y"], ["--along is for surfaces"]),
+        (["upper.csv", "lower.csv", "--seed", "3"], ["--seed is for --surrogates"]),
+        (["upper.csv", "lower.csv", "--poisson", "0.3"], ["--poisson is for --young"]),
+        (["upper.csv", "lower.csv", "--hardness", "3 GPa"], ["--hardness is for --law jackson-green"]),
+        (["upper.csv", "lower.csv", "--young", "200 GPa"], ["--effective-modulus, or --young", "not both"]),
+        (["upper.csv", "lower.csv", "--law", "jackson-green"], ["--yield-strength or --hardness"]),
+        (["upper.csv", "lower.csv", "--law", "jackson-green", "--hardness", "3 GPa"], ["needs --poisson"]),
         (["upper.csv", "lower.csv", "--load", "-1 mN"], ["loads must be above 0"]),
         (["upper.csv", "lower.csv", "--effective-modulus", "10 mN"], ["--effective-modulus", "pressure"]),
         (["upper.csv", "lower.csv", "--tau0", "1"], ["--tau0"]),
         (["upper.csv", "lower.csv", "--mu0", "-1"], ["mu0 must not be negative"]),
-        (["upper.csv", "lower.csv", "--mu0", "nan"], ["mu0 must be a finite number"]),
+        (["upper.csv", "lower.csv", "--mu0", "nan"], ["mu0 must be"]),
         (["upper.csv", "lower.csv", "--travel", "19 um"], ["travel must be from 0 to 10"]),
         (["upper.csv", "lower.csv", "--travel", "0 um", "--offsets", "3"], ["--offsets 3 needs a --travel"]),
         (["upper.csv", "lower.csv", "--offsets", "0"], ["--offsets"]),
@@ -214,8 +233,93 @@ def test_an_interruption_is_one_line_and_leaves_no_result(where, monkeypatch):
     assert list((where / "halfway").iterdir()) == []
 
 
+BODIES = ["pair", "upper.csv", "lower.csv", "--offsets", 9]
+
+
+def test_moduli_pressures_and_several_materials(where):
+    given = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3,0.5", "--tau0", "0 MPa,50 MPa"]
+    done = stiction_command(*BODIES, *given, "--load", "2 MPa", "-o", "several", cwd=where)
+    assert done.returncode == 0, done.stderr
+    modulus = effective_modulus(20.0, 0.3, 30.0, 0.2)
+    assert f"E* = {modulus:g} GPa, mu0 = 0.3, 0.5, tau0 = 0, 50 MPa" in done.stdout
+    assert "at F_N = 0.02 mN," in done.stdout  # of 10 µm²
+    blocks = done.stdout.split("mu0 = 0.")[2:]
+    assert len(blocks) == 4
+    with xarray.open_dataset(where / "several" / "result.nc", engine="h5netcdf") as kept:
+        mean = traverse_mean(kept.load())
+    rows = (where / "several" / "result.csv").read_text(encoding="utf-8").splitlines()
+    header, *lines = (line.split(",") for line in rows)
+    assert header[:4] == ["normal load (mN)", "upper body to", "mu0", "tau0 (MPa)"]
+    assert [line[1:4] for line in lines[:3]] == [["+x", "0.3", "0"], ["-x", "0.3", "0"], ["+x", "0.3", "50"]]
+    for line in lines:
+        at = mean.sel(shear=line[1], mu0=float(line[2]), load=0.02).sel(tau0=float(line[3]) / 1000, method="nearest")
+        place = header.index("approach (nm)")
+        np.testing.assert_allclose(np.array(line[place : place + 3], float), 1000 * at["approach"], rtol=1e-8)
+
+
+def test_nominal_pressure_is_told_of_cylinders(where):
+    given = [*MATERIAL, "--law", "hertz-cylinder", "-o", "cylinders"]
+    done = stiction_command(*BODIES, *given, cwd=where)
+    assert "a nominal area of 10 µm²" in done.stdout
+    assert "(2 MPa of nominal pressure)" in done.stdout
+
+
+def test_hardness_is_yield_strength_in_other_words(where):
+    law = [*MATERIAL, "--law", "jackson-green", "--poisson", "0.3"]
+    one = stiction_command(*BODIES, *law, "--hardness", "568 MPa", "-o", "hard", cwd=where)
+    other = stiction_command(*BODIES, *law, "--yield-strength", "200 MPa", "-o", "yield", cwd=where)
+    assert one.returncode == other.returncode == 0, one.stderr + other.stderr
+    assert one.stdout.replace("hard/", "yield/").splitlines()[5:] == other.stdout.splitlines()[5:]
+    elastic = stiction_command(*BODIES, *MATERIAL, "-o", "elastic", cwd=where)
+    assert row(elastic.stdout, "true contact area (µm²)") < row(other.stdout, "true contact area (µm²)")
+
+
+def test_what_is_seldom_meant_is_said_and_the_run_goes_on(where):
+    steep = Profile(1000 * scan("upper").heights, spacing=0.01)
+    write_profile(steep, where / "steep.csv")
+    given = ["--effective-modulus", "10 GPa", "--mu0", "30", "--load", "20 uN", "-o", "doubts"]
+    done = stiction_command("pair", "steep.csv", "lower.csv", "--offsets", 2, *given, cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert "upper: heights span" in done.stderr
+    assert "is their unit right?" in done.stderr
+    assert "mu0 = 30 is more than any pair" in done.stderr
+
+
+def test_a_result_is_replaced_on_demand_and_known_to_the_other_commands(where):
+    given = [*MATERIAL, "-o", "again"]
+    first = stiction_command(*BODIES, *given, cwd=where)
+    again = stiction_command(*BODIES, *given, "--replace", cwd=where)
+    assert (again.returncode, again.stdout) == (0, first.stdout), again.stderr
+    shown = stiction_command("info", "again", cwd=where)
+    assert shown.stdout == first.stdout[: first.stdout.index("wrote")]
+    (where / "again" / "friction.png").unlink()
+    drawn = stiction_command("plot", "again", cwd=where)
+    assert drawn.returncode == 0, drawn.stderr
+    assert (where / "again" / "friction.png").exists()
+    assert stiction_command("export", "again", "copy.nc", cwd=where).returncode == 0
+    with (
+        xarray.open_dataset(where / "copy.nc", engine="h5netcdf") as copy,
+        xarray.open_dataset(where / "again" / "result.nc", engine="h5netcdf") as kept,
+    ):
+        assert copy.equals(kept)
+
+
+def test_digits_are_those_that_the_interval_carries():
+    for statistics, text in (
+        ([0.1614, 0.0731, 0.3419], "0.16 [0.07, 0.34]"),
+        ([0.03136, 0.0279, 0.0348], "0.0314 [0.0279, 0.0348]"),
+        ([1421.0, 905.0, 1960.0], "1420 [900, 1960]"),
+        ([2.0, np.nan, np.nan], "2 no interval"),
+        ([np.nan] * 3, "none"),
+    ):
+        assert _cell(np.array(statistics), "contact_area") == text
+
+
 def test_what_is_needed_is_asked_for(where):
-    assert_refused(stiction_command("pair", "upper.csv", "lower.csv", cwd=where), "--effective-modulus")
+    assert_refused(
+        stiction_command("pair", "upper.csv", "lower.csv", "--load", "1 mN", "--mu0", "0.3", cwd=where),
+        "--effective-modulus",
+    )
 
 
 # ---- Measured data ---------------------------------------------------------------------------------------------------
@@ -226,7 +330,7 @@ def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN"]
     done = stiction_command("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "slider of 1300 µm" in done.stdout
+    assert "slider       1300 µm long" in done.stdout
     assert "1 offset (200" in done.stdout
     coefficient = row(done.stdout.replace("no interval", ""), "friction coefficient", "10")
     assert all(0.2 < value < 0.8 for value in coefficient)
@@ -237,5 +341,5 @@ def test_an_afm_map_and_a_surrogate(measured, tmp_path):
     file = measured("di-4.di")
     done = stiction_command("pair", file, file, *MATERIAL, "--surrogates", "lower", "--along", "y", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "16: 16 pairs of lines" in done.stdout
+    assert "128: 128 pairs of lines" in done.stdout
     assert "column 0" in done.stdout

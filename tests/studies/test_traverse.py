@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
-import scipy.stats
 import stiction
 from stiction import (
     Profile,
     Surface,
     approach_at_load,
+    contacts,
     cropped,
     levelled,
     nondimensional,
@@ -17,7 +17,7 @@ from stiction import (
     traverse_mean,
     turned_over,
 )
-from stiction.studies import ensemble
+from stiction.studies import intervals
 
 LOADS = [0.003, 0.03]
 FRICTION = {"mu0": 0.3, "tau0": 0.1}
@@ -197,72 +197,71 @@ def test_means_are_over_all_positions_with_an_interval(result):
         np.testing.assert_allclose(
             mean[name].sel(statistic="mean"), result[name].mean(("line", "offset")).transpose("shear", "load")
         )
-        lower, upper = (mean[name].sel(statistic=end).values for end in ("lower", "upper"))
-        spread = result[name].std(("line", "offset")).transpose("shear", "load").values > 0
-        assert (lower[spread] < upper[spread]).all()
+        assert np.isnan(mean[name].sel(statistic="lower")).all()  # three positions
     assert (mean["ok"] == 3).all()
     assert int(mean["positions"]) == 3
 
 
+def test_many_positions_have_an_interval_within_their_values(pair):
+    many = traverse(*pair, LOADS, offsets=np.arange(12) * 0.8, **FRICTION)
+    mean = traverse_mean(many)
+    for name in ("friction_coefficient", "contact_area", "contact_count", "approach", "share_opposing"):
+        lower, middle, upper = (mean[name].sel(statistic=end) for end in ("lower", "mean", "upper"))
+        values = many[name]
+        spread = (values.std(("line", "offset")) > 0).transpose("shear", "load").values
+        assert spread.any()
+        assert (lower < middle).values[spread].all()
+        assert (middle < upper).values[spread].all()
+        assert (lower >= values.min(("line", "offset"))).values[spread].all()
+        assert (upper <= values.max(("line", "offset"))).values[spread].all()
+    assert (mean["contact_count"].sel(statistic="lower") >= 1).all()
+
+
+def test_several_materials_are_those_one_by_one(pair):
+    both = traverse(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], offsets=np.arange(9.0))
+    assert both["friction_coefficient"].dims == ("shear", "line", "offset", "load", "mu0", "tau0")
+    mean = traverse_mean(both)
+    for m, mu0 in enumerate([0.3, 0.5]):
+        for t, tau0 in enumerate([0.0, 0.1]):
+            alone = traverse(*pair, LOADS, mu0=mu0, tau0=tau0, offsets=np.arange(9.0))
+            assert both.isel(mu0=m, tau0=t).identical(alone)
+            assert mean.isel(mu0=m, tau0=t).equals(traverse_mean(alone))
+    several = traverse(*pair, LOADS, mu0=[0.3], offsets=[0.0])
+    assert dict(several.sizes) == {"shear": 2, "line": 1, "offset": 1, "load": 2, "mu0": 1}
+
+
+def test_the_share_that_opposes_is_that_of_the_contacts(pair, result):
+    upper, lower = pair
+    for shear in ("+x", "-x"):
+        at = result.sel(shear=shear, load=LOADS[1]).isel(line=0, offset=0)
+        found = contacts(upper, cropped(lower, 0, 20), float(at["approach"]), detection="gap-minimum", shear=shear)
+        carried = found.force * found.normal[:, 2]
+        wanted = carried[found.opposing].sum() / carried.sum()
+        assert float(at["share_opposing"]) == pytest.approx(wanted, rel=1e-6)
+    shares = result["share_opposing"].sum("shear")
+    np.testing.assert_allclose(shares, 1.0, atol=0.02)  # but for what friction adds to the load
+
+
 def test_positions_of_a_line_are_not_independent(pair):
     upper, lower = pair
-    one = traverse([upper] * 3, [lower] * 3, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
-    shape = one["contact_area"].shape  # shear, line, offset, load
-    values = np.array([10.0, 11.0, 13.0])[:, np.newaxis, np.newaxis] + np.zeros(shape)
-    one["contact_area"] = (one["contact_area"].dims, values)
+    one = traverse([upper] * 8, [lower] * 8, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
+    lines = np.array([10.0, 11.0, 13.0, 9.0, 12.0, 14.0, 8.0, 10.5])
+    one["contact_area"] = (one["contact_area"].dims, lines[:, np.newaxis, np.newaxis] + np.zeros((2, 8, 4, 1)))
     area = traverse_mean(one)["contact_area"].values
-    np.testing.assert_allclose(area[0, 0], ensemble.mean_of_neighbours(np.array([10.0, 11.0, 13.0])))
+    np.testing.assert_allclose(area[0, 0], intervals.of_neighbours(lines))
     # Fewer answers of a line weigh less.
-    one["status"][:, 2, 1:] = "not-reached"
+    one["status"][:, 7, 1:] = "not-reached"
     mean, low, high = traverse_mean(one)["contact_area"].values[0, 0]
-    assert mean == pytest.approx((4 * 10 + 4 * 11 + 13) / 9)
+    assert mean == pytest.approx((4 * lines[:7].sum() + lines[7]) / 29)
     assert low < mean < high
     one["status"][:, 1:] = "not-reached"
     assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 10.0
 
 
-@pytest.mark.parametrize(("correlation", "least"), [(0.0, 0.92), (0.3, 0.89), (0.6, 0.83)])
-def test_the_interval_of_neighbours_covers_their_mean(correlation, least):
-    """Lognormal values of which neighbours are alike: 16 of them, 1000 times."""
-    rng = np.random.default_rng(2)
-    covered = 0
-    for _ in range(1000):
-        noise = rng.normal(size=66)
-        for i in range(1, 66):
-            noise[i] = correlation * noise[i - 1] + np.sqrt(1 - correlation**2) * noise[i]
-        _, lower, upper = ensemble.mean_of_neighbours(np.exp(0.4 * noise[50:]))
-        covered += np.isnan(lower) or lower <= np.exp(0.08) <= upper
-    assert least < covered / 1000 < 0.99
-
-
-def test_the_interval_of_neighbours_by_hand():
-    values = np.sort(np.exp(0.4 * np.random.default_rng(3).normal(size=16)))
-    mean, lower, upper = ensemble.mean_of_neighbours(values)
-    deviations = values - values.mean()
-    correlation = np.sum(deviations[1:] * deviations[:-1]) / np.sum(deviations**2) + 1 / 16
-    logarithms = np.log((values.sum() - values) / 15)
-    error = np.sqrt(15 * np.var(logarithms) * (1 + correlation) / (1 - correlation))
-    freedom = 16 * (1 - correlation) / (1 + correlation) - 1
-    half_width = scipy.stats.t.ppf(0.975, max(freedom, 1)) * error
-    assert (lower, upper) == pytest.approx((mean * np.exp(-half_width), mean * np.exp(half_width)))
-
-
-def test_values_that_are_all_equal_have_no_interval():
-    mean, lower, upper = ensemble.mean_of_neighbours(np.zeros(16))
-    assert mean == 0
-    assert np.isnan([lower, upper]).all()
-
-
-def test_an_interval_that_says_nothing_is_none():
-    mean, lower, upper = ensemble.mean_of_neighbours(np.array([1.0, 1.0, 2000.0]))
-    assert mean == pytest.approx(2002 / 3)
-    assert np.isnan([lower, upper]).all()
-
-
-def test_values_with_zeros_have_an_interval_from_zero_on():
-    mean, lower, upper = ensemble.mean_of_neighbours(np.array([0.0, 0.0, 0.0, 0.9]))
-    assert mean == pytest.approx(0.225)
-    assert 0 <= lower < mean < upper
+def test_means_without_lines_have_no_interval(pair):
+    upper, lower = pair
+    few = traverse([upper] * 3, [lower] * 3, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
+    assert np.isnan(traverse_mean(few)["contact_area"].sel(statistic="lower")).all()
 
 
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
@@ -321,8 +320,26 @@ def test_lines_of_surfaces_are_paired_a_third_of_their_width_apart():
     two = Surface(surface.heights[:2], spacing=0.01)
     np.testing.assert_array_equal(paired_lines(two, two, level=None)[1][1].heights, two.heights[0])
     uppers, lowers = paired_lines(surface, scan("upper"), lines=3)
-    np.testing.assert_array_equal(lowers[0].heights, lowers[2].heights)
+    assert len(lowers[0]) == 400
     assert uppers[1].history[:1] == ("row 3",)
+
+
+def test_lines_of_different_lengths_lie_all_over_the_longer():
+    surface = maps()
+    for lengths in ((400, 3000), (3000, 400)):
+        bodies = [surface if length == 400 else scan("upper") for length in lengths]
+        uppers, lowers = paired_lines(*bodies, level=None, lines=9)
+        assert {len(each) for each in (*uppers, *lowers)} == {400}
+        longer = np.array([each.heights for each in (uppers if lengths[0] == 3000 else lowers)])
+        whole = scan("upper").heights * (-1 if lengths[0] == 3000 else 1)
+        starts = [int(np.flatnonzero(np.isclose(whole, line[0], rtol=0, atol=0))[0]) for line in longer]
+        np.testing.assert_array_equal(longer, [whole[start : start + 400] for start in starts])
+        assert min(starts) == 0
+        assert max(starts) > 0.8 * 2600
+        assert np.diff(np.sort(starts)).max() < 2 * 2600 / 9
+    assert "cropped" in uppers[1].history[-1]
+    leveled, _ = paired_lines(scan("upper"), surface, lines=2)
+    np.testing.assert_allclose(levelled(leveled[1], "line").heights, leveled[1].heights, atol=1e-12)
 
 
 def test_surrogates_stand_in_for_what_is_asked():
@@ -347,7 +364,8 @@ def test_surrogates_stand_in_for_what_is_asked():
         ({"loads": [0.0]}, "loads must be"),
         ({"loads": []}, "loads must be"),
         ({"mu0": -1.0}, "mu0 must not be negative"),
-        ({"tau0": [0.1]}, "tau0 must be a finite number"),
+        ({"tau0": [[0.1]]}, "tau0 must be a number or a list"),
+        ({"mu0": []}, "mu0 must be a number or a list"),
         ({"shear": "+x"}, "shear must not be given"),
         ({"law": "hooke"}, "law must be"),
         ({"upper": []}, "upper must be a Profile or a list"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import tempfile
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,8 +13,11 @@ import typer
 
 from stiction._checks import choice
 from stiction._units import quantity
-from stiction.cli.application import app, tell
+from stiction.cli.application import app, say, tell
+from stiction.mechanics.closed_forms import effective_modulus as _effective_modulus
+from stiction.mechanics.law import JacksonGreen
 from stiction.surfaces.measured.reading import read_measurement
+from stiction.surfaces.pairing import LINES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -173,24 +177,57 @@ def _band(text: str | None) -> tuple[float, float] | None:
 def pair(
     upper: Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")],
     lower: Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")],
-    effective_modulus: Annotated[str, typer.Option("--effective-modulus", metavar="PRESSURE", help='As in "10 GPa".')],
-    mu0: Annotated[float, typer.Option("--mu0", metavar="NUMBER", help="Molecular friction coefficient.")],
-    load: Annotated[
-        list[str], typer.Option("--load", metavar="FORCE", help='Normal load on the slider, "0.1 mN". Repeatable.')
+    mu0: Annotated[
+        str, typer.Option("--mu0", metavar="NUMBERS", help='Molecular friction coefficients, "0.3" or "0.3,0.4".')
     ],
-    tau0: Annotated[str, typer.Option("--tau0", metavar="PRESSURE", help="Adhesive shear strength.")] = "0 MPa",
+    load: Annotated[
+        list[str],
+        typer.Option(
+            "--load",
+            metavar="FORCE",
+            help='Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.',
+        ),
+    ],
+    effective_modulus: Annotated[
+        str | None,
+        typer.Option("--effective-modulus", metavar="PRESSURE", help='E*, as in "10 GPa".', show_default=False),
+    ] = None,
+    young: Annotated[
+        str | None,
+        typer.Option(
+            "--young",
+            metavar="PRESSURES",
+            help='Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".',
+            show_default=False,
+        ),
+    ] = None,
+    poisson: Annotated[
+        str | None,
+        typer.Option(
+            "--poisson", metavar="NUMBERS", help='Poisson\'s ratios, "0.3" or "0.3,0.33".', show_default=False
+        ),
+    ] = None,
+    tau0: Annotated[
+        str, typer.Option("--tau0", metavar="PRESSURES", help='Adhesive shear strengths, "0 MPa,50 MPa".')
+    ] = "0 MPa",
     offsets: Annotated[
         int | None,
         typer.Option(
-            "--offsets", min=1, help="Positions along the lower profile.", show_default="16, or 1 for several lines"
+            "--offsets", min=1, help="Positions along the lower profile.", show_default="64, or 1 for several lines"
         ),
     ] = None,
     travel: Annotated[
         str | None,
         typer.Option("--travel", metavar="LENGTH", help="Offset of the last position.", show_default="half the length"),
     ] = None,
-    lines: Annotated[int, typer.Option("--lines", min=1, help="Pairs of lines of surfaces, or of surrogates.")] = 16,
-    along: Annotated[str, typer.Option("--along", metavar="x|y", help="Direction of the lines of surfaces.")] = "x",
+    lines: Annotated[
+        int | None,
+        typer.Option("--lines", min=1, help="Pairs of lines of surfaces, or of surrogates.", show_default=str(LINES)),
+    ] = None,
+    along: Annotated[
+        str | None,
+        typer.Option("--along", metavar="x|y", help="Direction of the lines of surfaces.", show_default="x"),
+    ] = None,
     level: Annotated[
         str, typer.Option("--level", metavar="mean|line|quadratic|none", help="What is taken off each line.")
     ] = "line",
@@ -202,10 +239,20 @@ def pair(
             help="Replaced by profiles of equal spectrum, new phases.",
         ),
     ] = "none",
-    seed: Annotated[int, typer.Option("--seed", help="Of the surrogates.")] = 2016,
-    law: Annotated[str, typer.Option("--law", metavar="hertz-sphere|hertz-cylinder", help="Contact law.")] = (
-        "hertz-sphere"
-    ),
+    seed: Annotated[int | None, typer.Option("--seed", help="Of the surrogates.", show_default="2016")] = None,
+    law: Annotated[
+        str, typer.Option("--law", metavar="hertz-sphere|hertz-cylinder|jackson-green", help="Contact law.")
+    ] = "hertz-sphere",
+    yield_strength: Annotated[
+        str | None,
+        typer.Option(
+            "--yield-strength", metavar="PRESSURE", help="Of the softer body, for jackson-green.", show_default=False
+        ),
+    ] = None,
+    hardness: Annotated[
+        str | None,
+        typer.Option("--hardness", metavar="PRESSURE", help="Instead of it: 2.84 times as much.", show_default=False),
+    ] = None,
     detection: Annotated[
         str, typer.Option("--detection", metavar="gap-minimum|cell", help="How contacts are found.")
     ] = "gap-minimum",
@@ -218,6 +265,7 @@ def pair(
     channel: ChannelOfEach = None,
     columns: ColumnsOfEach = None,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("pair"),
+    replace: Annotated[bool, typer.Option("--replace", help="Write over the results of an earlier pair.")] = False,
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, in both directions, with intervals.
 
@@ -225,8 +273,20 @@ def pair(
     """
     from stiction.studies import export as exports
     from stiction.studies import traverse as traverses
-    from stiction.views import pairing
+    from stiction.surfaces.pairing import paired_lines
+    from stiction.views import traverse as views
 
+    table, listed = output / views.RESULT, output / views.TABLE
+    wanted = [_load(each) for each in load]
+    coefficients = _numbers("--mu0", mu0)
+    strengths = [_quantity("--tau0", each, "pressure") for each in _listed(tau0)]
+    modulus, ratio = _elasticity(effective_modulus, young, poisson, law)
+    contact: Any = {
+        "effective_modulus": modulus,
+        "law": _law(law, yield_strength, hardness, ratio),
+        "detection": detection,
+        "curvature": curvature,
+    }
     bodies = [
         _measurement(
             file,
@@ -238,44 +298,174 @@ def pair(
         )
         for index, file in enumerate((upper, lower))
     ]
-    loads = [_quantity("--load", each, "force") for each in load]
-    contact: Any = {
-        "effective_modulus": _quantity("--effective-modulus", effective_modulus, "pressure"),
-        "law": law,
-        "detection": detection,
-        "curvature": curvature,
-    }
-    uppers, lowers = traverses.paired_lines(
+    surfaces = any(isinstance(body, Surface) for body in bodies)
+    _refuse(
+        "--lines", lines, "is for surfaces and surrogates; two profiles are one pair", surfaces or surrogates != "none"
+    )
+    _refuse("--along", along, "is for surfaces", surfaces)
+    _refuse("--seed", seed, "is for --surrogates", surrogates != "none")
+    uppers, lowers = paired_lines(
         *bodies,
         travel=None if travel is None else _quantity("--travel", travel, "length"),
         level=None if level == "none" else level,  # type: ignore[arg-type]
-        lines=lines, along=along, surrogates=surrogates, seed=seed,  # type: ignore[arg-type]
-    )  # fmt: skip
-    table = output / "result.nc"
-    if table.exists():
-        raise ValueError(f"{table}: exists already; say where the results shall go with --output DIR")
+        lines=LINES if lines is None else lines,
+        along="x" if along is None else along,  # type: ignore[arg-type]
+        surrogates=surrogates,  # type: ignore[arg-type]
+        seed=2016 if seed is None else seed,
+    )
     room = lowers[0].extent - uppers[0].extent
-    positions = offsets if offsets is not None else 1 if len(uppers) > 1 else 16
+    positions = offsets if offsets is not None else 1 if len(uppers) > 1 else OFFSETS
     if positions > 1 and not room > 0:
         raise ValueError(f"--offsets {positions} needs a --travel LENGTH, for which the slider is shortened")
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"{output}: cannot be written: {os.strerror(error.errno or 0)}") from None
+    area = uppers[0].extent * traverses.THICKNESS
+    loads = [amount * (area if per_area else 1.0) for amount, per_area in wanted]
+    for sentence in views.doubts(uppers, lowers, loads, mu0=coefficients, **contact):
+        say(sentence)
+    _check_directory(output, table, replace=replace)
     result = traverses.traverse(
         uppers, lowers, traverses.loads_around(loads),
-        mu0=mu0, tau0=_quantity("--tau0", tau0, "pressure"),
+        mu0=coefficients if len(coefficients) > 1 else coefficients[0],
+        tau0=strengths if len(strengths) > 1 else strengths[0],
         # One line on itself is no pair at 0; several are not on themselves.
         offsets=0.0 if len(uppers) > 1 and positions == 1 and travel is None
         else room * np.arange(1, positions + 1) / positions,
         progress=sys.stderr.isatty(), **contact,
     )  # fmt: skip
+    result.attrs["loads_mN"] = np.array(loads)
     mean = traverses.traverse_mean(result)
-    typer.echo(pairing.traverse_text(result, mean, loads), nl=False)
-    exports.export(result, table)
+    typer.echo(views.traverse_text(result, mean, loads), nl=False)
+    exports.export(result, table, replace=replace)
     typer.echo(f"wrote {table}")
-    for path in pairing.save_traverse_figures(result, mean, loads, uppers, lowers, output, **contact):
+    listed.write_text(views.traverse_csv(mean, loads), encoding="utf-8")
+    typer.echo(f"wrote {listed}")
+    for path in views.save_traverse_figures(result, mean, loads, output, bodies=(uppers, lowers), **contact):
         typer.echo(f"wrote {path}")
+
+
+def paired(directory: Path) -> Any:
+    """The result that `pair` wrote into a directory, or None."""
+    import xarray
+
+    from stiction.views.traverse import RESULT
+
+    table = directory / RESULT
+    if not table.is_file():
+        return None
+    try:
+        with xarray.open_dataset(table, engine="h5netcdf") as kept:
+            result = kept.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise ValueError(f"{table}: cannot be read: {error}") from None
+    if result.attrs.get("title") != "stiction traverse" or "loads_mN" not in result.attrs:
+        raise ValueError(f"{table}: is not what stiction pair wrote")
+    return result
+
+
+def show_pair(result: Any) -> None:
+    """The table of a pair."""
+    from stiction.studies.traverse import traverse_mean
+    from stiction.views.traverse import traverse_text
+
+    typer.echo(traverse_text(result, traverse_mean(result), np.atleast_1d(result.attrs["loads_mN"])), nl=False)
+
+
+def draw_pair(result: Any, directory: Path) -> None:
+    """The figures of a pair that need no profiles."""
+    from stiction.studies.traverse import traverse_mean
+    from stiction.views.traverse import save_traverse_figures
+
+    loads = np.atleast_1d(result.attrs["loads_mN"])
+    for path in save_traverse_figures(result, traverse_mean(result), loads, directory):
+        typer.echo(f"wrote {path}")
+
+
+OFFSETS = 64
+"""Positions of one pair by default: some seconds of computing, and enough for an interval."""
+
+_FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip")
+
+
+def _check_directory(output: Path, table: Path, *, replace: bool) -> None:
+    """Whatever would keep results from being written is said before anything is computed."""
+    if output.suffix.lower() in _FILES and not output.is_dir():
+        raise ValueError(f"--output {output}: is the name of a file; results go into a directory")
+    if table.exists() and not replace:
+        raise ValueError(f"{table}: exists already; --replace writes over it, --output DIR puts the results elsewhere")
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=output):
+            pass
+    except OSError as error:
+        raise ValueError(f"{output}: cannot be written: {os.strerror(error.errno or 0)}") from None
+
+
+def _refuse(option: str, value: object, why: str, applies: bool) -> None:
+    """An option that is given where it does not apply."""
+    if value is not None and not applies:
+        raise ValueError(f"{option} {why}, got {option} {value}")
+
+
+def _listed(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",")]
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    try:
+        return [float(part) for part in _listed(text)]
+    except ValueError:
+        raise ValueError(f'{option} must be a number or several, as in "0.3,0.4", got {text!r}') from None
+
+
+def _load(text: str) -> tuple[float, bool]:
+    """A load in mN, or in GPa of the slider's area, and whether it is that."""
+    try:
+        return float(quantity(text, "pressure")), True
+    except ValueError:
+        return _quantity("--load", text, "force"), False
+
+
+def _elasticity(modulus: str | None, young: str | None, poisson: str | None, law: str) -> tuple[float, float | None]:
+    """E* in GPa, and Poisson's ratio of the softer body if any is given."""
+    if (modulus is None) == (young is None):
+        raise ValueError("give --effective-modulus, or --young and --poisson" + (", not both" if young else ""))
+    ratios = None if poisson is None else _numbers("--poisson", poisson)
+    if ratios is not None and (len(ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in ratios)):
+        raise ValueError(f"--poisson must be one or two numbers from 0 to 0.5, got {poisson!r}")
+    if modulus is not None:
+        _refuse("--poisson", poisson, "is for --young and --law jackson-green", law == "jackson-green")
+        if ratios is not None and len(ratios) > 1:
+            raise ValueError(f"--poisson beside --effective-modulus is of the softer body alone, got {poisson!r}")
+        return _quantity("--effective-modulus", modulus, "pressure"), None if ratios is None else ratios[0]
+    moduli = [_quantity("--young", part, "pressure") for part in _listed(str(young))]
+    if len(moduli) > 2:
+        raise ValueError(f"--young must be one modulus or two, got {young!r}")
+    if ratios is None:
+        raise ValueError("--young needs --poisson, of both bodies or of one after the other")
+    (first, second), (upper, lower) = (2 * moduli)[:2], (2 * ratios)[:2]
+    return float(_effective_modulus(first, upper, second, lower)), upper if first <= second else lower
+
+
+def _law(law: str, yield_strength: str | None, hardness: str | None, ratio: float | None) -> Any:
+    """A contact law by its name and the options that it needs."""
+    yields = law == "jackson-green"
+    _refuse("--yield-strength", yield_strength, "is for --law jackson-green", yields)
+    _refuse("--hardness", hardness, "is for --law jackson-green", yields)
+    if not yields:
+        return law
+    if (yield_strength is None) == (hardness is None):
+        raise ValueError("--law jackson-green needs --yield-strength or --hardness, one of them")
+    if ratio is None:
+        raise ValueError("--law jackson-green needs --poisson, of the softer body")
+    strength = (
+        _quantity("--hardness", hardness, "pressure") / HARDNESS
+        if hardness is not None
+        else _quantity("--yield-strength", str(yield_strength), "pressure")
+    )
+    return JacksonGreen(yield_strength=strength, poisson_ratio=ratio)
+
+
+HARDNESS = 2.84
+"""Hardness over yield strength, of the law at small contact radii."""
 
 
 def _quantity(option: str, text: str, kind: str) -> float:

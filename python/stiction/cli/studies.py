@@ -16,6 +16,7 @@ from stiction._core import __version__
 from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, app, say, tell
+from stiction.cli.measured import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
@@ -103,16 +104,21 @@ def plot(
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the figures go.", show_default="DIR")
     ] = None,
 ) -> None:
-    """Draw the results of a study again, or what is finished of them."""
+    """Draw the results of a study again, or what is finished of them; or those of a pair."""
     from stiction.studies import store
 
-    dataset = store.read(_stored(directory))
+    result = paired(directory)
+    dataset = store.read(_stored(directory)) if result is None else None
     if output is not None:
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise StudyError(f"{named(output)}: cannot be written: {error.strerror or error}") from None
-    _draw(dataset, directory if output is None else output)
+    where = directory if output is None else output
+    if result is None:
+        _draw(dataset, where)
+    else:
+        draw_pair(result, where)
 
 
 @app.command()
@@ -134,9 +140,12 @@ def report(
 
 @app.command()
 def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
-    """Show what a study is, how far it has come, and how far its results are to be trusted."""
+    """Show what a study is, how far it has come, and how far its results are to be trusted; or the table of a pair."""
     from stiction.studies import store
 
+    if (result := paired(directory)) is not None:
+        show_pair(result)
+        return
     kept = store.info(_stored(directory))
     changes = [f"{key} = {value}" for key, _, value in differences(Study(), kept.study)]
     tell("study        " + "\n             ".join(["the defaults, but", *changes] if changes else ["the defaults"]))
@@ -171,11 +180,12 @@ def export(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="The file to write; it must not exist yet.")],
 ) -> None:
-    """Write the results of a study, or what is finished of them, to one netCDF file."""
+    """Write the results of a study or a pair, or what is finished of them, to one netCDF file."""
     from stiction.studies import export as exports
     from stiction.studies import store
 
-    exports.export(store.read(_stored(directory)), file)
+    result = paired(directory)
+    exports.export(store.read(_stored(directory)) if result is None else result, file)
     tell(f"wrote {file}")
 
 

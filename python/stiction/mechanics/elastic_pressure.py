@@ -180,8 +180,12 @@ class Solver:
     def transforms(self) -> float:
         """Real transforms taken so far, in those of the finest grid."""
         most = self.gaps[0].size
-        return float(sum(kernel.transforms * kernel_size / most for kernel, kernel_size in zip(
-            self.kernels, [gap.size for gap in self.gaps], strict=True)))
+        return float(
+            sum(
+                kernel.transforms * kernel_size / most
+                for kernel, kernel_size in zip(self.kernels, [gap.size for gap in self.gaps], strict=True)
+            )
+        )
 
     def at(self, mean_pressure: float) -> Solution:
         """The pressure with a given mean over the grid."""

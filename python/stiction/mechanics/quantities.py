@@ -26,6 +26,7 @@ QUANTITIES: dict[str, Quantity] = _OF_THE_CORE | {
     "friction_coefficient": Quantity("1", "coefficient of static friction"),
     "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
     "normal_stiffness": Quantity("mN/um", "normal stiffness"),
+    "share_opposing": Quantity("1", "share of the load on contacts that oppose the motion"),
     "relative_overlap": Quantity("1", "load-weighted mean of overlap / radius"),
     "share_beyond_hertz": Quantity("1", "share of the load on contacts with an overlap above a tenth of their radius"),
     "share_below_grid": Quantity("1", "share of the load on contacts with a radius below the grid spacing"),

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, number
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import SUMS
-from stiction.studies.ensemble import Crossing
+from stiction.studies.crossing import Crossing
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import xarray
 
-from stiction._files import new_file
+from stiction._files import new_file, replaced_file
 
 
 class ExportError(ValueError):
     """A file that cannot be written."""
 
 
-def export(dataset: xarray.Dataset, path: str | Path) -> None:
+def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
     """Write a result to a netCDF file, with every variable, coordinate and attribute; its numbers keep every bit.
 
     Parameters
@@ -22,13 +22,16 @@ def export(dataset: xarray.Dataset, path: str | Path) -> None:
         What `run` returns.
     path : path
         Must not exist yet. It appears when it is whole.
+    replace : bool
+        Whether it may exist, and be a netCDF file, which it then takes the place of.
 
     Raises
     ------
     ExportError
         If it exists or cannot be written.
     """
-    with new_file(Path(path), ExportError) as partial:
+    path = Path(path)
+    with replaced_file(path, b"\x89HDF", ExportError) if replace else new_file(path, ExportError) as partial:
         # Nothing is missing, so no number means that.
         encoding = {name: {"_FillValue": None} for name in dataset.variables}
         # Whole in memory first: HDF5 itself crashes where a disk is full.

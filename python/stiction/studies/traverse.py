@@ -7,32 +7,29 @@ weight does.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, number, whole_number
+from stiction._checks import Floats, float_array
 from stiction._core import __version__
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
 from stiction.mechanics.quantities import VALIDITY, attributes_of
-from stiction.studies import ensemble
+from stiction.studies import intervals
 from stiction.studies.executors import in_order
-from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
-from stiction.surfaces.profile import Along, Profile, Side
-from stiction.surfaces.self_affine import surrogate
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.pairing import lower_piece
+from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
     import xarray
-
-Surrogates = Literal["none", "upper", "lower", "both"]
 
 AROUND = 30.0
 """How far a curve goes to both sides of the loads that are asked for."""
@@ -52,7 +49,7 @@ _JUST_BEFORE = 1e-11
 
 _QUANTITIES = (
     "friction_coefficient", "tangential_load", "contact_area", "contact_count", "normal_stiffness", "approach",
-    *VALIDITY,
+    "share_opposing", *VALIDITY,
 )  # fmt: skip
 
 _DIMS = ("shear", "line", "offset", "load")
@@ -63,8 +60,8 @@ def traverse(
     lower: Profile | Sequence[Profile],
     loads: ArrayLike,
     *,
-    mu0: float,
-    tau0: float = 0.0,
+    mu0: ArrayLike,
+    tau0: ArrayLike = 0.0,
     offsets: ArrayLike = 0.0,
     executor: Executor | None = None,
     progress: bool = False,
@@ -79,9 +76,9 @@ def traverse(
         the lines of two maps, or surrogates.
     loads : (l,) array_like of float, mN
         Above 0, on the whole slider; its nominal area is its extent times 1 µm.
-    mu0 : float
+    mu0 : float or (m,) array_like of float
         Molecular friction coefficient.
-    tau0 : float, GPa
+    tau0 : float or (t,) array_like of float, GPa
         Adhesive shear strength.
     offsets : (o,) array_like of float, µm
         Positions of the slider's first point on the lower profile, rising, rounded to whole spacings. The whole slider
@@ -98,10 +95,11 @@ def traverse(
     -------
     xarray.Dataset
         friction_coefficient, tangential_load (mN), contact_area (µm²), contact_count, normal_stiffness (mN/µm, dF_N/dδ
-        over 2 % of the approach on both sides), approach (µm), the figures of `Validity`, and status, over shear, line,
-        offset (µm) and load (mN). The status is "ok", "no-contact", "self-locked", "not-reached" or "below-range" (more
-        than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N jumps over a load,
-        values are between those before and behind the jump, in the proportion that carries the load.
+        over 2 % of the approach on both sides), approach (µm), share_opposing (of the load, on contacts that oppose the
+        motion), the figures of `Validity`, and status, over shear, line, offset (µm) and load (mN), and over mu0 and
+        tau0 (GPa) if lists of them are given. The status is "ok", "no-contact", "self-locked", "not-reached" or
+        "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N
+        jumps over a load, values are between those before and behind the jump, in the proportion that carries the load.
 
     Raises
     ------
@@ -136,7 +134,14 @@ def traverse(
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     modulus = model.effective_modulus
-    mu0, tau0 = friction.one_material(mu0, tau0, modulus)
+    friction_parameters = {
+        "mu0": friction.friction_parameter("mu0", mu0),
+        "tau0": friction.friction_parameter("tau0", tau0),
+    }
+    for name, values in friction_parameters.items():
+        if values.ndim > 1 or not values.size:
+            raise ValueError(f"{name} must be a number or a list of numbers, got {values!r}")
+    friction.check_shear_strength(friction_parameters["tau0"], modulus)
     spacing = uppers[0].spacing
     places = _places(offsets, spacing)
     for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
@@ -146,10 +151,16 @@ def traverse(
                 f"{below.extent:g} µm below, so that offsets are at most {(len(below) - len(above)) * spacing:g} µm, "
                 f"got {places[-1] * spacing:g} µm"
             )
-    shape = (len(SHEARS), len(uppers), places.size, load_values.size)
+    listed = tuple(name for name, values in friction_parameters.items() if values.ndim)
+    dims = (*_DIMS, *listed)
+    shape = (
+        len(SHEARS), len(uppers), places.size, load_values.size, *(friction_parameters[name].size for name in listed),
+    )  # fmt: skip
     arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
     arrays["status"] = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    position = functools.partial(_position, loads=load_values, mu0=mu0, tau0=tau0, model=model)
+    position = functools.partial(
+        _position, loads=load_values, mu0=friction_parameters["mu0"], tau0=friction_parameters["tau0"], model=model
+    )
     members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
     pairs = (
         (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
@@ -157,14 +168,16 @@ def traverse(
     computed = in_order(position, pairs, total=len(members), what="positions", executor=executor, progress=progress)
     for (line, place), values in zip(members, computed, strict=True):
         for name, value in values.items():
-            arrays[name][:, line, place] = value
+            arrays[name][:, line, place] = value.reshape(arrays[name][:, line, place].shape)
     coordinates: dict[str, Any] = {
         "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
         "line": ("line", np.arange(len(uppers)), {"units": "1", "long_name": "pair of lines"}),
         "offset": ("offset", places * spacing, {"units": "um", "long_name": "offset of the upper body along +x"}),
         "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
-        "mu0": ((), mu0, {"units": "1", "long_name": "molecular friction coefficient"}),
-        "tau0": ((), tau0, {"units": "GPa", "long_name": "adhesive shear strength"}),
+        **{
+            name: ((name,) if name in listed else (), values, attributes_of(name))
+            for name, values in friction_parameters.items()
+        },
         "effective_modulus": (
             (), float(modulus), {"units": "GPa", "long_name": "effective modulus"},
         ),
@@ -174,8 +187,8 @@ def traverse(
     }  # fmt: skip
     return xarray.Dataset(
         {
-            **{name: (_DIMS, arrays[name], attributes_of(name)) for name in _QUANTITIES},
-            "status": (_DIMS, arrays["status"], attributes_of("status")),
+            **{name: (dims, arrays[name], attributes_of(name)) for name in _QUANTITIES},
+            "status": (dims, arrays["status"], attributes_of("status")),
         },
         coordinates,
         {
@@ -201,116 +214,17 @@ def loads_around(loads: ArrayLike) -> Floats:
     return np.unique(np.concatenate([given, around[apart]]))
 
 
-def paired_lines(
-    upper: Profile | Surface,
-    lower: Profile | Surface,
-    *,
-    travel: float | None = None,
-    level: ProfileTrend | None = "line",
-    lines: int = 16,
-    along: Along = "x",
-    surrogates: Surrogates = "none",
-    seed: int = 2016,
-) -> tuple[list[Profile], list[Profile]]:
-    """Two scans as what `traverse` takes: sliders, turned over, and what they are carried over, a pair for each line.
-
-    Parameters
-    ----------
-    upper, lower : Profile or Surface
-        Scans, both with heights out of the material; of different grids the finer is taken for both.
-    travel : float, µm, optional
-        The largest offset that shall be possible: sliders are shortened to leave it. By default 0 with several pairs;
-        for one, half of the lower profile or what the upper one leaves of it.
-    level : {"line", "mean", "quadratic"} or None
-        What is taken off each line, and off each slider once more when it has its length, so that it lies level.
-    lines : int
-        How many pairs of lines are taken from surfaces, in equal distances, or of surrogates; two profiles are one
-        pair. Lines of two surfaces are a third of their width apart, so that a surface can be paired with itself.
-    along : {"x", "y"}
-        Whether lines of surfaces are rows or columns.
-    surrogates : {"none", "upper", "lower", "both"}
-        Which of the two are replaced by their `surrogate`, a new one for each line.
-    seed : int
-        Of the surrogates.
-
-    Returns
-    -------
-    (list of Profile, list of Profile)
-        All sliders on the same grid, and so are the lower profiles.
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range, or travel leaves less than half of the shorter profile as a slider.
-    """
-    choice("along", along, Along)
-    choice("surrogates", surrogates, Surrogates)
-    if level is not None:
-        choice("level", level, ProfileTrend)
-    count = whole_number("lines", lines, least=1)
-    both = isinstance(upper, Surface) and isinstance(lower, Surface)
-    if surrogates == "none":
-        count = min([count, *(_width(each, along) for each in (upper, lower) if isinstance(each, Surface))])
-        if isinstance(upper, Profile) and isinstance(lower, Profile):
-            count = 1
-    uppers = _lines("upper", upper, count, along)
-    lowers = _lines("lower", lower, count, along, apart=both)
-    spacing = min(uppers[0].spacing, lowers[0].spacing)
-    for repetition in range(count):
-        above, below = uppers[repetition], lowers[repetition]
-        if level is not None:
-            above, below = levelled(above, level), levelled(below, level)
-        if surrogates in ("upper", "both"):
-            above = _stand_in(above, seed, repetition, "upper")
-        if surrogates in ("lower", "both"):
-            below = _stand_in(below, seed, repetition, "lower")
-        uppers[repetition] = resampled(turned_over(above), spacing)
-        lowers[repetition] = resampled(below, spacing)
-    points, track = len(uppers[0]), len(lowers[0])
-    if travel is None:
-        left = 0 if count > 1 else max(track - points, track // 2)
-    else:
-        left = round(number("travel", travel, unit="µm") / spacing)
-    slider = min(points, track - left)
-    if left < 0 or 2 * slider < min(points, track) - 1:
-        most = (track - min(points, track) // 2) * spacing
-        raise ValueError(f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {travel!r}")
-    uppers = [each if slider == points else cropped(each, 0.0, slider * spacing) for each in uppers]
-    return [each if level is None else levelled(each, level) for each in uppers], lowers
-
-
-def _width(surface: Surface, along: Along) -> int:
-    """Lines of a surface."""
-    return int(surface.heights.shape[0 if along == "x" else 1])
-
-
-def _lines(name: str, body: Profile | Surface, count: int, along: Along, *, apart: bool = False) -> list[Profile]:
-    """So many lines in equal distances, beginning with the first, or a third of the width on and going round."""
-    if isinstance(body, Profile):
-        return [body] * count
-    if not isinstance(body, Surface):
-        raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
-    line = body.row if along == "x" else body.column
-    width = _width(body, along)
-    start = max(width // 3, 1) if apart else 0
-    return [line((start + place * width // count) % width) for place in range(count)]
-
-
-def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
-    made = surrogate(profile, seed, repetition=repetition, side=side)
-    step = f"replaced by its surrogate of seed {seed}, repetition {repetition}"
-    return Profile(made.heights, spacing=made.spacing, history=(*profile.history, step))
-
-
-def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0: float, model: ContactModel) -> Any:
-    """Each quantity and the status at one position, (shear, load) each."""
+def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel) -> Any:
+    """Each quantity and the status at one position, (shear, load, mu0, tau0) each."""
     bodies = Bodies(*pair)
-    values = {name: np.full((len(SHEARS), loads.size), np.nan) for name in _QUANTITIES}
-    status = np.empty((len(SHEARS), loads.size), dtype=STATUS_DTYPE)
-    for row, shear in enumerate(SHEARS):
-        directed = replace(model, shear=shear)
-        approach, status[row] = crossing(bodies, loads, mu0=mu0, tau0=tau0, model=directed)
-        ok = np.flatnonzero(status[row] == friction.STATUS_OK)
+    shape = (len(SHEARS), loads.size, mu0.size, tau0.size)
+    values = {name: np.full(shape, np.nan) for name in _QUANTITIES}
+    status = np.empty(shape, dtype=STATUS_DTYPE)
+    for row, m, t in np.ndindex(len(SHEARS), mu0.size, tau0.size):
+        directed = replace(model, shear=SHEARS[row])
+        material = float(mu0.flat[m]), float(tau0.flat[t])
+        approach, status[row, :, m, t] = crossing(bodies, loads, mu0=material[0], tau0=material[1], model=directed)
+        ok = np.flatnonzero(status[row, :, m, t] == friction.STATUS_OK)
         if not ok.size:
             continue
         there = approach[ok]
@@ -318,9 +232,9 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
         steps, place = np.unique(np.outer(shares, there), return_inverse=True)
         low, before, behind, high = place.reshape(len(shares), ok.size)
         curve = bodies.pressed(steps, directed)
-        normal = friction.normal_load(curve, mu0, tau0)
+        normal = friction.normal_load(curve, *material)
         at = _across(curve, before, behind, (loads[ok] - normal[before], normal[behind] - normal[before]))
-        tangential = friction.tangential_load(at, mu0, tau0)
+        tangential = friction.tangential_load(at, *material)
         row_values = {
             "friction_coefficient": tangential / loads[ok],
             "tangential_load": tangential,
@@ -328,10 +242,12 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
             "contact_count": at.contact_count,
             "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
             "approach": there,
+            # t_x of an opposing contact is -σ n_z, so this sum per unit mu0 is their F n_z.
+            "share_opposing": at.tangential_frictional / at.normal_elastic,
             **vars(Validity.of(at)),
         }
         for name, value in row_values.items():
-            values[name][row, ok] = value
+            values[name][row, ok, m, t] = value
     return {**values, "status": status}
 
 
@@ -353,46 +269,57 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        The quantities of the traverse over shear, load and statistic ("mean", "lower", "upper"), over those positions
-        whose status is "ok", and over shear and load how many these are (ok) and how many there are (positions). A mean
-        over some positions only is that of those which have an answer. The interval is NaN for fewer than two.
+        The quantities of the traverse over shear, load, mu0 and tau0 where there are lists of them, and statistic
+        ("mean", "lower", "upper"), over those positions whose status is "ok", and over shear and load how many these
+        are (ok) and how many there are (positions). A mean over some positions only is that of those which have an
+        answer. The interval is NaN for fewer than 8 positions, or lines if there are several, and where all are equal.
 
     Notes
     -----
     All positions carry the same load, so the mean coefficient is the ratio of mean tangential to normal load.
-    Neighbouring positions have asperities in common and are not independent: the interval is wider for the correlation
-    of neighbours. Positions on the same line are alike however far apart, so with several lines it is that of the means
-    of the lines. It says how well the mean over these two profiles is known, not what other pieces of the same
-    surfaces would give; that takes more profiles, or surrogates.
+    Neighbouring positions have asperities in common and are not independent: the interval is over all correlations of
+    neighbours that the values allow. Positions on the same line are alike however far apart, so with several lines it
+    is that of the means of the lines. It never goes beyond the values themselves. In trials of lognormal and bounded
+    values, and of values of which half are zero, 64 positions cover 92 to 97 % for correlations up to 0.8 and are 1.0
+    to 1.2 times as wide as the best that is possible; 16 cover 82 to 87 % where the correlation is 0.8, and are 1.6
+    times as wide where it is 0. It says how well the mean over these two profiles is known, not what other pieces of
+    the same surfaces would give; that takes more profiles, or surrogates.
     """
     import xarray
 
-    data = result.transpose(*_DIMS, ...)
-    shears, loads, lines = data.sizes["shear"], data.sizes["load"], data.sizes["line"]
-    ok = (data["status"].values == friction.STATUS_OK).reshape(shears, -1, loads)
+    others = tuple(name for name in ("mu0", "tau0") if name in result.dims)
+    data = result.transpose("shear", "load", *others, "line", "offset")
+    shape = tuple(data.sizes[name] for name in ("shear", "load", *others))
+    ok = data["status"].values == friction.STATUS_OK
     means = {}
     for name in _QUANTITIES:
-        values = data[name].values.reshape(ok.shape)
-        statistics = np.full((shears, loads, 3), np.nan)
-        for s, load in np.ndindex(shears, loads):
-            statistics[s, load] = ensemble.mean_of_neighbours(_independent(values[s, :, load], ok[s, :, load], lines))
-        means[name] = (("shear", "load", "statistic"), statistics, dict(data[name].attrs))
+        values = data[name].values
+        statistics = np.full((*shape, 3), np.nan)
+        for at in np.ndindex(shape):
+            mean, lower, upper = intervals.of_neighbours(_independent(values[at], ok[at]))
+            if not math.isnan(lower):
+                known = values[at][ok[at]]
+                lower, upper = max(lower, float(known.min())), min(upper, float(known.max()))
+            statistics[at] = mean, lower, upper
+        means[name] = (("shear", "load", *others, "statistic"), statistics, dict(data[name].attrs))
     counts = {
-        "ok": (("shear", "load"), ok.sum(axis=1), {"units": "1", "long_name": "positions that have an answer"}),
-        "positions": ((), ok.shape[1], {"units": "1", "long_name": "positions"}),
-    }
+        "ok": (
+            ("shear", "load", *others), ok.sum(axis=(-2, -1)),
+            {"units": "1", "long_name": "positions that have an answer"},
+        ),
+        "positions": ((), ok.shape[-2] * ok.shape[-1], {"units": "1", "long_name": "positions"}),
+    }  # fmt: skip
     kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
 
 
-def _independent(values: Floats, ok: NDArray[np.bool_], lines: int) -> Floats:
-    """Values that are ok, line after line; of several lines one for each, weighted so that the mean is that of all."""
-    rows = ok.reshape(lines, -1)
-    answered = rows.any(axis=1)
+def _independent(values: Floats, ok: NDArray[np.bool_]) -> Floats:
+    """Of values (line, offset) those that are ok, or of several lines one for each, whose mean is that of all."""
+    answered = ok.any(axis=1)
     if answered.sum() < 2:
         return values[ok]
-    sums = np.where(ok, values, 0.0).reshape(rows.shape).sum(axis=1)[answered]
-    counts = rows.sum(axis=1)[answered]
+    sums = np.where(ok, values, 0.0).sum(axis=1)[answered]
+    counts = ok.sum(axis=1)[answered]
     mean = sums.sum() / counts.sum()
     return np.asarray(mean + (sums - counts * mean) / counts.mean())
 
@@ -413,9 +340,3 @@ def _places(offsets: ArrayLike, spacing: float) -> NDArray[np.intp]:
     if not (np.diff(places) > 0).all():
         raise ValueError(f"offsets must be at least a spacing apart, {spacing:g} µm, got {offsets!r}")
     return places
-
-
-def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """What is below a slider at an offset (µm)."""
-    first = round(offset / lower.spacing)
-    return Profile(lower.heights[first : first + len(slider)], spacing=lower.spacing)

@@ -110,12 +110,10 @@ function jackknife({facts, sums}, d, a, what, mu0, tau0) {
   for (let r = 0; r < repetitions; r++)
     if (normal.subarray(r * count, (r + 1) * count).some((load) => load !== 0)) carrying++;
   if (carrying < 2) return null;
-  const [totalNormal, totalValues] = [normal, values].map((each) => totals(each, count));
+  const [meanNormal, meanValues] = [normal, values].map(
+    (each) => totals(each, count).map((total) => total / repetitions));
   return {
-    repetitions, count, confidence: facts.confidence, normal, values,
-    meanNormal: totalNormal.map((total) => total / repetitions),
-    meanValues: totalValues.map((total) => total / repetitions),
-    othersNormal: leftOut(normal, totalNormal, repetitions), othersValues: leftOut(values, totalValues, repetitions),
+    repetitions, count, confidence: facts.confidence, around: facts.stepsAround, normal, values, meanNormal, meanValues,
     least: values.some((value) => value < 0) ? -Infinity : 0,
   };
 }
@@ -127,39 +125,47 @@ function totals(values, count) {
   return total;
 }
 
-const leftOut = (values, total, repetitions) =>
-  values.map((value, i) => (total[i % total.length] - value) / (repetitions - 1));
+/** Of each repetition's number, the mean of the others'. */
+function without(each) {
+  const total = each.reduce((sum, value) => sum + value, 0);
+  return each.map((value) => (total - value) / (each.length - 1));
+}
+
+/** Least-squares slope of mean values against mean normal loads over the steps around an index. */
+function slopeAround({meanNormal, meanValues, around, count}, index) {
+  const first = Math.max(index - 1 - around, 0);
+  const last = Math.min(index + around, count - 1) + 1;
+  const [x, y] = [meanNormal.subarray(first, last), meanValues.subarray(first, last)];
+  const [middleX, middleY] = [x, y].map((values) => values.reduce((sum, value) => sum + value, 0) / values.length);
+  let squares = 0;
+  let products = 0;
+  for (let i = 0; i < x.length; i++) {
+    squares += (x[i] - middleX) ** 2;
+    products += (x[i] - middleX) * (y[i] - middleY);
+  }
+  return squares > 0 ? products / squares : 0;
+}
 
 /** Ends of the interval of a mean that is read off at a load, where the mean load reaches it. */
 function interval(jack, mean, load) {
   if (jack === null) return [NaN, NaN];
-  const {repetitions, count, meanNormal, meanValues} = jack;
+  const {repetitions, count, meanNormal, confidence} = jack;
   const index = crossing(meanNormal, 0, count, load);
   if (index < 0) return [NaN, NaN];
   const fraction = fractionOf(meanNormal, 0, index, load);
-  const previous = Math.max(index - 1, 0);
-  const run = meanNormal[index] - meanNormal[previous];
-  const slope = run > 0 ? (meanValues[index] - meanValues[previous]) / run : 0;
-  const others = new Float64Array(repetitions);
-  const logarithms = new Float64Array(repetitions);
-  for (let r = 0; r < repetitions; r++) {
-    const from = r * count;
-    const at = crossing(jack.othersNormal, from, count, load);
-    const other = Math.max(at, 0);
-    others[r] = valueAt(jack.othersValues, from, other, fractionOf(jack.othersNormal, from, other, load));
-    if (at >= 0) {
-      logarithms[r] = Math.log(others[r]);
-    } else { // to first order in what was left out
-      const influence = valueAt(jack.values, from, index, fraction) - mean
-        - slope * (valueAt(jack.normal, from, index, fraction) - load);
-      logarithms[r] = Math.log(mean) - influence / mean / (repetitions - 1);
-    }
-  }
+  const slope = slopeAround(jack, index);
+  const [loads, values] = [jack.normal, jack.values].map(
+    (each) => Array.from({length: repetitions}, (_, r) => valueAt(each, r * count, index, fraction)));
+  const othersLoad = without(loads).map((other) => other / load);
+  if (othersLoad.some((other) => other <= 0)) return [NaN, NaN];
+  const logarithms = without(values).map(
+    (other, r) => Math.log(other / mean) - ((slope * load) / mean) * Math.log(othersLoad[r]));
   if (logarithms.every(Number.isFinite)) {
-    const half = halfWidth(logarithms, jack.confidence);
+    const half = halfWidth(logarithms, confidence);
     return [mean * Math.exp(-half), mean * Math.exp(half)];
   }
-  const half = halfWidth(others, jack.confidence); // what is not positive has no logarithm
+  // What is not positive has no logarithm.
+  const half = halfWidth(without(values.map((value, r) => value - slope * loads[r])), confidence);
   return [Math.max(mean - half, jack.least), mean + half];
 }
 

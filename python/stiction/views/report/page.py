@@ -29,7 +29,7 @@ from stiction._files import replaced_file
 from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
-from stiction.studies.ensemble import CONFIDENCE
+from stiction.studies.intervals import AROUND, CONFIDENCE
 from stiction.studies.pairs import pair_of
 from stiction.studies.study import Study, differences, study_of
 from stiction.surfaces.profile import Profile
@@ -226,6 +226,7 @@ def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str,
         "approaches": data["approach"].values.tolist(),
         "hasIntervals": has_intervals,
         "confidence": CONFIDENCE,
+        "stepsAround": AROUND,
         "statuses": {name: {"short": short, "why": why} for name, (short, why) in STATUSES.items()},
         "validity": {name: _figure_of_validity(name, QUANTITIES[name].words) for name in VALIDITY},
         "bytes": BYTES,

@@ -4,7 +4,7 @@ import xarray
 from stiction import Study, friction_map, stiffness_map
 from stiction.mechanics.contact import LoadCurve
 from stiction.studies.dataset import empty_dataset
-from stiction.studies.ensemble import area_map
+from stiction.studies.maps import area_map
 
 EXACT = 1e-12
 APPROACH = np.linspace(0.01, 0.1, 10)

@@ -8,9 +8,7 @@ extrapolated.
 from __future__ import annotations
 
 import functools
-import math
 import operator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,142 +18,21 @@ from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
+from stiction.studies import intervals
+from stiction.studies.crossing import Crossing
 
 if TYPE_CHECKING:
     import xarray
 
-CONFIDENCE = 0.95
 
 _DIMS = ("fractal_dimension", "amplitude", "repetition", "approach")
 
 
-@dataclass(frozen=True)
-class Crossing:
-    """Where curves (c, k) first reach loads (l,): between approaches index - 1 and index, at a fraction of the step."""
-
-    index: NDArray[np.intp]  # (c, l)
-    fraction: Floats  # (c, l)
-    reached: NDArray[np.bool_]  # (c, l)
-    below: NDArray[np.bool_]  # (c, l): the load is less than that of the first approach
-
-    @classmethod
-    def of(cls, normal: Floats, loads: Floats) -> Crossing:
-        """First upward crossings of loads (l,) by curves (c, k)."""
-        at_least = normal[:, :, np.newaxis] >= loads  # (c, k, l)
-        reaches = np.concatenate([normal[:, :1, np.newaxis] == loads, ~at_least[:, :-1] & at_least[:, 1:]], axis=1)
-        reached: NDArray[np.bool_] = np.any(reaches, axis=1)
-        index = reaches.argmax(axis=1)
-        below = ~reached & at_least[:, 0]
-        before = np.take_along_axis(normal, np.maximum(index - 1, 0), axis=1)
-        step = np.take_along_axis(normal, index, axis=1) - before
-        fraction = np.divide(loads - before, step, out=np.ones_like(before), where=step > 0)
-        return cls(index, fraction, reached, below)
-
-    def at(self, values: Floats) -> Floats:
-        """(c, l): values (c, k) where the loads are reached."""
-        after = np.take_along_axis(values, self.index, axis=1)
-        before = np.take_along_axis(values, np.maximum(self.index - 1, 0), axis=1)
-        return before + self.fraction * (after - before)
-
-    def slope(self, values: Floats, normal: Floats) -> Floats:
-        """(c, l): change of values per change of normal load over the step in which a load is reached."""
-        previous = np.maximum(self.index - 1, 0)
-        rise = np.take_along_axis(values, self.index, axis=1) - np.take_along_axis(values, previous, axis=1)
-        run = np.take_along_axis(normal, self.index, axis=1) - np.take_along_axis(normal, previous, axis=1)
-        return np.divide(rise, run, out=np.zeros_like(rise), where=run > 0)
-
-
 def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, Crossing]:
-    """Mean of values (r, k) at loads (l,), read off along mean normal loads (r, k), and its interval.
-
-    Few repetitions that carry load make an interval too narrow: 5 lognormal ones cover 81 to 94 % of the time, 24 and
-    more 89 to 95 %. It is NaN where fewer than two carry any.
-
-    The interval is a jackknife over the repetitions of the logarithm, which is the natural scale of a ratio of positive
-    means, with Student's t at the degrees of freedom that the kurtosis of the jackknife values leaves (Satterthwaite).
-    """
-    repetitions = normal.shape[0]
-    mean_normal = normal.mean(axis=0, keepdims=True)
-    mean_values = values.mean(axis=0, keepdims=True)
-    crossing = Crossing.of(mean_normal, loads)
-    mean = np.where(crossing.reached, crossing.at(mean_values), np.nan)[0]
-    carrying = np.count_nonzero(normal.any(axis=1))
-    if carrying < 2:
-        return mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan), crossing
-
-    others_normal = (normal.sum(axis=0) - normal) / (repetitions - 1)
-    others_values = (values.sum(axis=0) - values) / (repetitions - 1)
-    others = Crossing.of(others_normal, loads)
-    left_out = others.at(others_values)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        logarithms = np.log(left_out)
-        if not (others.reached | ~crossing.reached).all():
-            # Where the mean of the others does not reach the load, to first order in what was left out.
-            each = Crossing(*(np.repeat(part, repetitions, axis=0) for part in vars(crossing).values()))
-            influence = each.at(values) - mean - crossing.slope(mean_values, mean_normal) * (each.at(normal) - loads)
-            first_order = np.log(mean) - influence / mean / (repetitions - 1)
-            logarithms = np.where(others.reached, logarithms, first_order)
-        half_width = _half_width(logarithms)
-        lower, upper = mean * np.exp(-half_width), mean * np.exp(half_width)
-    plain = crossing.reached[0] & ~np.isfinite(logarithms).all(axis=0)
-    if plain.any():
-        # What is not positive has no logarithm; the interval is then symmetric, but not below zero if no value is.
-        half_width = _half_width(left_out)
-        least = -np.inf if (values < 0).any() else 0.0
-        lower = np.where(plain, np.maximum(mean - half_width, least), lower)
-        upper = np.where(plain, mean + half_width, upper)
-    return mean, lower, upper, crossing
-
-
-def _half_width(left_out: Floats, independent: float = math.inf) -> Floats:
-    """Half the interval of a mean from its leave-one-out values (r, l), of which so many are independent."""
-    from scipy.special import stdtrit
-
-    repetitions = left_out.shape[0]
-    deviations = left_out - left_out.mean(axis=0)
-    powers = np.square(deviations)
-    squares = powers.sum(axis=0)
-    kurtosis = repetitions * np.divide(
-        np.square(powers).sum(axis=0), squares**2, out=np.full_like(squares, 3.0 / repetitions), where=squares > 0
-    )
-    freedom = np.clip(2 * repetitions / np.maximum(kurtosis - 1, 1e-9), 1, max(min(repetitions, independent) - 1, 1))
-    error = np.sqrt((repetitions - 1) / repetitions * squares)
-    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2) * error)
-
-
-def mean_of_neighbours(values: Floats) -> tuple[float, float, float]:
-    """Mean of values (r,) in the order in which they are neighbours, and its interval.
-
-    The interval is that of `_read_off` for independent values, wider by the square root of (1 + ρ)/(1 - ρ), with ρ the
-    correlation of neighbours, and with Student's t for as many fewer values. It is NaN for fewer than two values, where
-    all are equal, because their spread is then not known, and where it would go from a thirtieth to thirty times the
-    mean and beyond.
-    """
-    mean = float(values.mean()) if values.size else math.nan
-    if values.size < 2 or (values == values[0]).all():
-        return mean, math.nan, math.nan
-    correlation = _correlation_of_neighbours(values)
-    wider = math.sqrt((1 + correlation) / (1 - correlation))
-    left_out = (values.sum() - values[:, np.newaxis]) / (values.size - 1)
-    if (left_out > 0).all():
-        half_width = float(_half_width(np.log(left_out), values.size / wider**2)[0]) * wider
-        if half_width > _ENDLESS:
-            return mean, math.nan, math.nan
-        return mean, mean * math.exp(-half_width), mean * math.exp(half_width)
-    half_width = float(_half_width(left_out, values.size / wider**2)[0]) * wider
-    least = 0.0 if (values >= 0).all() else -math.inf
-    return mean, max(mean - half_width, least), mean + half_width
-
-
-_ENDLESS = math.log(30)
-"""Logarithm of the factor to both sides beyond which an interval says nothing; so few values have none."""
-
-
-def _correlation_of_neighbours(values: Floats) -> float:
-    """Lag-one autocorrelation, at least 0; its estimate from few values is too low by about one over their number."""
-    deviations = values - values.mean()
-    estimate = float(deviations[1:] @ deviations[:-1] / (deviations @ deviations)) + 1 / values.size
-    return min(max(estimate, 0.0), 1 - 2 / values.size)
+    """Mean of values (r, k) at loads (l,), read off along mean normal loads (r, k), and its interval."""
+    crossing = Crossing.of(normal.mean(axis=0, keepdims=True), loads)
+    mean = np.where(crossing.reached, crossing.at(values.mean(axis=0, keepdims=True)), np.nan)[0]
+    return mean, *intervals.of_ratio_at_load(normal, values, crossing, loads), crossing
 
 
 def friction_map(

@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
-from stiction.studies.traverse import lower_piece
+from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.views.figures import MILLIMETRE, STYLE, WIDTH, save_picture
 
@@ -19,8 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+RESULT = "result.nc"
+"""What a pair is kept in."""
+
+TABLE = "result.csv"
+
 _ROWS = {
     "friction_coefficient": ("friction coefficient", 1.0),
+    "share_opposing": ("load that opposes", 1.0),
     "tangential_load": ("tangential load (mN)", 1.0),
     "contact_area": ("true contact area (µm²)", 1.0),
     "contact_count": ("contacts", 1.0),
@@ -34,6 +40,13 @@ _ROWS = {
 """What the table says of each load, and the factor to its unit."""
 
 _WITHOUT_INTERVAL = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
+
+_RULE = """\
+Contacts that do not oppose the motion rub nothing (the paper's rule). Without adhesion and steep slopes the coefficient
+is mu0 times the share of the load that opposes: about half, so about mu0/2."""
+
+HIGHEST_MU0 = 2.0
+"""Above it a molecular friction coefficient is a slip: clean metals in vacuum come near."""
 
 _COLOURS = {"+x": "C0", "-x": "C1"}
 _SHOWN = 4.0
@@ -54,40 +67,137 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         Of those of the result.
     """
     positions = int(mean["positions"])
-    tau0, area = 1000 * float(result["tau0"]), float(result["nominal_area"])
+    length, cylinders = float(result["nominal_area"]), "cylinder" in result.attrs["law"].lower()
     offsets, pairs = result["offset"].values, result.sizes["line"]
     span = f"{offsets[0]:.4g} to {offsets[-1]:.4g} µm" if offsets.size > 1 else f"{offsets[0]:.4g} µm"
     first = "" if pairs == 1 else f", the first of {pairs} pairs"
+    area = f", a nominal area of {length:.4g} µm²" if cylinders else ""
     lines = [
         f"{'upper':<12} {_then(result.attrs['upper'])}{first}",
         f"{'lower':<12} {_then(result.attrs['lower'])}{first}",
         f"{'positions':<12} {positions}: {_count(pairs, 'pair')} of lines, {_count(offsets.size, 'offset')} ({span})",
-        f"{'nominal area':<12} {area:.4g} µm² (slider of {area:.4g} µm, 1 µm thick)",
-        f"{'model':<12} E* = {float(result['effective_modulus']):g} GPa, mu0 = {float(result['mu0']):g}, "
-        f"tau0 = {tau0:g} MPa, {result.attrs['law']}, {result.attrs['detection']}, {result.attrs['curvature']}",
+        f"{'slider':<12} {length:.4g} µm long, 1 µm thick{area}",
+        f"{'model':<12} E* = {float(result['effective_modulus']):g} GPa, {_material(result)}, "
+        f"{result.attrs['law']}, {result.attrs['detection']}, {result.attrs['curvature']}",
     ]
+    told = False
     for load in np.atleast_1d(loads):
         at = mean.sel(load=load, method="nearest")
-        shears = [str(shear) for shear in at["shear"].values]
-        pressure = 1000 * load / area
-        lines += ["", f"at F_N = {load:.4g} mN ({pressure:.4g} MPa of nominal pressure), means and 95 % intervals"]
-        table = [["", *(f"upper body to {shear}" for shear in shears)]]
-        there = [result.sel(shear=shear).sel(load=load, method="nearest") for shear in shears]
-        enough = [2 * int(at["ok"].sel(shear=shear)) >= positions for shear in shears]
-        for name, (title, factor) in _ROWS.items():
-            cells = (
-                _cell(factor * at[name].sel(shear=shear).values, name) if told else "none"
-                for shear, told in zip(shears, enough, strict=True)
-            )
-            table.append([title, *cells])
-            if name == "friction_coefficient":
-                table.append(["  four of five positions", *(_spread(each) for each in there)])
-        table.append(["positions with an answer", *(_answers(each) for each in there)])
-        widths = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
-        lines += ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
-        if not all(enough):
-            lines.append("no mean where fewer than half of the positions have an answer; result.nc holds all of them")
+        there = result.sel(load=load, method="nearest")
+        pressure = f" ({1000 * load / length:.4g} MPa of nominal pressure)" if cylinders else ""
+        lines += ["", f"at F_N = {load:.4g} mN{pressure}, means and 95 % intervals"]
+        if not (there["status"] == friction.STATUS_OK).any():
+            lines.append(f"none of the positions has an answer: {', '.join(np.unique(there['status'].values))}")
+            continue
+        lines += _table(there, at, positions)
+        told = True
+    if told:
+        lines += ["", _RULE]
     return "\n".join(lines) + "\n"
+
+
+def _table(result: xarray.Dataset, mean: xarray.Dataset, positions: int) -> list[str]:
+    """The lines of one load, a column for each direction."""
+    shears = [str(shear) for shear in mean["shear"].values]
+    materials = _materials(mean)
+    titles = ["", *(f"upper body to {shear}" for shear in shears)]
+    table = [titles]
+    few = False
+    for material, (at, there) in {name: (mean.isel(where), result.isel(where)) for name, where in materials}.items():
+        enough = {shear: 2 * int(at["ok"].sel(shear=shear)) >= positions for shear in shears}
+        few = few or not all(enough.values())
+        rows = _ROWS if material == materials[0][0] else ("friction_coefficient",)
+        if len(materials) > 1:
+            table.append([material, *("" for _ in shears)])
+        for name in rows:
+            title, factor = _ROWS[name]
+            table.append(
+                [
+                    title,
+                    *(
+                        _cell(factor * at[name].sel(shear=shear).values, name) if enough[shear] else "none"
+                        for shear in shears
+                    ),
+                ]
+            )
+            if name == "friction_coefficient":
+                table.append(["  four of five positions", *(_spread(there.sel(shear=shear)) for shear in shears)])
+        table.append(["positions with an answer", *(_answers(there.sel(shear=shear)) for shear in shears)])
+    widths = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
+    lines = ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
+    if few:
+        lines.append(f"no mean where fewer than half of the positions have an answer; {RESULT} holds all of them")
+    return lines
+
+
+def _materials(result: xarray.Dataset) -> list[tuple[str, dict[str, int]]]:
+    """Each mu0 with each tau0 of a result, in words, and where they are."""
+    dims = [name for name in ("mu0", "tau0") if name in result.dims]
+    places = [dict(zip(dims, place, strict=True)) for place in np.ndindex(*(result.sizes[name] for name in dims))]
+    return [(_material(result.isel(place)), place) for place in places]
+
+
+def _material(result: xarray.Dataset) -> str:
+    mu0, tau0 = (np.atleast_1d(result[name].values) for name in ("mu0", "tau0"))
+    return (
+        f"mu0 = {', '.join(f'{value:g}' for value in mu0)}, "
+        f"tau0 = {', '.join(f'{1000 * value:g}' for value in tau0)} MPa"
+    )
+
+
+def traverse_csv(mean: xarray.Dataset, loads: Any) -> str:
+    """The means and intervals of the table as CSV: a row for each load, direction, mu0 and tau0, units in the header.
+
+    Parameters
+    ----------
+    mean : xarray.Dataset
+        What `traverse_mean` returns.
+    loads : (l,) array_like of float, mN
+        Of those of the result.
+    """
+    header = ["normal load (mN)", "upper body to", "mu0", "tau0 (MPa)", "positions", "positions with an answer"]
+    for title, _ in _ROWS.values():
+        header += [title, f"{title}: lower", f"{title}: upper"]
+    rows = [header]
+    for load in np.atleast_1d(loads):
+        for _, where in _materials(mean):
+            for shear in mean["shear"].values:
+                at = mean.isel(where).sel(load=load, method="nearest").sel(shear=shear)
+                numbers = [value * factor for name, (_, factor) in _ROWS.items() for value in at[name].values]
+                head = [
+                    f"{load:.12g}", str(shear), f"{float(at['mu0']):.12g}", f"{1000 * float(at['tau0']):.12g}",
+                    str(int(at["positions"])), str(int(at["ok"])),
+                ]  # fmt: skip
+                rows.append([*head, *("" if np.isnan(value) else f"{value:.9g}" for value in numbers)])
+    return "".join(",".join(row) + "\n" for row in rows)
+
+
+def doubts(
+    uppers: Sequence[Profile],
+    lowers: Sequence[Profile],
+    loads: Sequence[float],
+    *,
+    mu0: Sequence[float],
+    **contact: Any,
+) -> list[str]:
+    """A sentence on each thing that is seldom meant: heights beyond the length, a huge mu0, a load of another body."""
+    sentences = []
+    for name, profiles in (("upper", uppers), ("lower", lowers)):
+        height, extent = float(np.ptp(profiles[0].heights)), profiles[0].extent
+        if height > extent / 2:
+            sentences.append(
+                f"{name}: heights span {height:.3g} µm over a length of {extent:.3g} µm; is their unit right?"
+            )
+    if max(mu0) > HIGHEST_MU0:
+        sentences.append(f"mu0 = {max(mu0):g} is more than any pair of materials has; is it in percent?")
+    area = uppers[0].extent
+    sentences += [
+        f"F_N = {load:.4g} mN is {1000 * load / area:.3g} MPa on a slider of {area:.4g} µm by 1 µm, more than a tenth "
+        "of E*; is it the load of a whole part?"
+        for load in loads
+        if load / area > 0.1 * contact["effective_modulus"]
+    ]
+    return sentences
 
 
 def _then(history: str) -> str:
@@ -99,20 +209,24 @@ def _count(number: int, what: str) -> str:
 
 
 def _cell(statistics: Any, name: str) -> str:
-    mean, lower, upper = statistics
+    """A mean with as many digits as its interval carries: two of half its width."""
+    mean, lower, upper = (float(value) for value in statistics)
     if np.isnan(mean):
         return "none"
     if name in _WITHOUT_INTERVAL:
         return f"{mean:.2g}"
-    interval = "no interval" if np.isnan(lower) else f"[{lower:.4g}, {upper:.4g}]"
-    return f"{mean:.4g} {interval}"
+    if np.isnan(lower):
+        return f"{mean:.3g} no interval"
+    digits = 1 - int(np.floor(np.log10((upper - lower) / 2))) if upper > lower else 4
+    shown = [f"{round(value, digits):.{max(digits, 0)}f}" for value in (mean, lower, upper)]
+    return f"{shown[0]} [{shown[1]}, {shown[2]}]"
 
 
 def _spread(at: xarray.Dataset) -> str:
     """Between which coefficients all but the lowest and the highest tenth of the positions are."""
     values = at["friction_coefficient"].values
     known = values[np.isfinite(values)]
-    return f"{np.quantile(known, 0.1):.4g} to {np.quantile(known, 0.9):.4g}" if known.size else "none"
+    return f"{np.quantile(known, 0.1):.3g} to {np.quantile(known, 0.9):.3g}" if known.size else "none"
 
 
 def _answers(at: xarray.Dataset) -> str:
@@ -131,27 +245,31 @@ def save_traverse_figures(
     result: xarray.Dataset,
     mean: xarray.Dataset,
     loads: Any,
-    uppers: Sequence[Profile],
-    lowers: Sequence[Profile],
     directory: Path,
+    *,
+    bodies: tuple[Sequence[Profile], Sequence[Profile]] | None = None,
     **contact: Any,
 ) -> list[Path]:
     """Draw a traverse into a directory and return the paths.
 
     ``friction.png``: `load_figure`. ``positions.png``: `positions_figure` at the first of the loads. ``contact.png``:
-    `contact_figure` of the first position that carries it, if there is one.
+    `contact_figure` of the first position that carries it, if there is one and the bodies are given. Of several mu0 and
+    tau0 the first are drawn.
     """
     load = float(np.atleast_1d(loads)[0])
+    where = _materials(result)[0][1]
+    result, mean = result.isel(where), mean.isel(where)
     figures = {"friction.png": load_figure(mean, loads), "positions.png": positions_figure(result, mean, load)}
     at = result.sel(shear="+x").sel(load=load, method="nearest").transpose("line", "offset")
     answered = np.argwhere(at["status"].values == friction.STATUS_OK)
-    if answered.size:
+    if answered.size and bodies is not None:
+        uppers, lowers = bodies
         line, place = (int(index) for index in answered[0])
         upper, lower = uppers[line], lowers[line]
         beneath = lower_piece(lower, float(at["offset"][place]), upper)
         figures["contact.png"] = contact_figure(
             upper, beneath, float(at["approach"][line, place]),
-            mu0=float(result["mu0"]), tau0=float(result["tau0"]), **contact,
+            mu0=float(result["mu0"]), tau0=float(result["tau0"]), load=load, **contact,
         )  # fmt: skip
     paths = [directory / name for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
@@ -173,7 +291,9 @@ def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
             for ax, name in zip(axes, ("friction_coefficient", "contact_area"), strict=True):
                 values = at[name].transpose("load", "statistic").values
                 ax.fill_between(at["load"].values, values[:, 1], values[:, 2], color=colour, alpha=0.2, linewidth=0)
-                ax.plot(at["load"].values, values[:, 0], color=colour, linewidth=0.9, label=f"upper body to {shear}")
+                ax.plot(
+                    at["load"].values, values[:, 0], color=colour, linewidth=0.9, label=f"upper body to {_sign(shear)}"
+                )
                 partly = some.sel(shear=shear).values
                 ax.plot(at["load"].values[partly], values[partly, 0], "x", color=colour, markersize=3)
         if some.any():
@@ -190,11 +310,16 @@ def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
             axes[0].set_ylim(top=min(axes[0].get_ylim()[1], _SHOWN * highest))
         axes[0].set_ylabel(r"friction coefficient $\mu_s$")
         axes[1].set_ylabel("contact area $A$ (µm²)")
-        axes[1].set_xlabel("normal load $F_N$ (mN)")
+        axes[1].set_xlabel("normal load $F_N$ on the slider, 1 µm thick (mN)")
         axes[0].set_title(_choices(mean), loc="left", fontsize=6, pad=3)
         figure.legend(*axes[0].get_legend_handles_labels(), title="shaded: 95 %", loc="outside lower center", ncols=2)
         figure.draw_without_rendering()
     return figure
+
+
+def _sign(shear: str) -> str:
+    """A direction with the minus of numbers."""
+    return shear.replace("-", "\N{MINUS SIGN}")
 
 
 def _choices(result: xarray.Dataset) -> str:
@@ -231,7 +356,7 @@ def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) 
             for ax in (places, distribution):
                 ax.axhspan(middle[1], middle[2], color=colour, alpha=0.15, linewidth=0)
                 ax.axhline(middle[0], color=colour, linewidth=0.6)
-            places.plot([], [], "o", color=colour, markersize=3, label=f"upper body to {shear}")
+            places.plot([], [], "o", color=colour, markersize=3, label=f"upper body to {_sign(shear)}")
         places.set_ylim(bins[0] - 0.02 * bins[-1], bins[-1])
         places.set_ylabel(rf"$\mu_s$ at $F_N$ = {float(at['load']):.4g} mN")
         places.set_xlabel("offset of the upper body (µm)" if along == "offset" else "pair of lines")
@@ -250,7 +375,14 @@ def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) 
 
 
 def contact_figure(
-    upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, **contact: Any
+    upper: Profile,
+    lower: Profile,
+    approach: float,
+    *,
+    mu0: float,
+    tau0: float = 0.0,
+    load: float | None = None,
+    **contact: Any,
 ) -> Figure:
     """Two profiles in contact: all of them, and the contact that carries most with the forces on the upper body.
 
@@ -261,6 +393,8 @@ def contact_figure(
     approach : float, µm
     mu0 : float
     tau0 : float, GPa
+    load : float, mN, optional
+        What the title says that they carry.
     **contact
         As for `contacts`.
     """
@@ -277,7 +411,10 @@ def contact_figure(
         _bodies(whole, x, *bodies)
         whole.plot(*touching.centre[:, ::2].T, "o", color="C3", markersize=2, markeredgewidth=0)
         whole.set_title(
-            f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm", loc="left", pad=3
+            f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm"
+            + ("" if load is None else f", $F_N$ = {load:.4g} mN"),
+            loc="left",
+            pad=3,
         )
         if len(touching):
             largest = int(touching.force.argmax())
@@ -291,7 +428,8 @@ def contact_figure(
             large.set_title("where most of the load is", loc="left", pad=3)
         whole.set_xlim(x[0], x[-1])
         for ax in (whole, large):
-            ax.set_ylabel("height (µm)")
+            _label_heights(ax)
+        whole.set_xlabel("$x$ (µm)")
         large.set_xlabel("$x$ from the start of the upper profile (µm)")
         figure.legend(
             *large.get_legend_handles_labels(), title="heights drawn larger than lengths; arrows in true directions",
@@ -299,6 +437,19 @@ def contact_figure(
         )  # fmt: skip
         figure.draw_without_rendering()
     return figure
+
+
+def _label_heights(axes: Axes) -> None:
+    """In nm where µm would have leading zeros."""
+    low, high = axes.get_ylim()
+    fine = high - low < _FINE
+    if fine:
+        axes.yaxis.set_major_formatter(lambda value, _: f"{1000 * value:g}")
+    axes.set_ylabel("height (nm)" if fine else "height (µm)")
+
+
+_FINE = 0.5
+"""µm."""
 
 
 def _bodies(axes: Axes, x: Any, upper: Any, lower: Any) -> None:
