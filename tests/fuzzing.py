@@ -169,7 +169,7 @@ _PIECES = [
 def fuzz_measured(random, name, pristine, folder):
     """A damaged file of measured heights through both readers; whether one of them took it."""
     data = bytearray(pristine)
-    if name.endswith("x3p") and random.random() < 0.7:
+    if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
         data = _damaged_inside(random, pristine)
     else:
         _scramble(random, data)

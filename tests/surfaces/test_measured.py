@@ -709,6 +709,7 @@ def test_any_damaged_file_is_read_or_refused_in_one_sentence(tmp_path):
         "d.x3p": x3p(METRES[0]),
         "e.x3p": x3p(METRES[0], listed=True),
         "f.x3p": x3p(METRES[0], positions=1e-6 * np.arange(9)),
+        "g.xlsx": workbook(("one", ROWS)),
     }
     outcomes = Counter()
     for index in range(1500):
