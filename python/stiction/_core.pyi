@@ -11,6 +11,7 @@ __all__: list[str] = [
     "HertzCylinder",
     "HertzSphere",
     "JacksonGreen",
+    "PressureSearch",
     "asperities",
     "check",
     "contacts",
@@ -40,6 +41,31 @@ class JacksonGreen:
         yield_strength: typing.SupportsFloat | typing.SupportsIndex,
         poisson_ratio: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None: ...
+
+class PressureSearch:
+    def __init__(
+        self,
+        pressure: numpy.typing.NDArray[numpy.float64],
+        *,
+        total: typing.SupportsFloat | typing.SupportsIndex,
+        hardness: typing.SupportsFloat | typing.SupportsIndex,
+        line: bool,
+        periodic: bool,
+    ) -> None: ...
+    def advance(self, response: numpy.typing.NDArray[numpy.float32]) -> bool: ...
+    def balance(self) -> float: ...
+    def residual(self) -> numpy.typing.NDArray[numpy.float32]: ...
+    def restart(self, potential: numpy.typing.NDArray[numpy.float64]) -> None: ...
+    def settle(self) -> None: ...
+    def step(
+        self, preconditioned: numpy.typing.NDArray[numpy.float32], response: numpy.typing.NDArray[numpy.float32]
+    ) -> numpy.typing.NDArray[numpy.float32]: ...
+    @property
+    def approach(self) -> float: ...
+    @property
+    def plain(self) -> bool: ...
+    @property
+    def pressure(self) -> numpy.typing.NDArray[numpy.float64]: ...
 
 def asperities(
     heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, upper: bool
