@@ -21,8 +21,8 @@ LEVEL = 1e-12
 AREA_BEYOND_EDGE = {1: 0.19, 2: (np.pi - 1 + np.log(2)) / 24}
 """Of a cell, by which the points under pressure reach beyond the contact at each open side, by number of dimensions.
 
-On areas: Yastrebov, Anciaux & Molinari, J. Mech. Phys. Solids 107 (2017) 469. On lines: half of 0.38 +- 0.03 points for
-each contact, measured on Westergaard's sinusoid.
+On areas: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161. On lines: half of 0.38 +- 0.03 points
+for each contact, measured on Westergaard's sinusoid.
 """
 
 
