@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -61,26 +62,45 @@ double shift_to_sum(std::span<const double> pressure, double sum, double hardnes
 
 }  // namespace
 
-PressureSearch::PressureSearch(Values pressure, Values potential, double total, double hardness, bool line,
-                               bool periodic)
+PressureSearch::PressureSearch(Values pressure, double total, double hardness, bool line, bool periodic)
     : pressure_(pressure.begin(), pressure.end()),
-      potential_(potential.begin(), potential.end()),
+      potential_(pressure.size()),
       total_(total),
       hardness_(hardness),
       line_(line),
       periodic_(periodic),
       residual_(pressure.size()),
       step_(pressure.size()) {
-  if (pressure.size() != potential.size() || pressure.empty() ||
-      pressure.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw std::invalid_argument("PressureSearch: pressure and potential must have one length, from 1 to below 2^31");
+  if (pressure.empty() || pressure.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw std::invalid_argument("PressureSearch: pressure must have from 1 to below 2^31 points");
   }
   if (!(total > 0.0) || !(hardness > 0.0) || !(total < hardness * static_cast<double>(pressure.size()))) {
     throw std::invalid_argument("PressureSearch: total must be positive and below hardness times points");
   }
+  std::vector<double> loaded;
+  std::copy_if(pressure_.begin(), pressure_.end(), std::back_inserter(loaded), [](double p) { return p > 0.0; });
+  // As many points bear the load as are needed.
+  const bool all = !(hardness * static_cast<double>(loaded.size()) > total);
+  const double shift = shift_to_sum(all ? pressure_ : loaded, total, hardness);
   for (std::size_t i = 0; i < pressure_.size(); ++i) {
-    if (pressure_[i] > 0.0) {
+    if (all || pressure_[i] > 0.0) {
+      pressure_[i] = std::clamp(pressure_[i] - shift, 0.0, hardness);
       moved_.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  settle();
+}
+
+void PressureSearch::settle() {
+  double between = 0.0;
+  double at_hardness = 0.0;
+  for (const double p : pressure_) {
+    (p < hardness_ ? between : at_hardness) += p;
+  }
+  const double factor = (total_ - at_hardness) / between;
+  if (between > 0.0 && factor > 0.0) {
+    for (double& p : pressure_) {
+      p = p < hardness_ ? std::min(p * factor, hardness_) : p;
     }
   }
 }
@@ -137,8 +157,9 @@ double PressureSearch::balance() {
   return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
 }
 
-// Of each run of points that are not free: the free points on both sides (by their place in the list) and their distance,
-// the place of the first point of the run, and how many there are. At the ends of a free line both sides are the same.
+// Of each run of points that are not free: the free points on both sides (by their place in the list) and their
+// distance, the place of the first point of the run, and how many there are. At the ends of a free line both sides are
+// the same.
 template <class Between>
 void PressureSearch::for_each_gap(Between between) const {
   const auto size = static_cast<std::int64_t>(pressure_.size());

@@ -7,9 +7,7 @@ namespace {
 
 using Single = py::array_t<float, py::array::c_style>;
 
-std::span<const float> grid(const Single& array) {
-  return {array.data(), static_cast<std::size_t>(array.size())};
-}
+std::span<const float> grid(const Single& array) { return {array.data(), static_cast<std::size_t>(array.size())}; }
 
 // Read-only views of what the search owns; they keep it alive.
 template <class T>
@@ -19,20 +17,17 @@ py::array_t<T> shown(std::span<const T> values, const py::object& owner) {
   return array;
 }
 
-PressureSearch& search_of(const py::object& self) {
-  return self.cast<PressureSearch&>();
-}
+PressureSearch& search_of(const py::object& self) { return self.cast<PressureSearch&>(); }
 
 }  // namespace
 
 void bind_pressure_search(py::module_& module) {
   py::class_<PressureSearch>(module, "PressureSearch")
-      .def(py::init([](const Array& pressure, const Array& potential, double total, double hardness, bool line,
-                       bool periodic) {
-             return PressureSearch(view(pressure), view(potential), total, hardness, line, periodic);
+      .def(py::init([](const Array& pressure, double total, double hardness, bool line, bool periodic) {
+             return PressureSearch(view(pressure), total, hardness, line, periodic);
            }),
-           py::arg("pressure").noconvert(), py::arg("potential").noconvert(), py::kw_only(), py::arg("total"),
-           py::arg("hardness"), py::arg("line"), py::arg("periodic"))
+           py::arg("pressure").noconvert(), py::kw_only(), py::arg("total"), py::arg("hardness"), py::arg("line"),
+           py::arg("periodic"))
       .def("balance", &PressureSearch::balance, py::call_guard<py::gil_scoped_release>())
       .def("residual",
            [](const py::object& self) {
@@ -66,6 +61,7 @@ void bind_pressure_search(py::module_& module) {
             return search.advance(values);
           },
           py::arg("response").noconvert())
+      .def("settle", &PressureSearch::settle, py::call_guard<py::gil_scoped_release>())
       .def(
           "restart",
           [](PressureSearch& search, const Array& potential) {
@@ -76,9 +72,8 @@ void bind_pressure_search(py::module_& module) {
           py::arg("potential").noconvert())
       .def_property_readonly("plain", &PressureSearch::plain)
       .def_property_readonly("approach", &PressureSearch::approach)
-      .def_property_readonly("pressure", [](const py::object& self) { return shown(search_of(self).pressure(), self); })
-      .def_property_readonly("potential",
-                             [](const py::object& self) { return shown(search_of(self).potential(), self); });
+      .def_property_readonly("pressure",
+                             [](const py::object& self) { return shown(search_of(self).pressure(), self); });
 }
 
 }  // namespace stiction::python

@@ -2,9 +2,9 @@
 
     python tests/soak/half_space.py [PROBLEMS] [SEED]
 
-Lines of 16 to 150 000 points and maps of up to 512 a side; Hurst exponents 0.3 to 1, bands up to 4000:1 and up to the grid;
-steep, nearly flat, flat, a spike; mean pressures from 1e-4 E* h' to full contact; periodic and free, with and without a
-hardness.
+Lines of 16 to 150 000 points and maps of up to 512 a side; Hurst exponents 0.3 to 1, bands up to 4000:1 and up to the
+grid; steep, nearly flat, flat, a spike; mean pressures from 1e-4 E* h' to full contact; periodic and free, with and
+without a hardness.
 """
 
 import sys

@@ -14,7 +14,7 @@ namespace stiction {
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ. Free points are those under a pressure strictly
 /// between the bounds, and those at a bound that their gap calls away from it. One iteration is
 ///
-///     balance()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
+///     restart(potential), then  balance()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
 ///
 /// The inverse of K on free points is the least energy r·Mr of all continuations of r to the other points. On areas a
 /// continuation by zero is near it. On lines it is not, where contacts are short: there residuals are continued along
@@ -24,9 +24,10 @@ namespace stiction {
 /// a trace of pressure on others. Polonsky & Keer, Wear 231 (1999) 206 for the scheme; the energy never rises.
 class PressureSearch {
  public:
-  /// `pressure` must be feasible; `line`: neighbours in memory are neighbours on a line. Throws std::invalid_argument for sizes that differ, 2³¹ points or more, and a total
-  /// that is not positive or that the hardness cannot bear.
-  PressureSearch(Values pressure, Values potential, double total, double hardness, bool line, bool periodic);
+  /// Begins at `pressure` >= 0, brought to the bounds and the sum. `line`: neighbours in memory are neighbours on a
+  /// line. Throws std::invalid_argument for 2³¹ points or more, and a total that is not positive or that the hardness
+  /// cannot bear.
+  PressureSearch(Values pressure, double total, double hardness, bool line, bool periodic);
 
   /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
   /// under pressure is open by more, none overlaps by more. Infinite where potentials are not finite.
@@ -44,12 +45,14 @@ class PressureSearch {
   /// Goes as far along the step as lowers the energy most, with `response` = K step. Returns whether it went at all.
   bool advance(std::span<const float> response);
 
-  /// Takes a newly computed potential, and begins again with the steepest descent.
+  /// Scales pressures below the hardness to the sum, exact but for round-off, for a potential to be computed anew.
+  void settle();
+
+  /// Takes such a potential, and begins again with the steepest descent.
   void restart(Values potential);
 
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
-  Values potential() const { return potential_; }
 
  private:
   void check(std::span<const float> grid) const;
@@ -64,18 +67,18 @@ class PressureSearch {
   double hardness_;
   bool line_;
   bool periodic_;
-  std::vector<std::int32_t> free_;          // where residual_ may differ from 0
-  std::vector<std::int32_t> moved_;         // where step_ may differ from 0
-  std::vector<float> residual_;             // on the grid
-  std::vector<float> step_;                 // on the grid
-  std::vector<double> collected_;           // preconditioned residual at free points
-  std::vector<double> target_;              // pressure at free points after a whole step
+  std::vector<std::int32_t> free_;   // where residual_ may differ from 0
+  std::vector<std::int32_t> moved_;  // where step_ may differ from 0
+  std::vector<float> residual_;      // on the grid
+  std::vector<float> step_;          // on the grid
+  std::vector<double> collected_;    // preconditioned residual at free points
+  std::vector<double> target_;       // pressure at free points after a whole step
   double approach_ = 0.0;
-  double mean_ = 0.0;                       // potential of free points
-  double bound_load_ = 0.0;                 // sum of pressures that are not free
-  double length_ = 1.0;                     // of the next step, in preconditioned residuals
-  double plain_length_ = 1.0;               // the same in residuals
-  double curvature_ = 0.0;                  // step·K step
+  double mean_ = 0.0;          // potential of free points
+  double bound_load_ = 0.0;    // sum of pressures that are not free
+  double length_ = 1.0;        // of the next step, in preconditioned residuals
+  double plain_length_ = 1.0;  // the same in residuals
+  double curvature_ = 0.0;     // step·K step
   bool conjugate_ = false;
   bool plain_ = false;
   bool clipped_ = false;

@@ -351,4 +351,4 @@ def gentle_friction(
     if sliding == "all":
         return np.asarray(np.broadcast_arrays(m, mean)[0].copy())
     free = m * mean < 1
-    return np.divide(m / 2 + mean, 1 - m * mean, out=np.full(free.shape, np.nan), where=free)
+    return np.asarray(np.divide(m / 2 + mean, 1 - m * mean, out=np.full(free.shape, np.nan), where=free))

@@ -1,7 +1,7 @@
 """Pressure between a rigid gap and an elastic half-space: kernels, and the solver from coarse grids to fine ones.
 
-Polonsky & Keer, Wear 231 (1999) 206, for projected conjugate gradients; here preconditioned by E*|k|/2 on the points that
-are free to move, and begun from the solution on every second point.
+Polonsky & Keer, Wear 231 (1999) 206, for projected conjugate gradients; here preconditioned by E*|k|/2 on the points
+that are free to move, and begun from the solution on every second point.
 """
 
 from __future__ import annotations
@@ -128,10 +128,9 @@ def _influence(
 
 @dataclass(frozen=True)
 class Solution:
-    """A pressure, its potential K p + g0 and what is known of them."""
+    """A pressure (GPa), the approach (µm) and what is known of them."""
 
     pressure: Floats
-    potential: Floats
     approach: float
     error: float
     iterations: int
@@ -191,33 +190,25 @@ class Solver:
         """The pressure with a given mean over the grid."""
         scale = self.scale(mean_pressure)
         start = np.full(self.gaps[-1].shape, mean_pressure)
-        for level in range(len(self.gaps) - 1, -1, -1):
-            gap = self.gaps[level]
-            finest = level == 0
-            if level < len(self.gaps) - 1:
-                start = _resampled(solution.pressure, gap.shape, periodic=self.periodic)
-            solution = self._solve(
-                level,
-                start,
-                mean_pressure * gap.size,
-                (self.tolerance if finest else max(COARSE_TOLERANCE, self.tolerance)) * scale,
-                MOST_ITERATIONS if finest else MOST_COARSE_ITERATIONS,
-            )
-        return Solution(
-            solution.pressure, solution.potential, solution.approach, solution.error / scale, solution.iterations
-        )
+        coarse = max(COARSE_TOLERANCE, self.tolerance) * scale
+        for level in range(len(self.gaps) - 1, 0, -1):
+            solution = self._solve(level, start, mean_pressure * start.size, coarse, MOST_COARSE_ITERATIONS)
+            start = _resampled(solution.pressure, self.gaps[level - 1].shape, periodic=self.periodic)
+        solution = self._solve(0, start, mean_pressure * start.size, self.tolerance * scale, MOST_ITERATIONS)
+        total = mean_pressure * self.gaps[0].size
+        error = max(solution.error / scale, abs(float(solution.pressure.sum()) / total - 1.0))
+        return Solution(solution.pressure, solution.approach, error, solution.iterations)
 
     def _solve(self, level: int, start: Floats, total: float, tolerance: float, most: int) -> Solution:
         gap, kernel = self.gaps[level], self.kernels[level]
-        pressure = np.minimum(start * (total / start.sum()), self.hardness)
         search = _core.PressureSearch(
-            pressure.ravel(),
-            (kernel.displacement(pressure) + gap).ravel(),
+            (start * (total / start.sum())).ravel(),
             total=total,
             hardness=self.hardness,
             line=gap.ndim == 1,
             periodic=self.periodic,
         )
+        search.restart((kernel.displacement(search.pressure.reshape(gap.shape)) + gap).ravel())
         nothing = np.empty(0, np.float32)
         response = nothing
         exact, certificates, iterations = True, 0, 0
@@ -227,6 +218,7 @@ class Solver:
                 certificates += 1
                 if exact or level > 0 or certificates > MOST_CERTIFICATES:
                     break
+                search.settle()
                 search.restart((kernel.displacement(search.pressure.reshape(gap.shape)) + gap).ravel())
                 exact = True
                 continue
@@ -241,9 +233,7 @@ class Solver:
                 response = nothing
             exact = False
             iterations += 1
-        return Solution(
-            search.pressure.reshape(gap.shape), search.potential.reshape(gap.shape), search.approach, error, iterations
-        )
+        return Solution(search.pressure.reshape(gap.shape), search.approach, error, iterations)
 
 
 def linear_compliance(kernel: Kernel, free: NDArray[np.bool_]) -> float:

@@ -84,8 +84,8 @@ class HalfSpaceCurve:
     load : (k,) ndarray, mN
         What was asked for.
     approach : (k,) ndarray, µm
-        Displacement of the upper body since first touch: of its far points, or of its mean plane where periodic. NaN on a
-        free half-plane, whose far points have no limit.
+        Displacement of the upper body since first touch: of its far points, or of its mean plane where periodic. NaN on
+        a free half-plane, whose far points have no limit.
     error : (k,) ndarray
         No point under pressure is open by more than this, and no point overlaps by more (but where the pressure is at
         the hardness), in root-mean-square deviations of the gap (of the displacements under an even pressure, where
@@ -242,8 +242,7 @@ def half_space(
     Notes
     -----
     Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0, p g = 0 and û(k) = 2/(E* |k|) p̂(k) (Johnson, Contact Mechanics,
-    1985, sections 2.3, 3.2 and 13.2). Memory: about 100 bytes for each grid point, 300 where free. `scipy.fft.set_workers`
-    says how many threads the transforms of areas use.
+    1985, sections 2.3, 3.2 and 13.2). `scipy.fft.set_workers` says how many threads the transforms of areas use.
 
     Examples
     --------

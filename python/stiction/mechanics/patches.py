@@ -15,11 +15,14 @@ from stiction._checks import Floats
 
 Sliding = Literal["opposing", "all"]
 
+LEVEL = 1e-12
+"""Of its load: a patch that pushes along the direction by less is level, to round-off, and does not oppose."""
+
 AREA_BEYOND_EDGE = {1: 0.19, 2: (np.pi - 1 + np.log(2)) / 24}
 """Of a cell, by which the points under pressure reach beyond the contact at each open side, by number of dimensions.
 
-On areas: Yastrebov, Anciaux & Molinari, J. Mech. Phys. Solids 107 (2017) 469. On lines: half of 0.38 +- 0.03 points for
-each contact, measured on Westergaard's sinusoid.
+On areas: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161. On lines: half of 0.38 +- 0.03 points
+for each contact, measured on Westergaard's sinusoid.
 """
 
 
@@ -29,11 +32,11 @@ def labelled(touching: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np
     labels = labels.astype(np.int64)
     if not periodic or not count:
         return labels, count
-    pairs = []
+    pairs: list[NDArray[np.int64]] = []
     for axis in range(labels.ndim):
         first, last = np.take(labels, 0, axis), np.take(labels, -1, axis)
-        for move in (-1, 0, 1) if labels.ndim > 1 else (0,):
-            pairs.append(np.stack([np.atleast_1d(first), np.atleast_1d(np.roll(last, move))]))
+        moves = (-1, 0, 1) if labels.ndim > 1 else (0,)
+        pairs.extend(np.stack([np.atleast_1d(first), np.atleast_1d(np.roll(last, move))]) for move in moves)
     left, right = np.concatenate(pairs, axis=1)
     both = (left > 0) & (right > 0)
     graph = scipy.sparse.coo_array((np.ones(int(both.sum())), (left[both], right[both])), shape=(count + 1, count + 1))
@@ -50,8 +53,7 @@ def true_share(touching: NDArray[np.bool_], *, periodic: bool) -> Floats:
 
     In the order of `numpy.nonzero`.
     """
-    mode = "wrap" if periodic else "edge"
-    padded = np.pad(touching, 1, mode=mode)
+    padded = np.pad(touching, 1, mode="wrap") if periodic else np.pad(touching, 1, mode="edge")
     inner = tuple([slice(1, -1)] * touching.ndim)
     sides = np.zeros(touching.shape, np.int8)
     for axis in range(touching.ndim):
@@ -117,7 +119,8 @@ def sums(
             share = np.ones_like(force)
         else:
             pushed = np.bincount(patch, weights=rise * force)
-            share = (pushed[patch] > 0).astype(np.float64)
+            opposing = pushed > LEVEL * np.bincount(patch, weights=force)
+            share = opposing[patch].astype(np.float64)
         # n·s = -rise/q, and t = -s + (s·n) n over its length, sqrt(1 - (s·n)²).
         length = np.sqrt(1 - rise**2 / square)
         upward, along = -rise / (square * length), length

@@ -1,0 +1,131 @@
+"""How fast is the elastic half-space beside other solvers, at equal error? Processor time, one thread."""
+
+import importlib.util
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from stiction import HalfSpaceCurve, Profile, Surface, half_space
+
+MODULUS = 10.0
+SLOPE = 0.1
+TOLERANCE = 1e-6
+PRESSURES = (0.005, 0.03, 0.1)
+"""In units of E* h'."""
+
+
+def rough(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
+    """A self-affine body of unit length, H = 0.8, rms slope 0.1, with waves between so many in its length."""
+    random = np.random.default_rng(1)
+    waves = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
+    k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*waves, indexing="ij")))
+    inside = (k >= longest) & (k <= shortest)
+    amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
+    heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
+    step = [np.diff(heights, axis=axis, append=np.take(heights, [0], axis)) * n for axis, n in enumerate(shape)]
+    return heights * SLOPE / np.sqrt(sum(np.mean(np.square(one)) for one in step))
+
+
+def error(heights: np.ndarray, pressure: np.ndarray) -> float:
+    """The one measure for all: Σ p (v - min v)/(F h), the energy that is missing at most, over load and rms height."""
+    n, m = heights.shape
+    k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
+    compliance = np.divide(2 / MODULUS, k, out=np.zeros_like(k), where=k > 0)
+    potential = scipy.fft.irfft2(scipy.fft.rfft2(pressure) * compliance, heights.shape) - heights
+    return float((pressure * (potential - potential.min())).sum() / pressure.sum() / heights.std())
+
+
+def ours(heights: np.ndarray, load: float) -> HalfSpaceCurve:
+    body = Surface(heights, spacing=(1 / heights.shape[0], 1 / heights.shape[1]))
+    flat = Surface(np.zeros(heights.shape), spacing=body.spacing)
+    return half_space(flat, body, [load], effective_modulus=MODULUS, boundary="periodic", tolerance=TOLERANCE)
+
+
+def of_tamaas(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
+    import tamaas
+
+    tamaas.initialize(1)
+    tamaas.set_log_level(tamaas.LogLevel.error)
+
+    def solve(heights: np.ndarray, load: float) -> np.ndarray:
+        model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
+        model.E, model.nu = MODULUS, 0.0
+        solver = tamaas.PolonskyKeerRey(model, heights.copy(), tolerance)
+        solver.max_iter = 20_000
+        solver.solve(load)
+        return np.array(model.traction).reshape(heights.shape)
+
+    return solve
+
+
+def of_aspher(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
+    import aspher
+
+    def solve(heights: np.ndarray, load: float) -> np.ndarray:
+        result = aspher.solve_nested(
+            grid_size=len(heights), gap=-heights.ravel(), p_nominal=load, E_star=MODULUS, backend="periodic",
+            tol=tolerance, precision="float_then_double",
+        )  # fmt: skip
+        return np.array(result.pressure).reshape(heights.shape)
+
+    return solve
+
+
+def timed(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
+    """Processor time and error of a solution."""
+    start = time.process_time()
+    answer = solve(heights, load)
+    took = time.process_time() - start
+    return took, error(heights, answer.contact(0).pressure if isinstance(answer, HalfSpaceCurve) else answer)
+
+
+def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
+    # Tolerances in each solver's own measure that give about our error in the common one, or more.
+    others = {"tamaas": of_tamaas(TOLERANCE)}
+    if importlib.util.find_spec("aspher"):
+        others["aspher"] = of_aspher(1.5e-7)
+    result = []
+    for n in sides:
+        heights = rough((n, n), 4, n // 16)
+        for pressure in PRESSURES:
+            load = pressure * MODULUS * SLOPE
+            mine = [timed(ours, heights, load)]
+            answers = []
+            for name, solve in others.items():
+                took, wrong = timed(solve, heights, load)
+                mine.append(timed(ours, heights, load))
+                answers.append((name, took, wrong))
+            seconds = statistics.median(one[0] for one in mine)
+            assert mine[0][1] < 1.1 * TOLERANCE, mine
+            text = f"{seconds:.2f} s, {mine[0][1]:.0e}" + "".join(
+                f"; {name} {took:.2f} s, {wrong:.0e}: {took / seconds:.1f} times" for name, took, wrong in answers
+            )
+            result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
+            print(*result[-1], flush=True)
+    result.append(line())
+    return result
+
+
+def line(points: int = 131_072) -> tuple[str, str]:
+    heights = rough((points,), 10, points // 32)
+    body, flat = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
+    costs = []
+    for _ in range(5):
+        start = time.process_time()
+        for _ in range(20):
+            scipy.fft.rfft(heights)
+        unit = (time.process_time() - start) / 20
+        start = time.process_time()
+        half_space(flat, body, [0.02 * MODULUS * SLOPE], effective_modulus=MODULUS, boundary="periodic")
+        costs.append((time.process_time() - start) / unit)
+    return f"a profile of {points} points, H 0.8, 0.02 E* h', in real transforms of its length", (
+        f"{statistics.median(costs):.0f}"
+    )
+
+
+if __name__ == "__main__":
+    for question, answer in rows():
+        print(f"{question:75s} {answer}", flush=True)

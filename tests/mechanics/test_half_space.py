@@ -1,0 +1,418 @@
+import numpy as np
+import pytest
+import scipy.fft
+from reference import dense_half_space
+from stiction import (
+    HalfSpaceCurve,
+    Profile,
+    Surface,
+    gentle_friction,
+    half_space,
+    hertz_ellipse,
+    hertz_line,
+    hertz_sphere,
+    westergaard_contact_fraction,
+    westergaard_gap,
+    westergaard_pressure,
+)
+
+MODULUS = 10.0
+
+DENSE = 1e-8
+"""Of the highest pressure, against dense matrices with a solver's tolerance of 1e-11."""
+
+ROUND_OFF = 1e-12
+
+TIGHT = 1e-10
+"""A solver's tolerance, where a solution is held to another one."""
+
+
+def flat_like(body):
+    return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
+
+
+def rough(shape, *, seed=1, hurst=0.8, longest=4, shortest=16, slope=0.1):
+    """A periodic self-affine body on a unit length or square: waves from `longest` to `shortest` per unit."""
+    random = np.random.default_rng(seed)
+    waves = np.meshgrid(
+        *[np.fft.fftfreq(n, 1 / n) for n in shape[:-1]], np.fft.rfftfreq(shape[-1], 1 / shape[-1]), indexing="ij"
+    )
+    k = np.sqrt(sum(np.square(wave) for wave in waves))
+    inside = (k >= longest) & (k <= shortest)
+    amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
+    heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
+    gradients = [scipy.fft.irfftn(2j * np.pi * wave * scipy.fft.rfftn(heights), shape) for wave in waves]
+    heights *= slope / np.sqrt(sum(np.mean(np.square(gradient)) for gradient in gradients))
+    if len(shape) == 1:
+        return Profile(heights, spacing=1 / shape[0])
+    return Surface(heights, spacing=(1 / shape[0], 1 / shape[1]))
+
+
+def bowl(n, extent, radii):
+    """The gap over a paraboloid, its lowest point off the grid."""
+    x = (np.arange(n) - n / 2 + 0.31) * extent / n
+    return Surface(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1]), spacing=extent / n)
+
+
+@pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("pressed", [0.02, 0.3])
+def test_agrees_with_dense_matrices(shape, boundary, pressed):
+    lower = rough(shape, longest=1, shortest=5)
+    load = pressed * MODULUS * 0.1
+    curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
+    spacing = np.array([1 / n for n in shape])
+    matrix = getattr(dense_half_space, f"{boundary}_matrix")(shape, spacing, MODULUS)
+    found = curve.contact(0)
+    gap = lower.heights.max() - lower.heights
+    approach = float(np.mean((matrix @ found.pressure.ravel() + gap.ravel())[found.pressure.ravel() > 0]))
+    if boundary == "periodic" or len(shape) == 2:
+        np.testing.assert_allclose(curve.approach, approach, rtol=DENSE)
+    exact = dense_half_space.pressure(
+        matrix, gap, approach, total=found.pressure.sum() if boundary == "periodic" else None
+    )
+    np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
+    np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE)
+
+
+@pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
+def test_westergaard(fraction):
+    amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # so gentle that areas on the slope are those on the ground
+    wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
+    load = full * np.sin(np.pi / 2 * fraction) ** 2
+    errors = []
+    for n in (1024, 4096):
+        x = (np.arange(n) + 0.31) / n
+        lower = Profile(amplitude * np.cos(2 * np.pi * x), spacing=1 / n)
+        curve = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=TIGHT)
+        exact = westergaard_contact_fraction(load, **wave)
+        found = curve.contact(0)
+        errors.append(np.abs(found.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
+        # An edge of the contact is known to a point, and so is the gap beside it.
+        assert abs(curve.contact_area[0] - exact) < 1 / n
+        gap = westergaard_gap(x, load, **wave)
+        assert np.abs(found.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
+    # Mean errors fall with the grid spacing, of the first order or better, whatever the places of the edges.
+    assert errors[1] < errors[0] / 2.5
+    assert errors[1] < 0.15 / (4096 * fraction)
+
+
+def test_westergaard_closed_forms_agree_with_each_other():
+    wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": MODULUS}
+    x = np.linspace(-1, 1, 20_001)[:-1]
+    for load in (0.001, 0.1, 0.2):
+        p = westergaard_pressure(x, load, **wave)
+        assert p.mean() == pytest.approx(load, rel=2e-5)  # quadrature over square-root edges
+        assert np.mean(p > 0) == pytest.approx(min(1.0, float(westergaard_contact_fraction(load, **wave))), abs=2e-4)
+        gap = westergaard_gap(x, load, **wave)
+        assert (gap[p > 0] == 0).all()
+        assert (gap[p == 0] >= 0).all()
+    # Without load the gap is the sinusoid's.
+    np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
+
+
+def test_hertz_line():
+    radius, load, errors = 5.0, 0.1, []
+    half_width, peak = hertz_line(load, radius, MODULUS)
+    for n in (512, 2048):
+        x = (np.arange(n) - n / 2 + 0.31) / n
+        gap = Profile(x**2 / (2 * radius), spacing=1 / n)
+        curve = half_space(gap, flat_like(gap), [load], tolerance=1e-9)
+        exact = peak * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+        errors.append(np.abs(curve.contact(0).pressure - exact).mean() / exact.mean())
+        assert abs(curve.contact_area[0] - 2 * half_width) < 1 / n
+        assert np.isnan(curve.approach).all()
+        assert np.isnan(curve.stiffness).all()
+    assert errors[1] < errors[0] / 3
+    assert errors[1] < 1e-3
+
+
+@pytest.mark.parametrize("radii", [(5.0, 5.0), (5.0, 15.0)])
+def test_hertz_points(radii):
+    force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
+    errors = []
+    for n in (64, 128, 256):
+        gap = bowl(n, 1.6, radii)
+        curve = half_space(gap, flat_like(gap), [float(force)], tolerance=1e-8)
+        approach = curve.approach[0] + gap.heights.min()
+        errors.append(abs(approach / 0.01 - 1))
+        # The perimeter correction leaves a part of what it corrects, some tenths of a cell along the perimeter.
+        assert curve.contact_area[0] == pytest.approx(float(area), rel=0.3 * 1.6 / n / axes[0])
+    assert errors[-1] < 3e-4
+    assert errors[-1] < errors[0] / 4
+    assert curve.stiffness[0] == pytest.approx(1.5 * float(force) / 0.01, rel=5e-3)
+    assert curve.contact_count[0] == 1
+
+
+def test_hertz_ellipse_is_the_sphere_and_its_limit_is_the_line():
+    force, area, (a, b) = hertz_ellipse(0.01, 3.0, 3.0, MODULUS)
+    np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
+    np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
+    force, area, (a, b) = hertz_ellipse(0.01, 1e8, 1.0, MODULUS)
+    # Across a long ellipse the pressure is a line's under the load per length at its middle, 3 F/(4 a).
+    half_width, _ = hertz_line(3 * force / (4 * a), 1.0, MODULUS)
+    np.testing.assert_allclose(b, half_width, rtol=1e-6)
+    # Curvatures 1 to 5: axes 0.346 to 1, and 0.968 of the area and 1.0536 of the force of the geometric mean's sphere.
+    force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, MODULUS)
+    sphere = hertz_sphere(0.01, 5.0**0.5, MODULUS)
+    np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
+
+
+def test_flat_punch():
+    n = 1024
+    flat = Profile(np.zeros(n), spacing=1 / n)
+    p = half_space(flat, flat, [1.0]).contact(0).pressure
+    x = (np.arange(n) + 0.5) / n - 0.5
+    inside = np.abs(x) < 0.45
+    np.testing.assert_allclose(p[inside], 1 / (np.pi * np.sqrt(0.25 - x[inside] ** 2)), rtol=2e-3)
+
+
+@pytest.mark.parametrize("shape", [(128,), (48, 40)])
+def test_full_contact_is_the_inverse_of_the_kernel(shape):
+    lower = rough(shape)
+    waves = np.meshgrid(
+        *[2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape[:-1]],
+        2 * np.pi * np.fft.rfftfreq(shape[-1], 1 / shape[-1]),
+        indexing="ij",
+    )
+    k = np.sqrt(sum(np.square(wave) for wave in waves))
+    exact = 5.0 + scipy.fft.irfftn(0.5 * MODULUS * k * scipy.fft.rfftn(lower.heights), shape)
+    assert exact.min() > 0
+    curve = half_space(flat_like(lower), lower, [5.0], boundary="periodic", tolerance=TIGHT)
+    np.testing.assert_allclose(curve.contact(0).pressure, exact, rtol=1e-7)
+    assert np.isinf(curve.stiffness[0])
+
+
+def test_linear_in_the_modulus_and_free_of_offsets():
+    lower = rough((64, 64))
+    one = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT)
+    raised = Surface(lower.heights + 3.0, spacing=lower.spacing)
+    other = half_space(
+        flat_like(lower), raised, [0.07, 0.7], boundary="periodic", effective_modulus=7 * MODULUS, tolerance=TIGHT
+    )
+    for name in ("normal_elastic", "tangential_elastic", "normal_frictional", "tangential_frictional"):
+        np.testing.assert_allclose(getattr(other, name), 7 * getattr(one, name), rtol=1e-7, err_msg=name)
+    np.testing.assert_array_equal(other.contact_count, one.contact_count)
+    np.testing.assert_allclose(other.contact_area, one.contact_area, rtol=ROUND_OFF)
+    np.testing.assert_allclose(other.stiffness, 7 * one.stiffness, rtol=1e-5)
+
+
+def test_free_and_periodic_agree_as_the_patch_shrinks():
+    differences = []
+    force = float(hertz_sphere(0.01, 4.0, MODULUS)[0])  # a radius of 0.2 µm
+    for extent in (0.5, 1.0, 2.0):
+        gap = bowl(int(64 * extent), extent, (4.0, 4.0))
+        free, periodic = (
+            half_space(gap, flat_like(gap), [force], boundary=boundary).contact(0).pressure
+            for boundary in ("free", "periodic")
+        )
+        differences.append(np.abs(free - periodic).sum() / free.sum())
+    assert differences[2] < differences[1] / 2 < differences[0] / 4
+    assert differences[2] < 0.01
+
+
+def test_stiffness_is_the_slope_of_load_over_approach():
+    lower = rough((96, 96), shortest=8)
+    load = 0.05 * np.array([0.99, 1.0, 1.01])
+    curve = half_space(flat_like(lower), lower, load, boundary="periodic", tolerance=1e-9)
+    slope = (load[2] - load[0]) / (curve.approach[2] - curve.approach[0])
+    # Points that join between both loads make the slope differ from the stiffness of the patches between.
+    assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
+
+
+@pytest.mark.parametrize("pressed", [0.002, 0.05, 0.5])
+def test_agrees_with_tamaas(pressed):
+    tamaas = pytest.importorskip("tamaas")
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    n = 64
+    lower = rough((n, n), shortest=8)
+    load = pressed * MODULUS * 0.1
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
+    model.E, model.nu = MODULUS, 0.0
+    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-14)
+    solver.max_iter = 20_000
+    solver.solve(load)
+    found = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=1e-9).contact(0).pressure
+    exact = np.array(model.traction).reshape(n, n)
+    # Its measure of error is an energy, so that pressures err by more.
+    assert np.abs(found - exact).max() < 2e-5 * exact.max()
+
+
+def test_kappa_is_near_two_at_light_load():
+    lower = rough((256, 256), shortest=32)
+    curve = half_space(flat_like(lower), lower, [0.02 * MODULUS * 0.1], boundary="periodic")
+    assert 1.8 < curve.contact_area[0] * MODULUS * 0.1 / curve.load[0] < 2.5
+
+
+def test_hardness_caps_the_pressure_and_tends_to_load_over_hardness():
+    lower = rough((128, 128), shortest=16)
+    load = 0.01
+    elastic = half_space(flat_like(lower), lower, [load], boundary="periodic")
+    highest = elastic.contact(0).pressure.max()
+    same = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=2 * highest)
+    np.testing.assert_allclose(same.contact_area, elastic.contact_area, rtol=1e-3)
+    assert same.area_share_at_hardness[0] == 0
+    shares = []
+    for hardness in (0.3, 0.1, 0.03):
+        curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness * highest)
+        found = curve.contact(0)
+        capped = found.pressure == hardness * highest
+        assert found.pressure.max() <= hardness * highest
+        assert (found.gap[~capped] > -2e-6 * lower.heights.std()).all()
+        shares.append(curve.load_share_at_hardness[0])
+        ratio = (found.pressure > 0).mean() / (load / (hardness * highest))
+    assert shares == sorted(shares)
+    assert shares[-1] > 0.95
+    assert ratio == pytest.approx(1.0, abs=0.05)
+
+
+def test_hardness_agrees_with_tamaas():
+    tamaas = pytest.importorskip("tamaas")
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    n, load, hardness = 32, 0.05, 0.6
+    lower = rough((n, n), longest=1, shortest=5)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
+    model.E, model.nu = MODULUS, 0.0
+    solver = tamaas.KatoSaturated(model, lower.heights.copy(), 1e-12, hardness)
+    solver.max_iter = 100_000
+    solver.solve(load)
+    exact = np.array(model.traction).reshape(n, n)
+    curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
+    assert 0 < curve.load_share_at_hardness[0] < 1
+    assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness  # its own tolerance, in pressures
+
+
+def test_friction_is_the_one_curve_of_gentle_surfaces():
+    slope, mu0, tau0 = 0.1, 0.4, 0.2
+    load = 0.005 * MODULUS * slope
+    angles = np.arange(0, 360, 45)
+    for sliding, tolerance in (("all", 2e-3), ("opposing", 0.015)):
+        for strength in (0.0, tau0):
+            found, expected = [], []
+            for pair in ((1, 2), (3, 4)):
+                upper, lower = (
+                    rough((256, 256), seed=seed, longest=8, shortest=32, slope=slope / 2**0.5) for seed in pair
+                )
+                curve = half_space(upper, lower, [load], boundary="periodic", direction=angles, sliding=sliding)
+                assert curve.friction_coefficient(mu0=mu0).shape == (8, 1)
+                found.append(curve.friction_coefficient(mu0=mu0, tau0=strength).mean())
+                kappa = curve.contact_area[0] * MODULUS * slope / load
+                expected.append(gentle_friction(mu0, strength, rms_gradient=slope, kappa=kappa, sliding=sliding))
+            assert np.mean(found) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
+
+
+def test_gentle_friction_is_the_formula():
+    m, s = 0.4 + 2.0 * 0.1 / (20 * 0.3), 0.2 / (2 * np.sqrt(2 * np.pi))
+    arguments = {"rms_gradient": 0.3, "rms_slope": 0.2, "effective_modulus": 20.0, "kappa": 2.0}
+    assert gentle_friction(0.4, 0.1, **arguments) == pytest.approx((m / 2 + s) / (1 - m * s), rel=ROUND_OFF)
+    assert gentle_friction(0.4, 0.1, sliding="all", **arguments) == pytest.approx(m, rel=ROUND_OFF)
+    both = gentle_friction([[0.1], [0.4]], rms_gradient=[0.1, 0.2, 30.0])
+    assert both.shape == (2, 3)
+    assert np.isnan(both[1, 2])
+    assert gentle_friction(0.4, rms_gradient=0.1) == gentle_friction(0.4, rms_gradient=0.1, rms_slope=0.1 / 2**0.5)
+    with pytest.raises(ValueError, match="rms_gradient"):
+        gentle_friction(0.4, rms_gradient=0.0)
+    with pytest.raises(ValueError, match="sliding"):
+        gentle_friction(0.4, rms_gradient=0.1, sliding="some")
+
+
+def test_mirror_and_exchange():
+    upper, lower = (rough((2048,), seed=seed, shortest=64) for seed in (3, 4))
+    loads = [0.005, 0.02]
+    curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT)
+    mirrored = [Profile(np.roll(body.heights[::-1], 1), spacing=body.spacing) for body in (upper, lower)]
+    other = half_space(*mirrored, loads, boundary="periodic", compliance_share=0.3, direction="-x", tolerance=TIGHT)
+    turned = [Profile(-body.heights, spacing=body.spacing) for body in (lower, upper)]
+    third = half_space(*turned, loads, boundary="periodic", compliance_share=0.7, direction="-x", tolerance=TIGHT)
+    for name in ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
+        for one in (other, third):
+            np.testing.assert_allclose(getattr(one, name), getattr(curve, name), rtol=1e-6, err_msg=name)
+
+
+def test_an_extruded_profile_is_the_profile():
+    lines = [rough((256,), seed=seed, shortest=16) for seed in (1, 2)]
+    wide = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
+    one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT)
+    other = half_space(*wide, [0.01], boundary="periodic", direction=[0.0, 90.0], tolerance=TIGHT)
+    np.testing.assert_allclose(other.contact(0).pressure[3], one.contact(0).pressure, atol=1e-6)
+    np.testing.assert_allclose(other.tangential_elastic[0], one.tangential_elastic, rtol=1e-6)
+    np.testing.assert_array_equal(other.contact_count, one.contact_count)
+    assert other.friction_coefficient(mu0=0.4).shape == (2, 1)
+    assert (other.status(mu0=0.4) == "ok").all()
+    # Along the grooves nothing leans, so nothing opposes.
+    np.testing.assert_allclose(other.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
+
+
+def test_patches_are_connected_over_edges_where_periodic():
+    n = 32
+    x = np.arange(n) / n
+    lower = Surface(0.01 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x)[None, :]), spacing=1 / n)
+    periodic = half_space(flat_like(lower), lower, [0.005], boundary="periodic")
+    free = half_space(flat_like(lower), lower, [0.005])
+    assert periodic.contact_count[0] == 1
+    assert free.contact_count[0] > 1
+    assert periodic.contact(0).patches.max() == 1
+    assert (periodic.contact(0).patches > 0).sum() == (periodic.contact(0).pressure > 0).sum()
+
+
+def test_a_tolerance_that_round_off_does_not_allow_is_refused():
+    lower = rough((64, 64))
+    with pytest.raises(RuntimeError, match="no solution at"):
+        half_space(flat_like(lower), lower, [0.01], boundary="periodic", tolerance=1e-18)
+
+
+def test_flat_on_flat_periodic_is_even():
+    flat = Surface(np.full((8, 12), 2.0), spacing=1.0)
+    curve = half_space(flat, flat, [96.0], boundary="periodic")
+    np.testing.assert_allclose(curve.contact(0).pressure, 1.0, rtol=ROUND_OFF)
+    np.testing.assert_allclose(curve.contact_area, 96.0, rtol=ROUND_OFF)
+
+
+LINE = Profile(np.arange(8.0) % 3, spacing=1.0)
+MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"lower": MAP}, "two Profiles or two Surfaces"),
+        ({"lower": "LINE"}, "two Profiles or two Surfaces"),
+        ({"lower": Profile(np.zeros(9), spacing=1.0)}, "equal shapes"),
+        ({"lower": Profile(np.zeros(8), spacing=2.0)}, "equal spacings"),
+        ({"loads": [0.0, 1.0]}, "loads must be above 0"),
+        ({"loads": [2.0, 1.0]}, "strictly increasing"),
+        ({"loads": []}, "loads must be above 0"),
+        ({"loads": [np.nan]}, "loads must be finite"),
+        ({"loads": 1.0}, "loads must have 1 dimension"),
+        ({"effective_modulus": 0.0}, "effective_modulus"),
+        ({"boundary": "open"}, "boundary must be one of"),
+        ({"compliance_share": 1.5}, "compliance_share"),
+        ({"hardness": -1.0}, "hardness"),
+        ({"hardness": 0.1}, "below hardness times area"),
+        ({"direction": "x"}, "direction"),
+        ({"direction": 45.0}, "direction"),
+        ({"direction": ["+x"]}, "direction"),
+        ({"direction": None}, "direction"),
+        ({"sliding": "some"}, "sliding must be one of"),
+        ({"tolerance": 0.0}, "tolerance"),
+    ],
+)
+def test_bad_arguments(arguments, message):
+    given = {"upper": LINE, "lower": LINE, "loads": [1.0]} | arguments
+    with pytest.raises(ValueError, match=message):
+        half_space(**given)
+
+
+@pytest.mark.parametrize("direction", [[], ["up"], [np.nan], "north"])
+def test_bad_directions_of_surfaces(direction):
+    with pytest.raises(ValueError, match="direction"):
+        half_space(MAP, MAP, [1.0], direction=direction)
+
+
+def test_results_are_read_only_and_indices_are_checked():
+    curve = half_space(flat_like(LINE), LINE, [1.0])
+    assert isinstance(curve, HalfSpaceCurve)
+    with pytest.raises(ValueError, match="read-only"):
+        curve.load[0] = 2.0
+    with pytest.raises(ValueError, match="index"):
+        curve.contact(1)
