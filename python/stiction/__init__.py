@@ -51,6 +51,7 @@ from stiction.surfaces.roughness import (
     spectral_moments,
     surrogate,
 )
+from stiction.surfaces.self_affine_surface import self_affine_surface
 from stiction.surfaces.surface import Surface
 
 __all__ = [
@@ -97,6 +98,7 @@ __all__ = [
     "roughness_parameters",
     "run",
     "self_affine",
+    "self_affine_surface",
     "slope_friction",
     "spectral_moments",
     "stiffness_map",
