@@ -16,7 +16,6 @@ def surface(seed=3, **changes):
 
 def power(heights, extents):
     """Mean square of each wave of half the plane, and its wave number."""
-    rows, columns = heights.shape
     transform = np.fft.fft2(heights) / heights.size
     y, x = (np.fft.fftfreq(size, 1 / size) / extent for size, extent in zip(heights.shape, extents, strict=True))
     return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)

@@ -1,0 +1,28 @@
+// Where two maps come nearest to each other: every local minimum of the spline of the gap between them.
+#pragma once
+
+#include "stiction/array.hpp"
+#include "stiction/bicubic.hpp"
+
+#include <vector>
+
+namespace stiction {
+
+/// A local minimum of a spline, in a cell of its map.
+struct Minimum {
+  Index row;     ///< of the cell's first point
+  Index column;  ///< likewise
+  double u;      ///< where in the cell along x, in spacings: at least 0 and below 1
+  double v;      ///< likewise along y
+  Jet at;        ///< value and derivatives there; first ones are zero to round-off
+};
+
+/// Every minimum [µm] at most `highest` of the spline with these coefficients (see natural_bicubic), cell by cell along
+/// x and then y. Minima on the edge of the map are none, nor is a valley's floor whose curvature is that of round-off.
+///
+/// Nothing is missed by chance: a cell is divided until signs of its Bernstein coefficients say that there is no
+/// minimum in a part, or that the spline is convex there, so that Newton's method finds the one it can have. What is
+/// not decided in parts of 1/64 of a cell, as where a minimum is about to vanish, is left to Newton's method.
+std::vector<Minimum> minima(const MatrixView& coefficients, double highest);
+
+}  // namespace stiction
