@@ -83,8 +83,10 @@ stiction::ContactModel model(Source& source) {
       break;
   }
   const std::uint8_t choices = source.byte();
-  return {law, (choices & 1U) != 0 ? stiction::Detection::cell : stiction::Detection::gap_minimum,
-          (choices & 2U) != 0 ? stiction::Curvature::convex : stiction::Curvature::any, (choices & 4U) != 0 ? 1 : -1};
+  return {law,
+          (choices & 1U) != 0 ? stiction::Detection::cell : stiction::Detection::gap_minimum,
+          (choices & 2U) != 0 ? stiction::Curvature::convex : stiction::Curvature::signed_,
+          {(choices & 4U) != 0 ? 1.0 : -1.0, 0.0}};
 }
 
 void fuzz_contact(Source& source) {
@@ -98,17 +100,18 @@ void fuzz_contact(Source& source) {
   std::sort(approaches.begin(), approaches.end());
   const double spacing = source.positive();
   const stiction::ContactModel how = model(source);
-  const stiction::LoadSums sums = stiction::press(upper, lower, spacing, approaches, how);
+  const stiction::ProfilePair pair{upper, lower, spacing};
+  const std::vector<stiction::Sums> sums = stiction::press(pair, approaches, how);
   for (std::size_t k = 0; k < approaches.size(); ++k) {
-    require(sums.contact_count[k] >= 0 && sums.contact_count[k] <= static_cast<stiction::Index>(points),
+    require(sums[k].contact_count >= 0 && sums[k].contact_count <= static_cast<stiction::Index>(points),
             "no more contacts than points");
-    require(!(sums.contact_area[k] < 0.0), "no negative area");
-    const std::vector<stiction::Contact> table = stiction::contacts(upper, lower, spacing, approaches[k], how);
+    require(!(sums[k].contact_area < 0.0), "no negative area");
+    const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], how);
     // Another largest approach is another set of stretches, but not another set of contacts.
-    require(static_cast<stiction::Index>(table.size()) == sums.contact_count[k], "contacts and press agree");
+    require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
-      require(contact.overlap > 0.0 && contact.radius > 0.0, "contacts overlap and are convex together");
-      require(contact.normal.y() > 0.0, "normals point upwards");
+      require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
+      require(contact.normal.z() > 0.0, "normals point upwards");
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 
 namespace stiction {
 namespace {
@@ -54,6 +55,19 @@ void scale(const double* heights, std::size_t size, double mean, double factor, 
 
 }  // namespace
 
+AmplitudeMeasure amplitude_measure(std::string_view word) {
+  if (word == "height") {
+    return AmplitudeMeasure::height;
+  }
+  if (word == "Ra") {
+    return AmplitudeMeasure::ra;
+  }
+  if (word == "Rq") {
+    return AmplitudeMeasure::rq;
+  }
+  throw std::invalid_argument("amplitude measure is " + std::string(word) + ", must be height, Ra or Rq");
+}
+
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled) {
   if (scaled.size() != heights.size() || heights.empty()) {
     throw std::invalid_argument("scale_to_amplitude: scaled must be as long as heights, and not empty");
@@ -62,11 +76,11 @@ bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measu
   const auto size = static_cast<double>(heights.size());
   const double mean = sum / size;
   double measured = highest - lowest;
-  if (measure == AmplitudeMeasure::mean_deviation) {
+  if (measure == AmplitudeMeasure::ra) {
     measured = std::accumulate(heights.begin(), heights.end(), 0.0,
                                [&](double total, double height) { return total + std::abs(height - mean); }) /
                size;
-  } else if (measure == AmplitudeMeasure::rms_deviation) {
+  } else if (measure == AmplitudeMeasure::rq) {
     measured = std::sqrt(
         std::accumulate(heights.begin(), heights.end(), 0.0,
                         [&](double total, double height) { return total + (height - mean) * (height - mean); }) /

@@ -4,26 +4,38 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace stiction {
+
+Side side(std::string_view word) {
+  if (word == "lower") {
+    return Side::lower;
+  }
+  if (word == "upper") {
+    return Side::upper;
+  }
+  throw std::invalid_argument("side is " + std::string(word) + ", must be lower or upper");
+}
 
 Asperity asperity(double slope, double curvature, Side side) {
   const double sign = side == Side::lower ? 1.0 : -1.0;
   const double q = std::sqrt(1.0 + slope * slope);
-  return {sign * Vector2(-slope / q, 1.0 / q),
+  return {Vector3(sign * (-slope / q), 0.0, sign * (1.0 / q)),
           curvature == 0.0 ? std::numeric_limits<double>::infinity() : -sign * q * q * q / curvature};
 }
 
 Asperities asperities(Values heights, double spacing, Side side) {
   const std::size_t size = heights.size();
-  Asperities result{std::vector<double>(size), std::vector<double>(size), std::vector<Vector2>(size),
-                    std::vector<double>(size), std::vector<Vector2>(size)};
+  Asperities result{std::vector<double>(size), std::vector<double>(size), std::vector<Vector3>(size),
+                    std::vector<double>(size), std::vector<Vector3>(size)};
   natural_spline(heights, spacing, result.slope, result.curvature);
   for (std::size_t i = 0; i < size; ++i) {
     const Asperity at = asperity(result.slope[i], result.curvature[i], side);
     result.normal[i] = at.normal;
     result.radius[i] = at.radius;
-    result.centre[i] = Vector2(static_cast<double>(i) * spacing, heights[i]) + at.centre_offset();
+    result.centre[i] = Vector3(static_cast<double>(i) * spacing, 0.0, heights[i]) + at.centre_offset();
   }
   return result;
 }

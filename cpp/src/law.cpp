@@ -2,30 +2,44 @@
 
 #include "text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace stiction {
 
 using std::numbers::pi;
 
-ForceArea HertzSphere::operator()(double overlap, double radius) const {
+ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
+  const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, pi * radius * overlap};
 }
 
-ForceArea HertzCylinder::operator()(double overlap, double radius) const {
-  return {0.25 * pi * effective_modulus * overlap * width, 2.0 * width * std::sqrt(radius * overlap)};
+Vector2 HertzSphere::semi_axes(double overlap, const Radii& radii) const {
+  return Vector2::Constant(std::sqrt(radii.mean() * overlap));
 }
 
-ForceArea JacksonGreen::operator()(double overlap, double radius) const {
+ForceArea HertzCylinder::operator()(double overlap, const Radii& radii) const {
+  return {0.25 * pi * effective_modulus * overlap * width, 2.0 * width * std::sqrt(radii.mean() * overlap)};
+}
+
+Vector2 HertzCylinder::semi_axes(double overlap, const Radii& radii) const {
+  const double along = 0.5 * width;
+  const double across = std::sqrt(radii.mean() * overlap);
+  return {std::max(along, across), std::min(along, across)};
+}
+
+ForceArea JacksonGreen::operator()(double overlap, const Radii& radii) const {
   constexpr double transition = 1.9;  // in critical interferences
   const double strain = yield_strength / effective_modulus;
   const double constraint = 1.295 * std::exp(0.736 * poisson_ratio);
   const double half_angle = 0.5 * pi * constraint * strain;
-  const double ratio = overlap / (half_angle * half_angle * radius);
-  const ForceArea elastic = HertzSphere{effective_modulus}(overlap, radius);
+  const double ratio = overlap / (half_angle * half_angle * radii.mean());
+  const ForceArea elastic = HertzSphere{effective_modulus}(overlap, radii);
   if (ratio < transition) {
     return elastic;
   }
@@ -38,34 +52,79 @@ ForceArea JacksonGreen::operator()(double overlap, double radius) const {
   return {critical_force * (elastic_part + plastic_part), elastic.area * spread};
 }
 
-namespace {
+Vector2 JacksonGreen::semi_axes(double overlap, const Radii& radii) const {
+  return Vector2::Constant(std::sqrt((*this)(overlap, radii).area / pi));
+}
 
-void require(bool condition, const char* name, double value, const char* allowed) {
-  if (!condition) {
-    throw std::invalid_argument(std::string(name) + " is " + text(value) + ", must be " + allowed);
+void JacksonGreen::check() const {
+  if (!(yield_strength < 0.1 * effective_modulus)) {
+    throw std::invalid_argument("yield_strength is " + text(yield_strength) +
+                                ", must be below a tenth of the effective modulus, in GPa");
   }
 }
 
-void require_positive(const char* name, double value, const char* unit) {
-  require(value > 0.0 && std::isfinite(value), name, value, (std::string("above 0 and finite, in ") + unit).c_str());
+namespace {
+
+template <class L>
+void check_parameter(const Parameter<L>& parameter, double value) {
+  const bool within = parameter.ends ? value >= parameter.low && value <= parameter.high
+                                     : value > parameter.low && value < parameter.high;
+  if (within) {
+    return;
+  }
+  std::string allowed = parameter.ends ? "from " + text(parameter.low) + " to " + text(parameter.high)
+                                       : "above " + text(parameter.low) + " and finite";
+  if (!parameter.unit.empty()) {
+    allowed += ", in " + std::string(parameter.unit);
+  }
+  throw std::invalid_argument(std::string(parameter.name) + " is " + text(value) + ", must be " + allowed);
 }
 
-void check_parameters(const HertzSphere&) {}
-void check_parameters(const HertzCylinder& law) { require_positive("width", law.width, "µm"); }
-void check_parameters(const JacksonGreen& law) {
-  require_positive("yield_strength", law.yield_strength, "GPa");
-  require(law.yield_strength < 0.1 * law.effective_modulus, "yield_strength", law.yield_strength,
-          "below a tenth of the effective modulus, in GPa");
-  require(law.poisson_ratio >= 0.0 && law.poisson_ratio <= 0.5, "poisson_ratio", law.poisson_ratio, "from 0 to 0.5");
+template <class L>
+L law_of(const std::map<std::string, double>& given) {
+  L law{};
+  const auto known = L::parameters();
+  for (const auto& parameter : known) {
+    const auto found = given.find(std::string(parameter.name));
+    if (found == given.end()) {
+      throw std::invalid_argument("law " + std::string(L::name) + " lacks its " + std::string(parameter.name));
+    }
+    law.*(parameter.member) = found->second;
+  }
+  for (const auto& [name, value] : given) {
+    if (std::none_of(known.begin(), known.end(), [&](const auto& parameter) { return parameter.name == name; })) {
+      throw std::invalid_argument("law " + std::string(L::name) + " has no parameter " + name);
+    }
+  }
+  check(law);
+  return law;
+}
+
+template <class... Laws>
+Law law_among(std::string_view name, const std::map<std::string, double>& parameters, std::variant<Laws...>*) {
+  std::optional<Law> found;
+  ((Laws::name == name ? void(found = law_of<Laws>(parameters)) : void()), ...);
+  if (!found) {
+    throw std::invalid_argument("there is no law " + std::string(name));
+  }
+  return *found;
 }
 
 }  // namespace
 
+Law law(std::string_view name, const std::map<std::string, double>& parameters) {
+  return law_among(name, parameters, static_cast<Law*>(nullptr));
+}
+
 void check(const Law& law) {
   std::visit(
       [](const auto& one) {
-        require_positive("effective_modulus", one.effective_modulus, "GPa");
-        check_parameters(one);
+        for (const auto& parameter : std::decay_t<decltype(one)>::parameters()) {
+          check_parameter(parameter, one.*(parameter.member));
+        }
+        if constexpr (requires { one.check(); }) {
+          one.check();
+        }
       },
       law);
 }

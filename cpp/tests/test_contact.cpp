@@ -31,7 +31,7 @@ std::vector<double> arc(double apex, double radius, double spacing, std::size_t 
 TEST_CASE("asperities of a slope of 3/4: normals and radii point out of their solids") {
   // q = 5/4.
   const auto lower = stiction::asperity(0.75, -0.5, stiction::Side::lower);
-  CHECK(lower.normal.isApprox(stiction::Vector2(-0.6, 0.8)));
+  CHECK(lower.normal.isApprox(stiction::Vector3(-0.6, 0.0, 0.8)));
   CHECK(lower.radius == doctest::Approx(2.0 * 1.25 * 1.25 * 1.25));
   const auto upper = stiction::asperity(0.75, -0.5, stiction::Side::upper);
   CHECK(upper.normal.isApprox(-lower.normal));
@@ -42,20 +42,20 @@ TEST_CASE("asperities of a slope of 3/4: normals and radii point out of their so
 TEST_CASE("one contact in the table is one contact in the sums") {
   const auto lower = arc(1.0137, 3.0, 0.01, 201, +1.0);
   const auto upper = arc(0.9, 2.0, 0.01, 201, -1.0);
-  for (const int shear : {+1, -1}) {
+  for (const double shear : {+1.0, -1.0}) {
     ContactModel model = hertz;
-    model.shear = shear;
-    const std::vector<Contact> table = stiction::contacts(upper, lower, 0.01, 1e-4, model);
+    model.direction = {shear, 0.0};
+    const std::vector<Contact> table = stiction::contacts({upper, lower, 0.01}, 1e-4, model);
     REQUIRE(table.size() == 1);
     const Contact& contact = table.front();
     const double approach = 1e-4;
-    const auto sums = stiction::press(upper, lower, 0.01, {&approach, 1}, model);
-    CHECK(sums.contact_count[0] == 1);
-    CHECK(sums.contact_area[0] == contact.area);
-    CHECK(sums.normal_elastic[0] == contact.force * contact.normal.y());
+    const auto sums = stiction::press({upper, lower, 0.01}, {&approach, 1}, model).front();
+    CHECK(sums.contact_count == 1);
+    CHECK(sums.contact_area == contact.area);
+    CHECK(sums.normal_elastic == contact.force * contact.normal.z());
     const double opposing = contact.opposing ? 1.0 : 0.0;
-    CHECK(sums.normal_frictional[0] == opposing * contact.force * contact.tangent.y());
-    CHECK(sums.tangential_adhesive[0] == opposing * -shear * contact.area * contact.tangent.x());
+    CHECK(sums.normal_frictional == opposing * contact.force * contact.tangent.z());
+    CHECK(sums.tangential_adhesive == opposing * -shear * contact.area * contact.tangent.x());
     // The upper arc touches on its right, the lower on its left flank: the contact opposes a motion along -x.
     CHECK(contact.opposing == (shear * contact.normal.x() < 0.0));
     CHECK(contact.normal.dot(contact.tangent) == doctest::Approx(0.0));
@@ -67,7 +67,7 @@ TEST_CASE("contact refuses bad arrays, approaches and models, naming what is wro
   const auto message = [&](const std::vector<double>& upper, const std::vector<double>& lower, double spacing,
                            const std::vector<double>& approaches, const ContactModel& model) -> std::string {
     try {
-      stiction::press(upper, lower, spacing, approaches, model);
+      stiction::press({upper, lower, spacing}, approaches, model);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -91,6 +91,6 @@ TEST_CASE("contact refuses bad arrays, approaches and models, naming what is wro
   CHECK(mentions(message(heights, heights, 1.0, good, {HertzSphere{0.0}}), "effective_modulus"));
   CHECK(mentions(message(heights, heights, 1.0, good, {HertzSphere{nan}}), "effective_modulus"));
   CHECK(mentions(message(heights, heights, 1.0, good,
-                         {HertzSphere{1.0}, stiction::Detection::cell, stiction::Curvature::convex, 0}),
-                 "shear"));
+                         {HertzSphere{1.0}, stiction::Detection::cell, stiction::Curvature::convex, {0.5, 0.5}}),
+                 "direction"));
 }

@@ -14,18 +14,19 @@ using stiction::JacksonGreen;
 
 namespace {
 constexpr double round_off = 1e-14;
-}
+constexpr stiction::Radii unit{1.0, 1.0};
+}  // namespace
 
 TEST_CASE("Hertz spheres carry what the contact radius says") {
   // With a = sqrt(R overlap): F = 4 E* a³ / (3 R) and A = π a². Here a = 2.
-  const auto [force, area] = HertzSphere{3.0}(0.5, 8.0);
+  const auto [force, area] = HertzSphere{3.0}(0.5, {8.0, 8.0});
   CHECK(force == doctest::Approx(4.0).epsilon(round_off));
   CHECK(area == doctest::Approx(4.0 * std::numbers::pi).epsilon(round_off));
 }
 
 TEST_CASE("Hertz cylinders carry what the half-width says") {
   // Johnson 4.45: a² = 4 F R / (π E* w); A = 2 a w. Here a = 2.
-  const auto [force, area] = HertzCylinder{3.0, 5.0}(0.5, 8.0);
+  const auto [force, area] = HertzCylinder{3.0, 5.0}(0.5, {8.0, 8.0});
   CHECK(4.0 * force * 8.0 / (std::numbers::pi * 3.0 * 5.0) == doctest::Approx(4.0).epsilon(round_off));
   CHECK(area == doctest::Approx(20.0).epsilon(round_off));
 }
@@ -36,16 +37,16 @@ TEST_CASE("Jackson-Green spheres are Hertz's below yield, and their hardness far
   const double critical = std::pow(0.5 * std::numbers::pi * constraint * 0.002, 2);  // of a sphere of radius 1
   const HertzSphere hertz{100.0};
   for (const double ratio : {0.01, 1.0, 1.89}) {
-    CHECK(law(ratio * critical, 1.0).force == hertz(ratio * critical, 1.0).force);
-    CHECK(law(ratio * critical, 1.0).area == hertz(ratio * critical, 1.0).area);
+    CHECK(law(ratio * critical, unit).force == hertz(ratio * critical, unit).force);
+    CHECK(law(ratio * critical, unit).area == hertz(ratio * critical, unit).area);
   }
   // At the transition the fit's load is within 1 % of Hertz's, and its area is continuous.
-  const ForceArea below = law(1.9 * critical * (1.0 - 1e-12), 1.0);
-  const ForceArea above = law(1.9 * critical * (1.0 + 1e-12), 1.0);
+  const ForceArea below = law(1.9 * critical * (1.0 - 1e-12), unit);
+  const ForceArea above = law(1.9 * critical * (1.0 + 1e-12), unit);
   CHECK(std::abs(above.force / below.force - 1.0) < 0.01);
   CHECK(above.area == doctest::Approx(below.area).epsilon(1e-11));
   // The mean pressure tends to the hardness, 2.84 S_y for small contacts; the fit keeps to it within 5 %.
-  const ForceArea plastic = law(1000.0 * critical, 1.0);
+  const ForceArea plastic = law(1000.0 * critical, unit);
   const double contact_radius = std::sqrt(plastic.area / std::numbers::pi);
   const double hardness = 2.84 * 0.2 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));
   CHECK(plastic.force / plastic.area == doctest::Approx(hardness).epsilon(0.05));
@@ -53,10 +54,10 @@ TEST_CASE("Jackson-Green spheres are Hertz's below yield, and their hardness far
   double force = 0.0;
   double area = 0.0;
   for (double ratio = 0.5; ratio < 2000.0; ratio *= 1.5) {
-    const ForceArea carried = law(ratio * critical, 1.0);
+    const ForceArea carried = law(ratio * critical, unit);
     CHECK(carried.force > force);
     CHECK(carried.area > area);
-    CHECK(carried.force < 1.01 * hertz(ratio * critical, 1.0).force);
+    CHECK(carried.force < 1.01 * hertz(ratio * critical, unit).force);
     force = carried.force;
     area = carried.area;
   }

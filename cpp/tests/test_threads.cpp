@@ -31,10 +31,12 @@ std::vector<double> pressed(unsigned seed) {
   const std::vector<double> approaches{0.001, 0.01, 0.03};
   stiction::ContactModel model{stiction::HertzSphere{10.0}};
   model.detection = seed % 2 == 0 ? stiction::Detection::cell : stiction::Detection::gap_minimum;
-  const auto sums = stiction::press(profile(seed), profile(seed + 100), 0.001, approaches, model);
-  std::vector<double> result = sums.normal_elastic;
-  result.insert(result.end(), sums.tangential_elastic.begin(), sums.tangential_elastic.end());
-  result.insert(result.end(), sums.contact_area.begin(), sums.contact_area.end());
+  const std::vector<double> upper = profile(seed);
+  const std::vector<double> lower = profile(seed + 100);
+  std::vector<double> result;
+  for (const stiction::Sums& sums : stiction::press({upper, lower, 0.001}, approaches, model)) {
+    result.insert(result.end(), {sums.normal_elastic, sums.tangential_elastic, sums.contact_area});
+  }
   return result;
 }
 
@@ -54,6 +56,6 @@ TEST_CASE("threads side by side compute what one computes alone") {
   for (unsigned task = 0; task < tasks; ++task) {
     const std::vector<double> alone = pressed(task);
     CHECK(together[task] == alone);
-    CHECK(alone[2] > 0.0);
+    CHECK(alone.back() > 0.0);
   }
 }

@@ -8,13 +8,10 @@ void bind_amplitude(py::module_& module) {
   module.def(
       "scale_to_amplitude",
       [](const Array& heights, double amplitude, const std::string& measure, Array& scaled) {
-        const auto kind = measure == "height" ? AmplitudeMeasure::height
-                          : measure == "Ra"   ? AmplitudeMeasure::mean_deviation
-                                              : AmplitudeMeasure::rms_deviation;
         const Values values = view(heights);
         const std::span<double> out(scaled.mutable_data(), view(scaled).size());
         const py::gil_scoped_release release;
-        return scale_to_amplitude(values, amplitude, kind, out);
+        return scale_to_amplitude(values, amplitude, amplitude_measure(measure), out);
       },
       py::arg("heights").noconvert(), py::arg("amplitude"), py::arg("measure"), py::arg("scaled").noconvert(),
       "Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.");

@@ -43,13 +43,26 @@ py::array_t<T> array_from(std::vector<T>&& values) {
   return py::array_t<T>(size, data, owner_of(std::move(owner)));
 }
 
-// (n, 2).
-inline py::array_t<double> array_from(std::vector<Vector2>&& values) {
-  static_assert(sizeof(Vector2) == 2 * sizeof(double));
-  auto owner = std::make_unique<std::vector<Vector2>>(std::move(values));
+// (n, rows).
+template <int rows>
+py::array_t<double> array_from(std::vector<Eigen::Matrix<double, rows, 1>>&& values) {
+  using Vector = Eigen::Matrix<double, rows, 1>;
+  static_assert(sizeof(Vector) == rows * sizeof(double));
+  auto owner = std::make_unique<std::vector<Vector>>(std::move(values));
   const double* data = owner->empty() ? nullptr : owner->front().data();
   const auto size = static_cast<py::ssize_t>(owner->size());
-  return py::array_t<double>({size, py::ssize_t{2}}, data, owner_of(std::move(owner)));
+  return py::array_t<double>({size, py::ssize_t{rows}}, data, owner_of(std::move(owner)));
+}
+
+// One array for a column of a list: what `field` gives for each row.
+template <class Row, class Field>
+auto column(const std::vector<Row>& rows, Field field) {
+  std::vector<std::decay_t<decltype(field(rows.front()))>> values;
+  values.reserve(rows.size());
+  for (const Row& row : rows) {
+    values.push_back(field(row));
+  }
+  return array_from(std::move(values));
 }
 
 }  // namespace stiction::python

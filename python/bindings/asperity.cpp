@@ -7,18 +7,18 @@ namespace stiction::python {
 void bind_asperity(py::module_& module) {
   module.def(
       "asperities",
-      [](const Array& heights, double spacing, bool upper) {
+      [](const Array& heights, double spacing, const std::string& of) {
         Asperities all;
         {
           const Values values = view(heights);
           const py::gil_scoped_release release;
-          all = asperities(values, spacing, upper ? Side::upper : Side::lower);
+          all = asperities(values, spacing, side(of));
         }
         return py::make_tuple(array_from(std::move(all.slope)), array_from(std::move(all.curvature)),
                               array_from(std::move(all.normal)), array_from(std::move(all.radius)),
                               array_from(std::move(all.centre)));
       },
-      py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("upper"),
+      py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("side"),
       "Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.");
 }
 

@@ -6,6 +6,8 @@ void bind_amplitude(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
+void bind_candidates(pybind11::module_& module);
+void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
 }  // namespace stiction::python
 
@@ -16,5 +18,7 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_harmonics(module);
   stiction::python::bind_asperity(module);
   stiction::python::bind_law(module);
+  stiction::python::bind_candidates(module);
+  stiction::python::bind_sums(module);
   stiction::python::bind_contact(module);
 }

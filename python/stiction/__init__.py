@@ -5,6 +5,7 @@ Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles 
 
 from stiction._core import __version__
 from stiction.mechanics.asperity import Asperities, asperities
+from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.closed_forms import (
     effective_modulus,
     hertz_cylinder,
@@ -12,9 +13,11 @@ from stiction.mechanics.closed_forms import (
     slope_friction,
     westergaard_contact_fraction,
 )
-from stiction.mechanics.contact import Contacts, LoadCurve, Validity, contacts, press
+from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
+from stiction.mechanics.friction import Validity
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
+from stiction.mechanics.model import ContactModel
 from stiction.studies.ensemble import area_map, friction_map, stiffness_map
 from stiction.studies.runner import run
 from stiction.studies.scaling import nondimensional
@@ -56,6 +59,8 @@ from stiction.surfaces.surface import Surface
 
 __all__ = [
     "Asperities",
+    "Candidates",
+    "ContactModel",
     "Contacts",
     "FormatError",
     "FormatWarning",
@@ -76,6 +81,7 @@ __all__ = [
     "approach_at_load",
     "area_map",
     "asperities",
+    "candidates",
     "contacts",
     "cropped",
     "effective_modulus",

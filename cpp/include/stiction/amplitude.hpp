@@ -3,10 +3,15 @@
 
 #include "stiction/array.hpp"
 
+#include <string_view>
+
 namespace stiction {
 
-/// height: highest minus lowest point. mean_deviation: Ra. rms_deviation: Rq. The latter two about the mean.
-enum class AmplitudeMeasure { height, mean_deviation, rms_deviation };
+/// height: highest minus lowest point. ra, rq: mean absolute and root-mean-square deviation from the mean.
+enum class AmplitudeMeasure { height, ra, rq };
+
+/// By the words of results: "height", "Ra", "Rq". Throws std::invalid_argument for another.
+AmplitudeMeasure amplitude_measure(std::string_view word);
 
 /// The same shape about a mean of zero, scaled so that its measure is `amplitude` [µm], into `scaled` of the same
 /// length. Returns whether that is possible: a flat profile has no amplitude. Throws std::invalid_argument for lengths

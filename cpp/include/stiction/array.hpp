@@ -1,6 +1,7 @@
 // Numbers and arrays as the whole library uses them: double precision, row-major, signed indices.
 //
-// Units everywhere: lengths µm, forces mN, pressures GPa (1 GPa = 1 mN/µm², so no factor appears).
+// Units everywhere: lengths µm, forces mN, pressures GPa (1 GPa = 1 mN/µm², so no factor appears). Height is z; a
+// profile lies along x, at y = 0.
 //
 // No compiled function hands over an Eigen array that owns its memory: how Eigen allocates depends on compiler flags
 // (-mavx, -fsanitize=address), which a program and the library need not share.
@@ -13,7 +14,8 @@
 namespace stiction {
 
 using Index = Eigen::Index;
-using Vector2 = Eigen::Vector2d;
+using Vector2 = Eigen::Vector2d;  ///< (x, y): horizontal
+using Vector3 = Eigen::Vector3d;  ///< (x, y, z)
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixView = Eigen::Ref<const Matrix>;
 

@@ -3,6 +3,7 @@
 
 #include "stiction/array.hpp"
 
+#include <string_view>
 #include <vector>
 
 namespace stiction {
@@ -10,16 +11,19 @@ namespace stiction {
 /// Which body a profile bounds: `lower` is solid below it, `upper` solid above it.
 enum class Side { lower, upper };
 
+/// By the words of results: "lower", "upper". Throws std::invalid_argument for another.
+Side side(std::string_view word);
+
 /// The osculating sphere of a profile at one point.
 struct Asperity {
-  Vector2 normal;  ///< unit vector out of the solid
+  Vector3 normal;  ///< unit vector out of the solid, (n_x, 0, n_z)
   double radius;   ///< R [µm], positive where the solid is convex; infinite where the curvature is zero
 
   /// Sphere centre relative to the point on the profile [µm]; not finite where the radius is not.
-  Vector2 centre_offset() const { return -radius * normal; }
+  Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 
-/// slope f' [-], curvature f'' [1/µm]. With q = sqrt(1 + f'²): normal (-f', 1)/q and R = -q³/f'' for the lower body,
+/// slope f' [-], curvature f'' [1/µm]. With q = sqrt(1 + f'²): normal (-f', 0, 1)/q and R = -q³/f'' for the lower body,
 /// both negated for the upper one.
 Asperity asperity(double slope, double curvature, Side side);
 
@@ -27,9 +31,9 @@ Asperity asperity(double slope, double curvature, Side side);
 struct Asperities {
   std::vector<double> slope;      ///< f' [-]
   std::vector<double> curvature;  ///< f'' [1/µm]
-  std::vector<Vector2> normal;    ///< [-]
+  std::vector<Vector3> normal;    ///< [-]
   std::vector<double> radius;     ///< R [µm]
-  std::vector<Vector2> centre;    ///< [µm], point j of the profile lying at (j Δx, y_j)
+  std::vector<Vector3> centre;    ///< [µm], point j of the profile lying at (j Δx, 0, z_j)
 };
 
 Asperities asperities(Values heights, double spacing, Side side);

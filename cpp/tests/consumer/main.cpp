@@ -44,18 +44,19 @@ std::vector<double> arc(double radius, double sign) {
 int main() {
   const double mu0 = 0.4;
   const std::vector<double> approaches{0.005, 0.010, 0.020};
-  const stiction::LoadSums sums = stiction::press(fractal(3), fractal(13), spacing, approaches, model);
+  const std::vector<double> above = fractal(3);
+  const std::vector<double> below = fractal(13);
+  const std::vector<stiction::Sums> sums = stiction::press({above, below, spacing}, approaches, model);
   for (std::size_t k = 0; k < approaches.size(); ++k) {
-    const double normal = sums.normal_elastic[k] + mu0 * sums.normal_frictional[k];
-    const double tangential = sums.tangential_elastic[k] + mu0 * sums.tangential_frictional[k];
-    std::printf("approach %g um: load %.4g mN, mu_s %.3f\n", approaches[k], normal, tangential / normal);
+    std::printf("approach %g um: load %.4g mN, mu_s %.3f\n", approaches[k], stiction::normal_load(sums[k], mu0),
+                stiction::friction_coefficient(sums[k], mu0));
   }
 
   // Two arcs touch at their apexes, so that the overlap is the approach: F = 4/3 E* R^(1/2) overlap^(3/2).
   const std::vector<double> upper = arc(3.0, -1.0);
   const std::vector<double> lower = arc(6.0, +1.0);
   const double overlap = 0.002;
-  const double load = stiction::press(upper, lower, spacing, {&overlap, 1}, model).normal_elastic[0];
+  const double load = stiction::press({upper, lower, spacing}, {&overlap, 1}, model).front().normal_elastic;
   const double hertz = 4.0 / 3.0 * 10.0 * std::sqrt(1.0 / (1.0 / 3.0 + 1.0 / 6.0)) * std::pow(overlap, 1.5);
   const double radius = stiction::asperities(lower, spacing, stiction::Side::lower).radius[points / 2];
   std::printf("two arcs: load %.6g mN, by Hertz %.6g mN; radius of the lower %.6g um\n", load, hertz, radius);

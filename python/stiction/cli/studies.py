@@ -15,7 +15,7 @@ import typer
 
 from stiction import __version__
 from stiction.cli.application import INTERRUPTED, app, say
-from stiction.mechanics.contact import Validity
+from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.runner import available_cores, run
 from stiction.studies.study import Study, StudyError, differences, study_names
 
@@ -139,7 +139,7 @@ def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a 
 
 def _show_validity(dataset: Any) -> None:
     """Of the mean over the repetitions: from the least to the most over fractal dimensions and amplitudes."""
-    figures = vars(Validity.of(dataset.mean("repetition")))
+    figures = vars(Validity.of(Sums.of(dataset.mean("repetition"))))
     approaches = dataset["approach"].values
     shown = sorted({0, approaches.size // 2, approaches.size - 1})
     titles = [f"at {1000 * approaches[index]:.3g} nm" for index in shown]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stiction import _core
+import stiction._core
 from stiction._checks import Floats, choice, read_only
 from stiction.surfaces.fractal import Side
 from stiction.surfaces.profile import Profile
@@ -20,11 +20,11 @@ class Asperities:
         f' of the natural cubic spline, dimensionless.
     curvature : (n,) ndarray, 1/µm
         f'' of the spline; zero at both ends.
-    normal : (n, 2) ndarray
-        Unit vector out of the solid.
+    normal : (n, 3) ndarray
+        Unit vector (x, y, z) out of the solid, z being height; y is 0.
     radius : (n,) ndarray, µm
         Positive where the solid is convex, infinite where the curvature is zero.
-    centre : (n, 2) ndarray, µm
+    centre : (n, 3) ndarray, µm
         Sphere centre; not finite where the radius is not.
     """
 
@@ -51,9 +51,9 @@ def asperities(profile: Profile, side: Side) -> Asperities:
 
     Notes
     -----
-    With q = sqrt(1 + f'²), the lower body has n = (-f', 1)/q and R = -q³/f'', the upper one both negated, and the
+    With q = sqrt(1 + f'²), the lower body has n = (-f', 0, 1)/q and R = -q³/f'', the upper one both negated, and the
     centre is x - R n. The end condition f'' = 0 makes radii within about ten points of an end unreliable.
     """
     choice("side", side, Side)
-    arrays = _core.asperities(profile.heights, spacing=profile.spacing, upper=side == "upper")
+    arrays = stiction._core.asperities(profile.heights, spacing=profile.spacing, side=side)
     return Asperities(*(read_only(array) for array in arrays))

@@ -1,43 +1,147 @@
 """Friction as linear algebra: F = elastic + mu0 frictional + tau0 adhesive, for both components of the load.
 
-Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5. The functions take any arrays that broadcast, NumPy's or
-xarray's, so that a curve, an ensemble and a map go the same way.
+Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
 
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number
+from stiction.mechanics.quantities import SUMS
 
-STATUS_OK = "ok"
-STATUS_SELF_LOCKED = "self-locked"
-STATUS_NO_CONTACT = "no-contact"
-STATUS_NOT_REACHED = "not-reached"
-STATUS_BELOW_RANGE = "below-range"
+Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range"]
+"""Whether a point has a coefficient of friction, or why not."""
+
+STATUS_OK: Status = "ok"
+STATUS_SELF_LOCKED: Status = "self-locked"
+STATUS_NO_CONTACT: Status = "no-contact"
+STATUS_NOT_REACHED: Status = "not-reached"
+STATUS_BELOW_RANGE: Status = "below-range"
+
+STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in get_args(Status))}")
+"""Of arrays of them."""
 
 SHEAR_STRENGTH_LIMIT = 0.1
 """tau0/E* above which tau0 is nearly always MPa given as GPa."""
 
 
-def normal_load(sums: Any, mu0: Any, tau0: Any) -> Any:
-    """F_N in mN for mu0 (dimensionless) and tau0 in GPa, of whatever carries the six sums."""
-    return sums.normal_elastic + mu0 * sums.normal_frictional + tau0 * sums.normal_adhesive
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sums:
+    """Sums over contacts from which both loads follow for every mu0 and tau0; arrays that are all of one shape.
+
+    n is the contact normal, t the tangent, s the direction in which the upper body is about to move; "opposing"
+    contacts are those whose normal force opposes the motion, s·n < 0.
+
+    Attributes
+    ----------
+    contact_count : ndarray of int
+    contact_area : ndarray, µm²
+    normal_elastic, tangential_elastic : ndarray, mN
+        Σ F n_z over all, -Σ F s·n over opposing contacts.
+    normal_frictional, tangential_frictional : ndarray, mN per unit mu0
+        Σ F t_z, -Σ F s·t over opposing contacts.
+    normal_adhesive, tangential_adhesive : ndarray, mN per GPa of tau0
+        Σ A t_z, -Σ A s·t over opposing contacts.
+    overlap_load, load_beyond_hertz, load_below_grid : ndarray, mN
+        Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
+        `Validity`.
+    crossed_count : ndarray of int
+        Would-be contacts that were refused because their sphere centres had crossed.
+    """
+
+    contact_count: NDArray[Any]
+    contact_area: Floats
+    normal_elastic: Floats
+    tangential_elastic: Floats
+    normal_frictional: Floats
+    tangential_frictional: Floats
+    normal_adhesive: Floats
+    tangential_adhesive: Floats
+    overlap_load: Floats
+    load_beyond_hertz: Floats
+    load_below_grid: Floats
+    crossed_count: NDArray[Any]
+
+    @classmethod
+    def of(cls, columns: Mapping[str, Any]) -> Sums:
+        """From anything that has all of them by name; a dataset's variables do for its arrays."""
+        return Sums(**{name: columns[name] for name in SUMS})
+
+    def each(self, function: Callable[[NDArray[Any]], Any]) -> Sums:
+        """A function of each: a choice of elements, a mean."""
+        return Sums(**{name: function(getattr(self, name)) for name in SUMS})
 
 
-def tangential_load(sums: Any, mu0: Any, tau0: Any) -> Any:
-    """F_T in mN for mu0 (dimensionless) and tau0 in GPa, of whatever carries the six sums."""
-    return sums.tangential_elastic + mu0 * sums.tangential_frictional + tau0 * sums.tangential_adhesive
+@dataclass(frozen=True, eq=False)
+class Validity:
+    """How far the model is to be trusted; NaN where there is no contact. Shares are of the normal load Σ F n_z.
+
+    Attributes
+    ----------
+    relative_overlap : ndarray
+        Load-weighted mean of overlap/R. Hertz assumes a << R, that is, much less than 1.
+    share_beyond_hertz : ndarray
+        Share carried by contacts with overlap > R/10.
+    share_below_grid : ndarray
+        Share carried by contacts whose radius is below the grid spacing: of the grid rather than of the surface.
+    share_crossed : ndarray
+        Share of would-be contacts that were refused because their sphere centres had crossed.
+    """
+
+    relative_overlap: Floats
+    share_beyond_hertz: Floats
+    share_below_grid: Floats
+    share_crossed: Floats
+
+    @classmethod
+    def of(cls, sums: Sums) -> Validity:
+        """That of sums."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return cls(
+                relative_overlap=sums.overlap_load / sums.normal_elastic,
+                share_beyond_hertz=sums.load_beyond_hertz / sums.normal_elastic,
+                share_below_grid=sums.load_below_grid / sums.normal_elastic,
+                share_crossed=sums.crossed_count / (sums.crossed_count + sums.contact_count),
+            )
 
 
-def status_of(contact_count: ArrayLike, normal: Floats) -> NDArray[np.str_]:
-    """'no-contact' where there is none, else 'self-locked' where F_N <= 0, else 'ok'."""
-    locked = np.where(normal > 0, STATUS_OK, STATUS_SELF_LOCKED)
-    return np.where(np.asarray(contact_count) == 0, STATUS_NO_CONTACT, locked)
+def normal_load(sums: Sums, mu0: Floats | float, tau0: Floats | float) -> Floats:
+    """F_N in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
+    return np.asarray(sums.normal_elastic + mu0 * sums.normal_frictional + tau0 * sums.normal_adhesive)
+
+
+def tangential_load(sums: Sums, mu0: Floats | float, tau0: Floats | float) -> Floats:
+    """F_T in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
+    return np.asarray(sums.tangential_elastic + mu0 * sums.tangential_frictional + tau0 * sums.tangential_adhesive)
+
+
+def status_of(*, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False) -> NDArray[Any]:
+    """The one ladder of statuses, for curves, ensembles and traverses; booleans that broadcast.
+
+    "no-contact" unless bodies `touched`, else "ok" where the load is `reached`, else "below-range" where the load at
+    the first approach is above it, else "self-locked" where friction has `locked` the bodies at the last, else
+    "not-reached".
+    """
+    ladder: list[tuple[ArrayLike, Status]] = [
+        (np.logical_not(touched), STATUS_NO_CONTACT),
+        (reached, STATUS_OK),
+        (below, STATUS_BELOW_RANGE),
+        (locked, STATUS_SELF_LOCKED),
+    ]
+    conditions = np.broadcast_arrays(*(np.asarray(condition, dtype=np.bool_) for condition, _ in ladder))
+    return np.select(conditions, [np.asarray(status, STATUS_DTYPE) for _, status in ladder], STATUS_NOT_REACHED)
+
+
+def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
+    """Status at an approach: there every load is reached but one that is not above 0."""
+    return status_of(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
 def friction_parameter(name: str, values: ArrayLike) -> Floats:

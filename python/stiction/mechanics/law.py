@@ -1,29 +1,46 @@
 """Contact laws: what one asperity contact carries.
 
-A law is a small object; the effective modulus, which all laws share, is given where it is used.
+A law is a small frozen dataclass whose fields are its parameters, each with its unit; its name and the table of it in a
+study file follow from these, and the core has a law of the same name and parameters. The effective modulus, which all
+laws share, is given where it is used.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, Protocol
+import re
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, ClassVar, Literal
 
-from stiction import _core
+import stiction._core
 from stiction._checks import choice, number
 
-CoreLaw = _core.HertzSphere | _core.HertzCylinder | _core.JacksonGreen
 
+def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
+    """A parameter of a law: its unit, "µm", "GPa" or none, and the ends of its range where they belong to it.
 
-class Law(Protocol):
-    """Anything that makes itself a law of the core, for an effective modulus in GPa."""
-
-    def core(self, effective_modulus: float) -> CoreLaw:
-        """The law of the core."""
-        ...
+    Those without ends are above 0.
+    """
+    return field(default=default, metadata={"unit": unit, "least": least, "most": most})
 
 
 @dataclass(frozen=True)
-class HertzSphere:
+class Law:
+    """What one contact carries. Each law is a subclass, listed in `LAWS`."""
+
+    name: ClassVar[str]
+
+    def __init_subclass__(cls) -> None:
+        """Name a law after its class: JacksonGreen is "jackson-green"."""
+        cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
+
+    def parameters(self, effective_modulus: float) -> dict[str, float]:
+        """All that the law of the core takes, with E* in GPa."""
+        own = {each.name: number(each.name, getattr(self, each.name)) for each in fields(self)}
+        return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **own}
+
+
+@dataclass(frozen=True)
+class HertzSphere(Law):
     """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact within a << R.
 
     Notes
@@ -37,13 +54,9 @@ class HertzSphere:
     0.5
     """
 
-    def core(self, effective_modulus: float) -> CoreLaw:
-        """The law of the core."""
-        return _core.HertzSphere(effective_modulus=effective_modulus)
-
 
 @dataclass(frozen=True)
-class HertzCylinder:
+class HertzCylinder(Law):
     """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact within a << R.
 
     Parameters
@@ -57,15 +70,11 @@ class HertzCylinder:
     distant points of a line contact depends on the size of the bodies and has no value of its own.
     """
 
-    width: float = 1.0
-
-    def core(self, effective_modulus: float) -> CoreLaw:
-        """The law of the core."""
-        return _core.HertzCylinder(effective_modulus=effective_modulus, width=number("width", self.width))
+    width: float = parameter("µm", default=1.0)
 
 
 @dataclass(frozen=True)
-class JacksonGreen:
+class JacksonGreen(Law):
     """Spheres that yield: elastic, perfectly plastic, fitted to finite elements.
 
     Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν); above, contact spreads and
@@ -84,34 +93,27 @@ class JacksonGreen:
     less than 1 %. Loading only.
     """
 
-    yield_strength: float
-    poisson_ratio: float
+    yield_strength: float = parameter("GPa")
+    poisson_ratio: float = parameter("", least=0.0, most=0.5)
 
-    def core(self, effective_modulus: float) -> CoreLaw:
-        """The law of the core."""
-        return _core.JacksonGreen(
-            effective_modulus=effective_modulus,
-            yield_strength=number("yield_strength", self.yield_strength),
-            poisson_ratio=number("poisson_ratio", self.poisson_ratio),
-        )
 
+LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)
+"""Every law there is."""
 
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
-"""Laws that need no parameters have a name."""
+"""Laws that need no parameters may be given by name."""
 
-_NAMED: dict[str, Law] = {"hertz-sphere": HertzSphere(), "hertz-cylinder": HertzCylinder()}
+NAMED: dict[str, Law] = {law.name: law() for law in LAWS if all(each.default is not MISSING for each in fields(law))}
 
 
-def core_law(law: Law | LawName, *, effective_modulus: float) -> CoreLaw:
-    """The core's law of a law or its name, with E* in GPa; a bad parameter is a ValueError that names it."""
+def law_of(law: Law | LawName) -> Law:
+    """A law, or the one of a name; anything else is a ValueError."""
     if isinstance(law, str):
         choice("law", law, LawName)
-        law = _NAMED[law]
-    if not hasattr(law, "core"):
+        return NAMED[law]
+    if not isinstance(law, Law):
         raise ValueError(f"law must be a contact law or the name of one, got {law!r}")
-    core = law.core(number("effective_modulus", effective_modulus, unit="GPa", above=0))
-    _core.check(core)
-    return core
+    return law
 
 
 def force_and_area(
@@ -133,7 +135,10 @@ def force_and_area(
     ValueError
         If an argument or a parameter of the law is outside its range.
     """
-    core = core_law(law, effective_modulus=effective_modulus)
-    return _core.force_and_area(
-        core, number("overlap", overlap, unit="µm", above=0), number("radius", radius, unit="µm", above=0)
+    chosen = law_of(law)
+    return stiction._core.force_and_area(
+        chosen.name,
+        chosen.parameters(effective_modulus),
+        overlap=number("overlap", overlap, unit="µm", above=0),
+        radius=number("radius", radius, unit="µm", above=0),
     )

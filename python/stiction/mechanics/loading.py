@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypedDict, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
-from stiction.mechanics.contact import EFFECTIVE_MODULUS, Curvature, Detection, LoadCurve, Shear, press
-from stiction.mechanics.law import Law, LawName
+from stiction.mechanics.candidates import Candidates, candidates
+from stiction.mechanics.contact import LoadCurve, press
+from stiction.mechanics.model import ContactKeywords, ContactModel, model_of
 from stiction.surfaces.profile import Profile
 
 _LEAST = 1e-6
@@ -23,18 +24,11 @@ _STEP = 1.1
 _STEPS_AT_A_TIME = 16
 """Sampled approaches between two looks at whether all loads are reached; deeper ones cost the more."""
 
+_FURTHER = 1.05
+"""How much further than they are asked for candidates are looked for."""
+
 _TOLERANCE = 1e-12
 """Relative, of an approach."""
-
-
-class ContactChoices(TypedDict, total=False):
-    """The keywords that `press` takes."""
-
-    effective_modulus: float
-    law: Law | LawName
-    detection: Detection
-    curvature: Curvature
-    shear: Shear
 
 
 def approach_at_load(
@@ -44,7 +38,7 @@ def approach_at_load(
     *,
     mu0: float,
     tau0: float = 0.0,
-    **contact: Unpack[ContactChoices],
+    **contact: Unpack[ContactKeywords],
 ) -> Floats:
     """Approach at which two profiles first carry given normal loads.
 
@@ -59,7 +53,7 @@ def approach_at_load(
     tau0 : float, GPa
         Adhesive shear strength.
     **contact
-        effective_modulus, law, detection, curvature and shear, as for `press`.
+        As for `press`.
 
     Returns
     -------
@@ -92,35 +86,49 @@ def approach_at_load(
     wanted = float_array("loads", loads)
     if not (wanted > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    mu0, tau0 = friction.one_material(mu0, tau0, contact.get("effective_modulus", EFFECTIVE_MODULUS))
-    approach, _ = crossing(upper, lower, wanted.ravel(), mu0=mu0, tau0=tau0, **contact)
+    model = model_of(contact)
+    mu0, tau0 = friction.one_material(mu0, tau0, model.effective_modulus)
+    approach, _ = crossing(Bodies(upper, lower), wanted.ravel(), mu0=mu0, tau0=tau0, model=model)
     return approach.reshape(wanted.shape)
 
 
+class Bodies:
+    """Two profiles that are pressed together again and again; the gap minima of a curvature are found once."""
+
+    def __init__(self, upper: Profile, lower: Profile) -> None:
+        self.upper, self.lower = upper, lower
+        self._found: Candidates | None = None
+
+    def pressed(self, approaches: Floats, model: ContactModel) -> LoadCurve:
+        """`press`; whatever has been found before, the sums are the same to the bit."""
+        if model.detection == "cell":
+            return press(self.upper, self.lower, approaches, model=model)
+        deepest, found = float(approaches[-1]), self._found
+        if found is None or found.deepest < deepest or found.curvature != model.curvature:
+            # Some further, because what is asked for next is often a little deeper.
+            found = candidates(self.upper, self.lower, deepest=_FURTHER * deepest, curvature=model.curvature)
+            self._found = found
+        return press(found, approaches, model=model)
+
+
 def crossing(
-    upper: Profile,
-    lower: Profile,
-    loads: Floats,
-    *,
-    mu0: float,
-    tau0: float,
-    **contact: Unpack[ContactChoices],
+    bodies: Bodies, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
     """Approaches (l,) that first carry loads (l,), and the status of each: "ok", or why it is NaN."""
 
     def carried(curve: LoadCurve) -> Floats:
-        return np.asarray(friction.normal_load(curve, mu0, tau0))
+        return friction.normal_load(curve, mu0, tau0)
 
-    curve = press(upper, lower, [0.0], **contact)
+    curve = bodies.pressed(np.zeros(1), model)
     normal = carried(curve)
     steps, below = curve.approach, normal[0] >= loads
     todo = ~below
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    for chunk in _sampled(upper, lower):
+    for chunk in _sampled(bodies.upper, bodies.lower):
         if not todo.any():
             break
-        curve = press(upper, lower, chunk, **contact)
+        curve = bodies.pressed(chunk, model)
         steps = np.append(steps[-1], chunk)
         normal = np.append(normal[-1], carried(curve))
         touched = touched or bool(curve.contact_count.any())
@@ -129,26 +137,19 @@ def crossing(
         index = crosses.argmax(axis=0)[found]
         left[found], right[found] = steps[index], steps[index + 1]
         todo &= ~found
-    status = np.where(todo, _why_not(touched, curve, normal), friction.STATUS_OK)
-    status = np.where(below, friction.STATUS_BELOW_RANGE, status)
+    reached = ~(todo | below)
+    locked = bool(curve.contact_count[-1] > 0 and normal[-1] <= 0)
+    status = friction.status_of(touched=touched, reached=reached, below=below, locked=locked)
     approach = np.full(loads.size, np.nan)
-    reached = status == friction.STATUS_OK
     if reached.any():
 
         def excess(approaches: Floats, load: Floats) -> Floats:
             distinct, place = np.unique(approaches, return_inverse=True)
-            normal = carried(press(upper, lower, distinct, **contact))
+            normal = carried(bodies.pressed(distinct, model))
             return normal[place].reshape(approaches.shape) - load
 
         approach[reached] = _first_not_negative(excess, left[reached], right[reached], loads[reached])
     return approach, status
-
-
-def _why_not(touched: bool, last: LoadCurve, normal: Floats) -> str:
-    if not touched:
-        return friction.STATUS_NO_CONTACT
-    locked = last.contact_count[-1] > 0 and normal[-1] <= 0
-    return friction.STATUS_SELF_LOCKED if locked else friction.STATUS_NOT_REACHED
 
 
 def _sampled(upper: Profile, lower: Profile) -> list[Floats]:

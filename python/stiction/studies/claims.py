@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -23,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, number
 from stiction.mechanics import friction
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.ensemble import Crossing
 from stiction.studies.study import Study, study_of
 
@@ -151,7 +150,7 @@ class Resampled:
         amplitude: float | None = None,
     ) -> Floats:
         """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
-        pair = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in SUMS})
+        pair = friction.Sums(**{name: self.sums(name, amplitude or self.amplitude) for name in SUMS})
         normal = friction.normal_load(pair, mu0, tau0)
         match what:
             case "friction":

@@ -16,19 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics import friction
-from stiction.mechanics.contact import SUMS, Validity
+from stiction.mechanics.friction import STATUS_DTYPE, Validity
+from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 
 if TYPE_CHECKING:
     import xarray
 
 CONFIDENCE = 0.95
-
-VALIDITY = {
-    "relative_overlap": "load-weighted mean of overlap / radius",
-    "share_beyond_hertz": "share of the load on contacts with an overlap above a tenth of their radius",
-    "share_below_grid": "share of the load on contacts with a radius below the grid spacing",
-    "share_crossed": "share of would-be contacts refused because their sphere centres had crossed",
-}
 
 _DIMS = ("fractal_dimension", "amplitude", "repetition", "approach")
 
@@ -232,13 +226,6 @@ def stiffness_map(
     return _map(dataset, loads, mu0, tau0, "normal_stiffness")
 
 
-_QUANTITIES = {
-    "friction_coefficient": ("1", "coefficient of static friction"),
-    "contact_area": ("um^2", "true contact area"),
-    "normal_stiffness": ("mN/um", "normal stiffness"),
-}
-
-
 def _map(
     dataset: xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str
 ) -> xarray.Dataset:
@@ -257,7 +244,7 @@ def _map(
     )  # fmt: skip
     mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
     validity = {name: np.full(shape, np.nan) for name in VALIDITY}
-    status = np.full(shape, friction.STATUS_OK, dtype="<U11")
+    status = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
     sums = _Sums({name: data[name].values for name in SUMS if name in data})
     judged = all(name in data for name in SUMS)  # a dataset of loads alone still has a friction coefficient
     for d, a in np.ndindex(shape[:2]):
@@ -289,14 +276,14 @@ def _map(
         "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
     }
     dims = tuple(coordinates)
-    units, long_name = _QUANTITIES[what]
+    units, long_name = QUANTITIES[what]
     return xarray.Dataset(
         {
             what: (dims, mean, {"units": units, "long_name": long_name}),
             "lower": (dims, lower, {"units": units, "long_name": f"lower end of the 95 % interval of the {long_name}"}),
             "upper": (dims, upper, {"units": units, "long_name": f"upper end of the 95 % interval of the {long_name}"}),
-            "status": (dims, status, {"long_name": "whether the value exists, or why not"}),
-            **{name: (dims, values, {"units": "1", "long_name": VALIDITY[name]}) for name, values in validity.items()},
+            "status": (dims, status, attributes_of("status")),
+            **{name: (dims, values, attributes_of(name)) for name, values in validity.items()},
         },
         coordinates,
         dict(dataset.attrs),
@@ -347,8 +334,4 @@ def _locked(pair: _Sums, normal: Floats) -> bool:
 
 
 def _status(touched: bool, locked: bool, crossing: Crossing) -> NDArray[np.str_]:
-    if not touched:
-        return np.full(crossing.reached.shape[1], friction.STATUS_NO_CONTACT)
-    missed = friction.STATUS_SELF_LOCKED if locked else friction.STATUS_NOT_REACHED
-    unreached = np.where(crossing.below[0], friction.STATUS_BELOW_RANGE, missed)
-    return np.where(crossing.reached[0], friction.STATUS_OK, unreached)
+    return friction.status_of(touched=touched, reached=crossing.reached[0], below=crossing.below[0], locked=locked)

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
-from stiction.mechanics.contact import SUMS, press
+from stiction.mechanics.contact import press
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.study import Study, StudyError, study_from_text
 from stiction.surfaces.fractal import Side, fill_family, random_phases
 from stiction.surfaces.profile import scaled_profile
@@ -45,6 +46,7 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
     dimensions = study.surfaces.fractal_dimensions()
     amplitudes = study.surfaces.amplitudes()
     approaches = study.contact.approaches()
+    model = study.contact.model()
     spacing = float(study.surfaces.extent) / study.surfaces.points
     measure = study.surfaces.amplitude_measure
     shape = (dimensions.size, amplitudes.size, approaches.size)
@@ -63,11 +65,7 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
                     scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
                     scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
                     approaches,
-                    effective_modulus=float(study.contact.effective_modulus),
-                    law=study.contact.contact_law(),
-                    detection=study.contact.detection,
-                    curvature=study.contact.curvature,
-                    shear=study.contact.shear,
+                    model=model,
                 )
                 for name in SUMS:
                     sums[name][d, a] = getattr(curve, name)

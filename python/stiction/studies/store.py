@@ -24,7 +24,7 @@ import xarray
 from numpy.typing import NDArray
 
 from stiction._core import __version__
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.files import (
     COMPLETE,

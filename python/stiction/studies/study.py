@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import itertools
 import json
@@ -9,7 +10,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 import numpy as np
 from pydantic import (
@@ -23,14 +24,16 @@ from pydantic import (
     PlainValidator,
     Tag,
     ValidationError,
+    create_model,
     model_validator,
 )
 from pydantic_core import ErrorDetails
 
 from stiction._checks import Floats
 from stiction._units import Quantity, quantity, shortened
-from stiction.mechanics.contact import SUMS, Curvature, Detection, Shear
-from stiction.mechanics.law import HertzCylinder, JacksonGreen, Law, LawName
+from stiction.mechanics.law import LAWS, NAMED, Law, LawName
+from stiction.mechanics.model import ContactModel, Curvature, Detection, Shear
+from stiction.mechanics.quantities import SUMS
 from stiction.surfaces.fractal import Convention
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
 
@@ -144,7 +147,7 @@ class ApproachRange(_Table):
 
 # Which of a range or a list a value is, told before it is read, so that its faults are those of one kind.
 _RANGE, _LIST, _NAME = "a range", "a list", "a name"
-_TAGS = (_RANGE, _LIST, _NAME, "hertz-cylinder", "jackson-green")
+_TAGS = (_RANGE, _LIST, _NAME, *(law.name for law in LAWS))
 
 
 def _range_or_list(value: object) -> str | None:
@@ -193,54 +196,63 @@ class Surfaces(_Table):
         return _array(self.amplitude)
 
 
-class HertzCylinderTable(_Table):
-    """Cylinders of a width of their own."""
-
-    name: Literal["hertz-cylinder"]
-    width: Length
+class LawTable(_Table):
+    """A contact law with its parameters; of each law that has some there is a subclass, made from its fields."""
 
     def law(self) -> Law:
         """The law itself."""
-        return HertzCylinder(width=float(self.width))
+        kind = next(law for law in LAWS if law.name == getattr(self, "name", None))
+        return kind(**{each.name: float(getattr(self, each.name)) for each in dataclasses.fields(kind)})
 
 
-class JacksonGreenTable(_Table):
-    """Spheres that yield."""
+_KINDS: dict[str, Any] = {"µm": Length, "GPa": Modulus}
 
-    name: Literal["jackson-green"]
-    yield_strength: Modulus
-    poisson_ratio: float = Field(ge=0, le=0.5)
 
-    def law(self) -> Law:
-        """The law itself."""
-        return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
+def _table_of(law: type[Law]) -> type[LawTable]:
+    def entry(parameter: dataclasses.Field[Any]) -> Any:
+        given = parameter.metadata
+        kind = _KINDS.get(given["unit"]) or Annotated[float, Field(ge=given["least"], le=given["most"])]
+        return kind, ...
+
+    entries = {each.name: entry(each) for each in dataclasses.fields(law)}
+    return create_model(
+        f"{law.__name__}Table", __base__=LawTable, __doc__=law.__doc__, name=(Literal[law.name], ...), **entries
+    )
+
+
+_LAW_TABLES = {law.name: _table_of(law) for law in LAWS if dataclasses.fields(law)}
 
 
 def _kind_of_law(value: object) -> str | None:
     if isinstance(value, str):
         return _NAME
     name = value.get("name") if isinstance(value, Mapping) else getattr(value, "name", None)
-    return name if name in ("hertz-cylinder", "jackson-green") else None
+    return name if name in _LAW_TABLES else None
 
 
 _law = Discriminator(
     _kind_of_law,
     custom_error_type="law",
-    custom_error_message='must be "hertz-sphere" or "hertz-cylinder", or a table of name "hertz-cylinder" (width) or '
-    '"jackson-green" (yield_strength, poisson_ratio)',
+    custom_error_message="must be "
+    + " or ".join(f'"{name}"' for name in NAMED)
+    + ", or a table of name "
+    + " or ".join(f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in _LAW_TABLES.items()),
 )
+# For the type checker a law is one of two; for pydantic it is a name or one of the tables.
+if TYPE_CHECKING:
+    LawEntry = LawName | LawTable
+else:
+    LawEntry = Annotated[
+        Union[Annotated[LawName, Tag(_NAME)], *(Annotated[table, Tag(name)] for name, table in _LAW_TABLES.items())],
+        _law,
+    ]
 
 
 class Contact(_Table):
     """How a pair is pressed together."""
 
     effective_modulus: Modulus = quantity("10 GPa", "pressure")
-    law: Annotated[
-        Annotated[LawName, Tag(_NAME)]
-        | Annotated[HertzCylinderTable, Tag("hertz-cylinder")]
-        | Annotated[JacksonGreenTable, Tag("jackson-green")],
-        _law,
-    ] = "hertz-sphere"
+    law: LawEntry = "hertz-sphere"
     detection: Detection = "cell"
     curvature: Curvature = "convex"
     shear: Shear = "+x"
@@ -248,9 +260,15 @@ class Contact(_Table):
         ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40)
     )
 
-    def contact_law(self) -> Law | LawName:
+    def model(self) -> ContactModel:
         """What `press` takes."""
-        return self.law if isinstance(self.law, str) else self.law.law()
+        return ContactModel(
+            effective_modulus=float(self.effective_modulus),
+            law=self.law if isinstance(self.law, str) else self.law.law(),
+            detection=self.detection,
+            curvature=self.curvature,
+            shear=self.shear,
+        )
 
     def approaches(self) -> Floats:
         """All approaches, µm."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from types import SimpleNamespace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 import numpy as np
@@ -18,8 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import EFFECTIVE_MODULUS, SUMS, LoadCurve, Shear, Validity, press
-from stiction.mechanics.loading import ContactChoices, crossing
+from stiction.mechanics.contact import LoadCurve
+from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
+from stiction.mechanics.loading import Bodies, crossing
+from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
+from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import ensemble
 from stiction.studies.runner import in_order
 from stiction.surfaces.fractal import Side
@@ -50,15 +53,10 @@ _STIFFNESS_STEP = 0.02
 _JUST_BEFORE = 1e-11
 """Share of an approach by which the step before it is closer to first touch: beyond the tolerance of `crossing`."""
 
-_QUANTITIES = {
-    "friction_coefficient": ("1", "coefficient of static friction"),
-    "tangential_load": ("mN", "tangential load that starts the sliding"),
-    "contact_area": ("um^2", "true contact area"),
-    "contact_count": ("1", "number of contacts"),
-    "normal_stiffness": ("mN/um", "normal stiffness"),
-    "approach": ("um", "approach since first touch"),
-    **{name: ("1", long_name) for name, long_name in ensemble.VALIDITY.items()},
-}
+_QUANTITIES = (
+    "friction_coefficient", "tangential_load", "contact_area", "contact_count", "normal_stiffness", "approach",
+    *VALIDITY,
+)  # fmt: skip
 
 _DIMS = ("shear", "line", "offset", "load")
 
@@ -73,7 +71,7 @@ def traverse(
     offsets: ArrayLike = 0.0,
     executor: Executor | None = None,
     progress: bool = False,
-    **contact: Unpack[ContactChoices],
+    **contact: Unpack[ContactKeywords],
 ) -> xarray.Dataset:
     """Friction of two profiles under given loads, in both shear directions, at lateral positions along each other.
 
@@ -136,11 +134,11 @@ def traverse(
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
     if "shear" in contact:
         raise ValueError("shear must not be given: a traverse has both directions")
-    choices: ContactChoices = {"detection": "gap-minimum", **contact}
+    model = model_of(contact, ContactModel(detection="gap-minimum"))
     load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    modulus = choices.get("effective_modulus", EFFECTIVE_MODULUS)
+    modulus = model.effective_modulus
     mu0, tau0 = friction.one_material(mu0, tau0, modulus)
     spacing = uppers[0].spacing
     places = _places(offsets, spacing)
@@ -153,8 +151,8 @@ def traverse(
             )
     shape = (len(SHEARS), len(uppers), places.size, load_values.size)
     arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
-    arrays["status"] = np.full(shape, friction.STATUS_OK, dtype="<U11")
-    position = functools.partial(_position, loads=load_values, mu0=mu0, tau0=tau0, choices=choices)
+    arrays["status"] = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
+    position = functools.partial(_position, loads=load_values, mu0=mu0, tau0=tau0, model=model)
     members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
     pairs = (
         (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
@@ -179,18 +177,15 @@ def traverse(
     }  # fmt: skip
     return xarray.Dataset(
         {
-            **{
-                name: (_DIMS, arrays[name], {"units": units, "long_name": long_name})
-                for name, (units, long_name) in _QUANTITIES.items()
-            },
-            "status": (_DIMS, arrays["status"], {"long_name": "whether the values exist, or why not"}),
+            **{name: (_DIMS, arrays[name], attributes_of(name)) for name in _QUANTITIES},
+            "status": (_DIMS, arrays["status"], attributes_of("status")),
         },
         coordinates,
         {
             "title": "stiction traverse",
-            "detection": choices["detection"],
-            "law": str(choices.get("law", "hertz-sphere")),
-            "curvature": choices.get("curvature", "convex"),
+            "detection": model.detection,
+            "law": str(model.law),
+            "curvature": model.curvature,
             "upper": "\n".join(uppers[0].history),
             "lower": "\n".join(lowers[0].history),
             "stiction_version": __version__,
@@ -310,14 +305,14 @@ def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profi
     return Profile(made.heights, spacing=made.spacing, history=(*profile.history, step))
 
 
-def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0: float, choices: ContactChoices) -> Any:
+def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0: float, model: ContactModel) -> Any:
     """Each quantity and the status at one position, (shear, load) each."""
-    upper, lower = pair
+    bodies = Bodies(*pair)
     values = {name: np.full((len(SHEARS), loads.size), np.nan) for name in _QUANTITIES}
-    status = np.empty((len(SHEARS), loads.size), dtype="<U11")
+    status = np.empty((len(SHEARS), loads.size), dtype=STATUS_DTYPE)
     for row, shear in enumerate(SHEARS):
-        directed: ContactChoices = {**choices, "shear": shear}
-        approach, status[row] = crossing(upper, lower, loads, mu0=mu0, tau0=tau0, **directed)
+        directed = replace(model, shear=shear)
+        approach, status[row] = crossing(bodies, loads, mu0=mu0, tau0=tau0, model=directed)
         ok = np.flatnonzero(status[row] == friction.STATUS_OK)
         if not ok.size:
             continue
@@ -325,7 +320,7 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
         shares = [1 - _STIFFNESS_STEP, 1 - _JUST_BEFORE, 1, 1 + _STIFFNESS_STEP]
         steps, place = np.unique(np.outer(shares, there), return_inverse=True)
         low, before, behind, high = place.reshape(len(shares), ok.size)
-        curve = press(upper, lower, steps, **directed)
+        curve = bodies.pressed(steps, directed)
         normal = friction.normal_load(curve, mu0, tau0)
         at = _across(curve, before, behind, (loads[ok] - normal[before], normal[behind] - normal[before]))
         tangential = friction.tangential_load(at, mu0, tau0)
@@ -343,12 +338,11 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
     return {**values, "status": status}
 
 
-def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Any:
+def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
     """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
     to_load, jump = rise
     share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)
-    sums = ((name, getattr(curve, name)) for name in SUMS)
-    return SimpleNamespace(**{name: each[before] + share * (each[behind] - each[before]) for name, each in sums})
+    return curve.each(lambda values: values[before] + share * (values[behind] - values[before]))
 
 
 def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:

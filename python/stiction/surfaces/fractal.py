@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction import _core
+import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
 from stiction.surfaces.surface import Surface, lengths
@@ -167,12 +167,12 @@ def fill_family(
     if band_limit is not None:
         choice("band_limit", band_limit, BandLimit)
     weights = [
-        _core.frequency_weights(
+        stiction._core.frequency_weights(
             hurst_exponent(dimension, convention=convention), phase_array.shape[1], gamma, length_scale
         )
         for dimension in dimensions
     ]
-    _core.harmonic_profiles(
+    stiction._core.harmonic_profiles(
         phase_array,
         np.array(weights).reshape(len(weights), phase_array.shape[1]),
         family,
@@ -278,7 +278,7 @@ def weierstrass_mandelbrot_surface(
     if band_limit is not None:
         choice("band_limit", band_limit, BandLimit)
     hurst = hurst_exponent(fractal_dimension, convention=convention)
-    weights = np.array(_core.frequency_weights(hurst, frequencies, gamma, length_scale))
+    weights = np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, length_scale))
 
     # Turns per point along y and x, in extended precision, because a high frequency makes many turns.
     angle = 4 * np.arctan(np.longdouble(1)) * np.arange(1, directions + 1)[:, np.newaxis] / directions
@@ -389,7 +389,7 @@ def weierstrass_mandelbrot_moments(
     gamma = number("gamma", gamma, above=1)
     shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
     hurst = hurst_exponent(fractal_dimension, convention=convention)
-    weights = np.array(_core.frequency_weights(hurst, frequencies, gamma, length_scale))
+    weights = np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, length_scale))
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
     wave_numbers = 2 * np.pi / length_scale * np.outer(cosines, gamma ** np.arange(frequencies))

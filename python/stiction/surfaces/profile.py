@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction import _core
+import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
@@ -123,7 +123,7 @@ def scaled_profile(
     """
     choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
-    if not _core.scale_to_amplitude(heights, amplitude, measure, scaled):
+    if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):
         raise ValueError("a flat profile has no amplitude to scale")
     profile = object.__new__(Profile)
     object.__setattr__(profile, "heights", read_only(scaled[:]))

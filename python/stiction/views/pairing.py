@@ -275,7 +275,7 @@ def contact_figure(
         figure = Figure(figsize=(WIDTH, 84 * MILLIMETRE), layout="constrained")
         whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
         _bodies(whole, x, *bodies)
-        whole.plot(*touching.centre.T, "o", color="C3", markersize=2, markeredgewidth=0)
+        whole.plot(*touching.centre[:, ::2].T, "o", color="C3", markersize=2, markeredgewidth=0)
         whole.set_title(
             f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm", loc="left", pad=3
         )
@@ -313,9 +313,10 @@ def _bodies(axes: Axes, x: Any, upper: Any, lower: Any) -> None:
 
 def _forces(axes: Axes, touching: Any, shown: Any, mu0: float, tau0: float) -> None:
     """Elastic forces on the upper body and the friction of the opposing contacts, all to one scale."""
-    elastic = touching.force[:, np.newaxis] * touching.normal
+    places, (normals, tangents) = touching.centre[:, ::2], (touching.normal[:, ::2], touching.tangent[:, ::2])  # x, z
+    elastic = touching.force[:, np.newaxis] * normals
     size = mu0 * touching.force + tau0 * touching.area
-    resisting = np.where(touching.opposing, size, 0.0)[:, np.newaxis] * touching.tangent
+    resisting = np.where(touching.opposing, size, 0.0)[:, np.newaxis] * tangents
     longest = float(np.hypot(*elastic[shown].T).max())
     for force, colour, label in (
         (elastic, "C3", "elastic force on the upper body"),
@@ -324,7 +325,7 @@ def _forces(axes: Axes, touching: Any, shown: Any, mu0: float, tau0: float) -> N
         drawn = shown & (np.hypot(*force.T) > 0)
         # In inches on the page, so that an arrow has the direction of its force whatever the axes are stretched by.
         axes.quiver(
-            *touching.centre[drawn].T, *force[drawn].T, color=colour, angles="uv", scale=longest / 0.45,
+            *places[drawn].T, *force[drawn].T, color=colour, angles="uv", scale=longest / 0.45,
             scale_units="inches", width=0.012, units="inches", zorder=3, label=label,
         )  # fmt: skip
-    axes.plot(*touching.centre[shown].T, "o", color="C3", markersize=2.5, markeredgewidth=0, zorder=4, label="contact")
+    axes.plot(*places[shown].T, "o", color="C3", markersize=2.5, markeredgewidth=0, zorder=4, label="contact")

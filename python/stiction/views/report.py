@@ -24,8 +24,9 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
-from stiction.mechanics.contact import SUMS, contacts
+from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import SHEAR_STRENGTH_LIMIT
+from stiction.mechanics.quantities import SUMS
 from stiction.studies.study import Study, differences, study_of
 from stiction.surfaces.fractal import random_phases, weierstrass_mandelbrot_family
 from stiction.surfaces.profile import Profile
@@ -288,22 +289,17 @@ def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tup
 
 def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, approach: float) -> dict[str, NDArray[Any]]:
     """Index, position (µm), x component of the normal and force (mN) of every contact."""
-    contact = study.contact
     upper, lower = (Profile(factor * body.heights, spacing=body.spacing) for body in (upper, lower))
     found = contacts(
         upper,
         lower,
         float(approach),
-        effective_modulus=float(contact.effective_modulus),
-        law=contact.contact_law(),
-        detection=contact.detection,
-        curvature=contact.curvature,
-        shear=contact.shear,
+        model=study.contact.model(),
     )
     return {
         "index": found.index,
         "x": found.centre[:, 0].copy(),
-        "z": found.centre[:, 1].copy(),
+        "z": found.centre[:, 2].copy(),
         "normal": found.normal[:, 0],
         "force": found.force,
     }

@@ -1,0 +1,30 @@
+#include "sums.hpp"
+
+namespace stiction::python {
+
+Table table_of(const std::vector<Sums>& rows) {
+  Table table;
+  for (const Quantity& quantity : quantities) {
+    const auto column_of = [&](auto member) -> py::array {
+      using Value = std::conditional_t<std::is_same_v<decltype(member), Index Sums::*>, std::int64_t, double>;
+      return column(rows, [&](const Sums& sums) { return static_cast<Value>(sums.*member); });
+    };
+    table[py::str(quantity.name.data(), quantity.name.size())] = std::visit(column_of, quantity.member);
+  }
+  return table;
+}
+
+void bind_sums(py::module_& module) {
+  module.def(
+      "quantities",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string>> all;
+        for (const Quantity& quantity : quantities) {
+          all.emplace_back(quantity.name, quantity.unit, quantity.words);
+        }
+        return all;
+      },
+      "Name, unit and words of each of the sums.");
+}
+
+}  // namespace stiction::python

@@ -1,0 +1,111 @@
+"""Places where two bodies may touch, found once and pressed many times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import stiction._core
+from stiction._checks import Floats, choice, number, read_only
+from stiction.mechanics.model import Curvature, check_pair
+from stiction.surfaces.profile import Profile
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """The local minima of the splined gap between two bodies, in the order of the grid; all arrays are read-only.
+
+    What `candidates` returns, and `contacts` and `press` take in place of two bodies. Positions are in the frame of the
+    lower body.
+
+    Attributes
+    ----------
+    index : (c,) ndarray of int
+        Grid point on the left of the minimum.
+    position : (c, 3) ndarray, µm
+        Of the lower body there.
+    gap : (c,) ndarray, µm
+        Above the first touch of grid points: a candidate touches at approaches above it. Slightly negative where a
+        minimum between grid points is lower than all of them.
+    radii : (c, 2) ndarray, µm
+        Principal radii of the relative curvature, the larger first.
+    deepest : float, µm
+        Approach up to which they were looked for.
+    curvature : {"convex", "signed"}
+        By which they were chosen.
+    """
+
+    core: stiction._core.Candidates
+    curvature: Curvature
+
+    def __len__(self) -> int:
+        """Return the number of candidates."""
+        return len(self.core)
+
+    @property
+    def deepest(self) -> float:  # noqa: D102
+        return self.core.deepest
+
+    @property
+    def index(self) -> NDArray[np.int64]:  # noqa: D102
+        return self._columns["index"]
+
+    @property
+    def position(self) -> Floats:  # noqa: D102
+        return self._columns["position"]
+
+    @property
+    def gap(self) -> Floats:  # noqa: D102
+        return self._columns["gap"]
+
+    @property
+    def radii(self) -> Floats:  # noqa: D102
+        return self._columns["radii"]
+
+    @cached_property
+    def _columns(self) -> dict[str, NDArray[np.float64]]:
+        return {name: read_only(column) for name, column in self.core.columns().items()}
+
+
+def candidates(upper: Profile, lower: Profile, *, deepest: float, curvature: Curvature = "convex") -> Candidates:
+    """Where two bodies may touch at approaches up to a deepest one: the local minima of their splined gap.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        On the same grid. A profile whose points lie on a line, to round-off, is a straight body.
+    deepest : float, µm
+        At least 0.
+    curvature : {"convex", "signed"}
+        Whether both bodies must be convex, or one may be a wider cup.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, candidates, press
+    >>> x = np.arange(201) * 0.01 - 1.003
+    >>> ball, flat = Profile(-(x**2) / 2, spacing=0.01), Profile(np.zeros(201), spacing=0.01)
+    >>> found = candidates(flat, ball, deepest=0.02)
+    >>> len(found), found.radii.round(3)
+    (1, array([[1., 1.]]))
+    >>> press(found, [0.01, 0.02]).contact_count
+    array([1, 1])
+    """
+    check_pair(upper, lower)
+    choice("curvature", curvature, Curvature)
+    core = stiction._core.candidates(
+        upper.heights,
+        lower.heights,
+        spacing=upper.spacing,
+        deepest=number("deepest", deepest, unit="µm"),
+        curvature=curvature,
+    )
+    return Candidates(core, curvature)

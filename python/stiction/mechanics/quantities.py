@@ -1,0 +1,49 @@
+"""What results are made of: the name of each quantity, its unit, and the words in which tables and figures say it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import stiction._core
+
+
+class Quantity(NamedTuple):
+    """How a result speaks of a number."""
+
+    unit: str
+    words: str
+
+
+_OF_THE_CORE = {name: Quantity(unit, words) for name, unit, words in stiction._core.quantities()}
+
+SUMS: tuple[str, ...] = tuple(_OF_THE_CORE)
+"""What a LoadCurve holds at each approach, and a result of each pair: the members of `Sums`, in the core's order."""
+
+VALIDITY: tuple[str, ...] = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
+"""The members of `Validity`."""
+
+QUANTITIES: dict[str, Quantity] = _OF_THE_CORE | {
+    "friction_coefficient": Quantity("1", "coefficient of static friction"),
+    "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
+    "normal_stiffness": Quantity("mN/um", "normal stiffness"),
+    "relative_overlap": Quantity("1", "load-weighted mean of overlap / radius"),
+    "share_beyond_hertz": Quantity("1", "share of the load on contacts with an overlap above a tenth of their radius"),
+    "share_below_grid": Quantity("1", "share of the load on contacts with a radius below the grid spacing"),
+    "share_crossed": Quantity("1", "share of would-be contacts refused because their sphere centres had crossed"),
+    "fractal_dimension": Quantity("1", "fractal dimension"),
+    "amplitude": Quantity("um", "amplitude"),
+    "repetition": Quantity("1", "repetition"),
+    "approach": Quantity("um", "approach since first touch"),
+    "load": Quantity("mN", "normal load"),
+    "mu0": Quantity("1", "molecular friction coefficient"),
+    "tau0": Quantity("GPa", "adhesive shear strength"),
+    "effective_modulus": Quantity("GPa", "effective modulus"),
+    "status": Quantity("", "whether the value exists, or why not"),
+}
+"""All of them, coordinates included."""
+
+
+def attributes_of(name: str) -> dict[str, str]:
+    """The attributes of a variable of that name in a dataset."""
+    unit, words = QUANTITIES[name]
+    return {"units": unit, "long_name": words} if unit else {"long_name": words}
