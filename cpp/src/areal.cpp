@@ -21,18 +21,18 @@ using std::numbers::pi;
 
 [[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
 
-std::string shape_of(const MatrixView& map) {
-  return "(" + std::to_string(map.rows()) + ", " + std::to_string(map.cols()) + ")";
+std::string size_of(const MatrixView& map) {
+  return std::to_string(map.rows()) + " by " + std::to_string(map.cols());
 }
 
 // ---- From maps to the gap -------------------------------------------------------------------------------------------
 
 void check(const SurfacePair& pair, double deepest) {
   if (pair.upper.rows() != pair.lower.rows() || pair.upper.cols() != pair.lower.cols()) {
-    fail("upper and lower must have equal shapes, not " + shape_of(pair.upper) + " and " + shape_of(pair.lower));
+    fail("upper and lower must have equal shapes, not " + size_of(pair.upper) + " and " + size_of(pair.lower));
   }
   if (pair.upper.rows() < fewest_points || pair.upper.cols() < fewest_points) {
-    fail("upper and lower have the shape " + shape_of(pair.upper) + ", at least 4 rows and 4 columns are needed");
+    fail("upper and lower have a shape of " + size_of(pair.upper) + ", at least 4 rows and 4 columns are needed");
   }
   for (const double spacing : pair.spacing) {
     if (!(spacing > 0.0) || !std::isfinite(spacing)) {
@@ -482,16 +482,6 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     }
   }
   return result;
-}
-
-Sliding sliding(std::string_view word) {
-  if (word == "opposing") {
-    return Sliding::opposing;
-  }
-  if (word == "all") {
-    return Sliding::all;
-  }
-  fail(std::string("sliding is ").append(word) + ", must be opposing or all");
 }
 
 std::vector<Contact> contacts(const ArealCandidates& found, double approach, const Law& law, const Vector2& direction) {

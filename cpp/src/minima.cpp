@@ -146,21 +146,31 @@ struct Range {
 enum class Finding { none, convex, open };
 
 Finding examine(const Net& net, double highest, double round_off) {
-  Range value;
   Range x;
-  Range y;
-  for (std::size_t j = 0; j < 4; ++j) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      value.take(net[j][i]);
-      if (i < 3) {
-        x.take(net[j][i + 1] - net[j][i]);
-      }
-      if (j < 3) {
-        y.take(net[j + 1][i] - net[j][i]);
-      }
+  for (const auto& row : net) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      x.take(row[i + 1] - row[i]);
     }
   }
-  if (value.low > highest || x.low > round_off || x.high < -round_off || y.low > round_off || y.high < -round_off) {
+  if (x.low > round_off || x.high < -round_off) {
+    return Finding::none;
+  }
+  Range y;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      y.take(net[j + 1][i] - net[j][i]);
+    }
+  }
+  if (y.low > round_off || y.high < -round_off) {
+    return Finding::none;
+  }
+  Range value;
+  for (const auto& row : net) {
+    for (const double one : row) {
+      value.take(one);
+    }
+  }
+  if (value.low > highest) {
     return Finding::none;
   }
   // Second derivatives: 6, 9 and 6 times these.
@@ -296,21 +306,27 @@ bool before(const Minimum& a, const Minimum& b) { return a.row != b.row ? a.row 
 
 }  // namespace
 
-std::vector<Minimum> minima(const MatrixView& coefficients, double highest) {
-  const Index rows = coefficients.rows() - 3;  // of cells
+bool is_same(const Minimum& one, const Minimum& other) {
+  return std::abs(one.u - other.u) < 2.0 * same && std::abs(one.v - other.v) < 2.0 * same;
+}
+
+std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, double highest,
+                            const Checkpoint& checkpoint) {
+  const Index rows = coefficients.rows() - 3;  // of all cells
   const Index columns = coefficients.cols() - 3;
+  const Index stride = coefficients.outerStride();
   std::vector<Minimum> found;
-  std::vector<unsigned char> marks(static_cast<std::size_t>(columns));
-  Ranges ranges(coefficients.cols());
-  for (Index row = 0; row < rows; ++row) {
-    const double* c = coefficients.data() + row * coefficients.outerStride();
-    screen_columns(c, coefficients.outerStride(), coefficients.cols(), ranges.lowest(), ranges.x_low(), ranges.x_high(),
-                   ranges.y_low(), ranges.y_high());
-    screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), columns, highest,
-                 marks.data());
-    for (Index column = 0; column < columns; ++column) {
-      if (marks[static_cast<std::size_t>(column)] != 0) {
-        Cell(coefficients, row, column, highest).search([&](Minimum minimum) {
+  std::vector<unsigned char> marks(static_cast<std::size_t>(where.columns));
+  Ranges ranges(where.columns + 3);
+  for (Index row = where.row; row < where.row + where.rows; ++row) {
+    checkpoint();
+    screen_columns(coefficients.data() + row * stride + where.column, stride, where.columns + 3, ranges.lowest(),
+                   ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high());
+    screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), where.columns,
+                 highest, marks.data());
+    for (Index i = 0; i < where.columns; ++i) {
+      if (marks[static_cast<std::size_t>(i)] != 0) {
+        Cell(coefficients, row, where.column + i, highest).search([&](Minimum minimum) {
           const double x = static_cast<double>(minimum.column) + minimum.u;
           const double y = static_cast<double>(minimum.row) + minimum.v;
           const bool on_edge =
@@ -331,7 +347,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, double highest) {
   for (const Minimum& minimum : found) {
     bool known = false;
     for (auto other = result.rbegin(); other != result.rend() && !before(*other, minimum) && !known; ++other) {
-      known = std::abs(other->u - minimum.u) < 2.0 * same && std::abs(other->v - minimum.v) < 2.0 * same;
+      known = is_same(*other, minimum);
     }
     if (!known) {
       result.push_back(minimum);

@@ -15,7 +15,6 @@ using stiction::bicubic_at;
 using stiction::Index;
 using stiction::Jet;
 using stiction::Matrix;
-using stiction::minima;
 using stiction::Minimum;
 
 namespace {
@@ -35,6 +34,10 @@ Matrix coefficients_of(Index rows, Index columns, const Function& function) {
 Matrix noise(Index rows, Index columns, unsigned seed) {
   std::mt19937_64 random(seed);
   return coefficients_of(rows, columns, [&](double, double) { return static_cast<double>(random() >> 11) * 0x1p-53; });
+}
+
+std::vector<Minimum> minima(const Matrix& coefficients, double highest) {
+  return stiction::minima(coefficients, {0, 0, coefficients.rows() - 3, coefficients.cols() - 3}, highest);
 }
 
 constexpr double everything = std::numeric_limits<double>::infinity();

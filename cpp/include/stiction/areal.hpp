@@ -70,13 +70,6 @@ struct ArealCandidates {
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const Checkpoint& checkpoint = {});
 
-/// Which contacts rub and push: `opposing` only those whose normal force opposes the motion, as the paper has it, `all`
-/// every one.
-enum class Sliding { opposing, all };
-
-/// By the words of results: "opposing", "all". Throws std::invalid_argument for another.
-Sliding sliding(std::string_view word);
-
 /// `Sums`, and what only areas have. Lateral is the horizontal direction 90 degrees to the left of the motion.
 struct ArealSums : Sums {
   double lateral_elastic = 0.0;     ///< -Σ F c·n, c being the lateral unit vector [mN]
@@ -85,6 +78,28 @@ struct ArealSums : Sums {
   double load_overlapping = 0.0;    ///< Σ F n_z of contacts whose ellipse overlaps another one [mN]
   Index grid_minimum_count = 0;     ///< points lower than their neighbours within the approach
   Index unanswered_count = 0;       ///< of those, beside which the spline has no minimum
+};
+
+/// A member of `ArealSums` that is none of `Sums`.
+struct ArealQuantity {
+  std::string_view name;
+  std::string_view unit;
+  std::string_view words;
+  std::variant<Index ArealSums::*, double ArealSums::*> member;
+};
+
+/// All of them.
+inline constexpr std::array areal_quantities{
+    ArealQuantity{"lateral_elastic", "mN", "lateral load of the elastic forces of sliding contacts",
+                  &ArealSums::lateral_elastic},
+    ArealQuantity{"lateral_frictional", "mN", "lateral load per unit mu0", &ArealSums::lateral_frictional},
+    ArealQuantity{"lateral_adhesive", "mN/GPa", "lateral load per unit tau0", &ArealSums::lateral_adhesive},
+    ArealQuantity{"load_overlapping", "mN", "normal load of contacts whose ellipse overlaps another one",
+                  &ArealSums::load_overlapping},
+    ArealQuantity{"grid_minimum_count", "1", "number of grid points lower than their neighbours",
+                  &ArealSums::grid_minimum_count},
+    ArealQuantity{"unanswered_count", "1", "number of those beside which the spline has no minimum",
+                  &ArealSums::unanswered_count},
 };
 
 /// Every contact at one approach [µm] >= 0, in the order of the candidates; `index` is row · columns + column.

@@ -3,6 +3,7 @@
 
 #include "stiction/array.hpp"
 #include "stiction/bicubic.hpp"
+#include "stiction/checkpoint.hpp"
 
 #include <vector>
 
@@ -17,12 +18,26 @@ struct Minimum {
   Jet at;        ///< value and derivatives there; first ones are zero to round-off
 };
 
-/// Every minimum [µm] at most `highest` of the spline with these coefficients (see natural_bicubic), cell by cell along
-/// x and then y. Minima on the edge of the map are none, nor is a valley's floor whose curvature is that of round-off.
+/// Cells of a map: `rows` by `columns` of them from the one in `row` and `column` on.
+struct Cells {
+  Index row;
+  Index column;
+  Index rows;
+  Index columns;
+};
+
+/// Every minimum [µm] at most `highest` of the spline with these coefficients (see natural_bicubic) in some cells, cell
+/// by cell along x and then y. Minima on the edge of the map are none, nor is a valley's floor whose curvature is that
+/// of round-off. One on the very side of a cell belongs to the cell of which it is the left or lower side, which may be
+/// a neighbour of those that were asked for.
 ///
 /// Nothing is missed by chance: a cell is divided until signs of its Bernstein coefficients say that there is no
 /// minimum in a part, or that the spline is convex there, so that Newton's method finds the one it can have. What is
 /// not decided in parts of 1/64 of a cell, as where a minimum is about to vanish, is left to Newton's method.
-std::vector<Minimum> minima(const MatrixView& coefficients, double highest);
+std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, double highest,
+                            const Checkpoint& checkpoint = {});
+
+/// Whether two minima of one cell are the same to round-off.
+bool is_same(const Minimum& one, const Minimum& other);
 
 }  // namespace stiction
