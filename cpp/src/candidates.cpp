@@ -82,16 +82,23 @@ std::optional<Site> site_at(const Body& upper, const Body& lower, std::size_t i,
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-std::optional<Encounter> encounter_at(const Body& upper, const Body& lower, const Site& site, Curvature curvature) {
+// Whether asperities may touch there; if so, how they face each other.
+bool encounters(const Body& upper, const Body& lower, const Site& site, Curvature curvature, Encounter& encounter) {
   const Asperity above = upper.asperity(site.index, site.offset);
   const Asperity below = lower.asperity(site.index, site.offset);
+  const auto keep = [&](const auto& found) {
+    if (found) {
+      encounter = *found;
+    }
+    return found.has_value();
+  };
   if (upper.straight()) {
-    return sphere_on_straight(below, Side::lower, above, site.gap);
+    return keep(sphere_on_straight(below, Side::lower, above, site.gap));
   }
   if (lower.straight()) {
-    return sphere_on_straight(above, Side::upper, below, site.gap);
+    return keep(sphere_on_straight(above, Side::upper, below, site.gap));
   }
-  return sphere_pair(above, below, site.gap, curvature);
+  return keep(sphere_pair(above, below, site.gap, curvature));
 }
 
 // Returns the screening, a pass which finds heights that are not finite as well.
@@ -159,6 +166,7 @@ void for_each_candidate(const ProfilePair& pair, double deepest, Detection detec
   const double dip = by_cell ? 0.0 : largest_dip(pair.upper, pair.lower);
   constexpr std::size_t longest = 254;  // points whose derivatives are at hand at a time
   std::array<unsigned char, longest> marks;
+  Candidate candidate{};
   for (const Stretch& stretch : stretches_within(pair.upper, pair.lower, screening, deepest + dip)) {
     const std::size_t stretch_begin = by_cell || stretch.begin == 0 ? stretch.begin : stretch.begin - 1;
     const std::size_t stretch_end = by_cell ? stretch.end : std::min(stretch.end, size - 1);
@@ -187,9 +195,13 @@ void for_each_candidate(const ProfilePair& pair, double deepest, Detection detec
         if (!site || !(site->gap <= deepest)) {
           continue;
         }
-        if (const std::optional<Encounter> encounter = encounter_at(upper, lower, *site, curvature)) {
+        if (encounters(upper, lower, *site, curvature, candidate.encounter)) {
           const double x = static_cast<double>(i) * pair.spacing + site->offset;
-          visit({static_cast<Index>(i), Vector3(x, 0.0, site->lower_height), site->gap, radii(*encounter), *encounter});
+          candidate.index = static_cast<Index>(i);
+          candidate.position = Vector3(x, 0.0, site->lower_height);
+          candidate.gap = site->gap;
+          candidate.radii = radii(candidate.encounter);
+          visit(candidate);
         }
       }
     }

@@ -13,7 +13,7 @@ from stiction.mechanics.closed_forms import (
     slope_friction,
     westergaard_contact_fraction,
 )
-from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
+from stiction.mechanics.contact import Contacts, LoadCurve, SurfaceLoadCurve, SurfaceValidity, contacts, press
 from stiction.mechanics.friction import Validity
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
@@ -76,6 +76,8 @@ __all__ = [
     "RoughnessParameters",
     "Study",
     "Surface",
+    "SurfaceLoadCurve",
+    "SurfaceValidity",
     "Validity",
     "__version__",
     "approach_at_load",

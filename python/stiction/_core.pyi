@@ -3,46 +3,55 @@ The C++ core of stiction. Exact types and layouts only; the package around it is
 """
 
 from __future__ import annotations
+import collections.abc
 import numpy
 import numpy.typing
 import typing
 
 __all__: list[str] = [
-    "HertzCylinder",
-    "HertzSphere",
-    "JacksonGreen",
+    "Candidates",
+    "ContactModel",
     "asperities",
-    "check",
+    "candidates",
     "contacts",
     "force_and_area",
     "frequency_weights",
     "harmonic_profiles",
     "press",
+    "quantities",
     "scale_to_amplitude",
 ]
 
-class HertzSphere:
-    def __init__(self, *, effective_modulus: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+class Candidates:
+    """
+    Places where two bodies may touch, found once for any number of presses.
+    """
+    def __len__(self) -> int: ...
+    def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
+    @property
+    def deepest(self) -> float:
+        """
+        Approach [µm] up to which they were looked for.
+        """
 
-class HertzCylinder:
+class ContactModel:
+    """
+    How two bodies are pressed together.
+    """
     def __init__(
         self,
         *,
-        effective_modulus: typing.SupportsFloat | typing.SupportsIndex,
-        width: typing.SupportsFloat | typing.SupportsIndex,
-    ) -> None: ...
-
-class JacksonGreen:
-    def __init__(
-        self,
-        *,
-        effective_modulus: typing.SupportsFloat | typing.SupportsIndex,
-        yield_strength: typing.SupportsFloat | typing.SupportsIndex,
-        poisson_ratio: typing.SupportsFloat | typing.SupportsIndex,
+        law: str,
+        parameters: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
+        detection: str,
+        curvature: str,
+        direction: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
+        ],
     ) -> None: ...
 
 def asperities(
-    heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, upper: bool
+    heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, side: str
 ) -> tuple[
     numpy.typing.NDArray[numpy.float64],
     numpy.typing.NDArray[numpy.float64],
@@ -54,33 +63,48 @@ def asperities(
     Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.
     """
 
-def check(law: HertzSphere | HertzCylinder | JacksonGreen) -> None:
+def candidates(
+    upper: numpy.typing.NDArray[numpy.float64],
+    lower: numpy.typing.NDArray[numpy.float64],
+    *,
+    spacing: typing.SupportsFloat | typing.SupportsIndex,
+    deepest: typing.SupportsFloat | typing.SupportsIndex,
+    curvature: str,
+) -> Candidates:
     """
-    Raise a ValueError for a bad parameter.
+    The gap minima of two profiles up to a deepest approach [µm].
     """
 
+@typing.overload
 def contacts(
     upper: numpy.typing.NDArray[numpy.float64],
     lower: numpy.typing.NDArray[numpy.float64],
     *,
     spacing: typing.SupportsFloat | typing.SupportsIndex,
     approach: typing.SupportsFloat | typing.SupportsIndex,
-    law: HertzSphere | HertzCylinder | JacksonGreen,
-    by_cell: bool,
-    convex_only: bool,
-    shear: typing.SupportsInt | typing.SupportsIndex,
+    model: ContactModel,
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     Every contact at one approach [µm]: a dict of columns.
     """
 
+@typing.overload
+def contacts(
+    found: Candidates, *, approach: typing.SupportsFloat | typing.SupportsIndex, model: ContactModel
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    The same, of candidates.
+    """
+
 def force_and_area(
-    law: HertzSphere | HertzCylinder | JacksonGreen,
+    law: str,
+    parameters: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
+    *,
     overlap: typing.SupportsFloat | typing.SupportsIndex,
     radius: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple[float, float]:
     """
-    Force [mN] and area [µm²] of one contact.
+    Force [mN] and area [µm²] of one contact, by a law of this name with all of its parameters.
     """
 
 def frequency_weights(
@@ -107,19 +131,30 @@ def harmonic_profiles(
     Eq. 1 for every row of weights, into `profiles` (rows, points) [µm].
     """
 
+@typing.overload
 def press(
     upper: numpy.typing.NDArray[numpy.float64],
     lower: numpy.typing.NDArray[numpy.float64],
-    approaches: numpy.typing.NDArray[numpy.float64],
     *,
     spacing: typing.SupportsFloat | typing.SupportsIndex,
-    law: HertzSphere | HertzCylinder | JacksonGreen,
-    by_cell: bool,
-    convex_only: bool,
-    shear: typing.SupportsInt | typing.SupportsIndex,
+    approaches: numpy.typing.NDArray[numpy.float64],
+    model: ContactModel,
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     Sums over the contacts at each approach [µm]: a dict of columns.
+    """
+
+@typing.overload
+def press(
+    found: Candidates, *, approaches: numpy.typing.NDArray[numpy.float64], model: ContactModel
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    The same, of candidates.
+    """
+
+def quantities() -> list[tuple[str, str, str]]:
+    """
+    Name, unit and words of each of the sums.
     """
 
 def scale_to_amplitude(

@@ -4,6 +4,8 @@
 
 #include "stiction/array.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -65,5 +67,27 @@ void mark_minima(Derivatives at, std::size_t size, unsigned char* marks);
 /// minimum on a point belongs to the interval on its right, and none is at the first point of a profile.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
+
+// ---- The kernel, inline because there are many of it ----------------------------------------------------------------
+
+inline std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
+                                  double spacing, bool at_first_point) {
+  if (slope == 0.0 && curvature > 0.0 && !at_first_point) {
+    return 0.0;
+  }
+  // slope + curvature t + half_rate t²
+  const double half_rate = (next_curvature - curvature) / (2.0 * spacing);
+  const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
+  if (!(discriminant > 0.0)) {
+    return std::nullopt;
+  }
+  const double root = std::sqrt(discriminant);
+  // The root at which the quadratic rises, in the form that does not cancel.
+  const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
+  if (slope < 0.0 && next_slope > 0.0) {
+    return std::clamp(t, 0.0, spacing);  // it is there, whatever round-off says
+  }
+  return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;
+}
 
 }  // namespace stiction

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypedDict
 
@@ -165,7 +165,7 @@ class ContactKeywords(TypedDict, total=False):
     sliding: Sliding
 
 
-def model_of(keywords: ContactKeywords, default: ContactModel | None = None) -> ContactModel:
+def model_of(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
     """The contact model that keywords give; what they leave open is the default's."""
     changes: dict[str, Any] = dict(keywords)
     model = changes.pop("model", default or ContactModel())

@@ -7,7 +7,9 @@ extrapolated.
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, Validity
+from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 
 if TYPE_CHECKING:
@@ -245,10 +247,10 @@ def _map(
     mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
     validity = {name: np.full(shape, np.nan) for name in VALIDITY}
     status = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    sums = _Sums({name: data[name].values for name in SUMS if name in data})
+    sums = _sums_of(data, what)
     judged = all(name in data for name in SUMS)  # a dataset of loads alone still has a friction coefficient
     for d, a in np.ndindex(shape[:2]):
-        pair = sums.at(d, a)
+        pair = sums.each(operator.itemgetter((d, a)))
         touched = bool(pair.contact_count.any())
         for m, t in np.ndindex(shape[3:]):
             normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
@@ -263,7 +265,7 @@ def _map(
             mean[here], lower[here], upper[here], crossing = _read_off(normal, values, load_values)
             status[here] = _status(touched, _locked(pair, normal), crossing)
             if judged:
-                for name, figure in vars(Validity.of(pair.at_crossing(crossing))).items():
+                for name, figure in vars(Validity.of(pair.each(functools.partial(_mean_at, crossing)))).items():
                     validity[name][here] = np.where(crossing.reached[0], figure, np.nan)
     if what == "friction_coefficient":
         for array in (mean, lower, upper):
@@ -290,21 +292,26 @@ def _map(
     )
 
 
-class _Sums:
-    """The sums of a dataset as plain arrays, for one dimension and amplitude at a time."""
+_NEEDED = {
+    "friction_coefficient": ("tangential_elastic", "tangential_frictional", "tangential_adhesive"),
+    "contact_area": ("contact_area",),
+    "normal_stiffness": (),
+}
+"""What a quantity is made of, beside the normal load and the number of contacts."""
 
-    def __init__(self, arrays: dict[str, Any]) -> None:
-        self.__dict__.update(arrays)
 
-    def __getattr__(self, name: str) -> Any:
-        raise ValueError(f"the dataset has no variable {name!r}")
+def _sums_of(data: xarray.Dataset, what: str) -> Sums:
+    """The sums of a dataset as plain arrays; those that `what` does not need may be missing, and are NaN then."""
+    for name in ("contact_count", "normal_elastic", "normal_frictional", "normal_adhesive", *_NEEDED[what]):
+        if name not in data:
+            raise ValueError(f"the dataset has no variable {name!r}")
+    missing = np.full(data["contact_count"].shape, np.nan)
+    return Sums.of({name: data[name].values if name in data else missing for name in SUMS})
 
-    def at(self, dimension: int, amplitude: int) -> _Sums:
-        return _Sums({name: array[dimension, amplitude] for name, array in self.__dict__.items()})
 
-    def at_crossing(self, crossing: Crossing) -> _Sums:
-        """Means over the repetitions where the loads are reached."""
-        return _Sums({name: crossing.at(array.mean(axis=0)[None])[0] for name, array in self.__dict__.items()})
+def _mean_at(crossing: Crossing, values: NDArray[Any]) -> Floats:
+    """Mean over the repetitions where the loads are reached."""
+    return np.asarray(crossing.at(values.mean(axis=0)[None])[0])
 
 
 def _parameters(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
@@ -328,7 +335,7 @@ def _list(name: str, values: ArrayLike) -> Floats:
     return array
 
 
-def _locked(pair: _Sums, normal: Floats) -> bool:
+def _locked(pair: Sums, normal: Floats) -> bool:
     """Whether contacts at the largest approach carry no normal load, because friction holds them."""
     return bool(pair.contact_count[:, -1].any() and normal[:, -1].mean() <= 0)
 

@@ -214,10 +214,9 @@ def _table_of(law: type[Law]) -> type[LawTable]:
         kind = _KINDS.get(given["unit"]) or Annotated[float, Field(ge=given["least"], le=given["most"])]
         return kind, ...
 
-    entries = {each.name: entry(each) for each in dataclasses.fields(law)}
-    return create_model(
-        f"{law.__name__}Table", __base__=LawTable, __doc__=law.__doc__, name=(Literal[law.name], ...), **entries
-    )
+    name: Any = Literal[law.name]
+    entries: dict[str, Any] = {"name": (name, ...)} | {each.name: entry(each) for each in dataclasses.fields(law)}
+    return create_model(f"{law.__name__}Table", __base__=LawTable, __doc__=law.__doc__, **entries)
 
 
 _LAW_TABLES = {law.name: _table_of(law) for law in LAWS if dataclasses.fields(law)}
