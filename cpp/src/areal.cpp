@@ -21,9 +21,7 @@ using std::numbers::pi;
 
 [[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
 
-std::string size_of(const MatrixView& map) {
-  return std::to_string(map.rows()) + " by " + std::to_string(map.cols());
-}
+std::string size_of(const MatrixView& map) { return std::to_string(map.rows()) + " by " + std::to_string(map.cols()); }
 
 // ---- From maps to the gap -------------------------------------------------------------------------------------------
 
@@ -117,6 +115,11 @@ std::vector<Tile> tiles_of(Index rows, Index columns) {
 
 bool is_summit(double xx, double xy, double yy, double sign) {
   return sign * xx > 0.0 && sign * yy > 0.0 && xx * yy > xy * xy;
+}
+
+bool is_level(const MatrixView& map) {
+  const double first = map(0, 0);
+  return (map.row(0).array() == first).all() && (map.array() == first).all();
 }
 
 // A point that is lower than its neighbours.
@@ -416,6 +419,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<GridMinimum> points;
   std::vector<Place> places;
   const double offset = pair.lower(0, 0);
+  const bool level_upper = is_level(pair.upper);
   for (const Tile& tile : tiles) {
     checkpoint();
     auto spline = work.topLeftCorner(tile.rows + 2, tile.columns + 2);
@@ -443,6 +447,11 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& one : found) {
       places.push_back({one, bicubic_at(spline, one.row, one.column, one.u, one.v)});
+      if (level_upper) {
+        // The slope of both is that of the upper body: exactly none, so that no contact opposes by round-off.
+        places.back().lower.x = 0.0;
+        places.back().lower.y = 0.0;
+      }
       places.back().minimum.row += tile.row;
       places.back().minimum.column += tile.column;
     }

@@ -132,11 +132,13 @@ def sums(found, angle, sliding="opposing"):
     s = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0])
     across = np.array([-s[1], s[0], 0])
     total = dict.fromkeys(
-        ("contact_count", "contact_area", "crossed_count")
-        + tuple(f"{load}_{part}" for load in ("normal", "tangential", "lateral")
-                for part in ("elastic", "frictional", "adhesive")),
+        [
+            *("contact_count", "contact_area", "crossed_count", "normal_elastic", "normal_frictional"),
+            *("normal_adhesive", "tangential_elastic", "tangential_frictional", "tangential_adhesive"),
+            *("lateral_elastic", "lateral_frictional", "lateral_adhesive"),
+        ],
         0.0,
-    )  # fmt: skip
+    )
     for one in found:
         if one["leaves"]:
             total["crossed_count"] += 1

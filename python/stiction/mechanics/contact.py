@@ -14,7 +14,7 @@ from stiction._checks import Floats, float_array, number, read_only
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums, Validity
-from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_of
+from stiction.mechanics.model import ContactKeywords, ContactModel, Sliding, model_for_pair, model_of
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -28,8 +28,8 @@ class Contacts:
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point that owns the contact: its own (cell), or the one on its left (gap-minimum). On surfaces the one below
-        it on its left, counted row by row.
+        Grid point that owns the contact: its own (cell), or the one on its left (gap-minimum). On surfaces the one
+        below it on its left, counted row by row.
     centre : (c, 3) ndarray, µm
     normal : (c, 3) ndarray
         Unit vector from the lower to the upper body.
@@ -93,10 +93,13 @@ class LoadCurve(Sums):
     crossed_count : (k,) ndarray of int
         Would-be contacts that were refused because their sphere centres had crossed.
     effective_modulus : float, GPa
+    sliding : {"opposing", "all"}
+        Which contacts the sums of friction are over.
     """
 
     approach: Floats
     effective_modulus: float
+    sliding: Sliding = "opposing"
 
     @property
     def validity(self) -> Validity:
@@ -270,7 +273,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
         model = _model_for(upper, contact)
     else:
         found = None
-        model = _model_of_pair(upper, lower, contact)
+        model = model_for_pair(upper, lower, contact)
     approach = number("approach", approach, unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be one, because a contact has one tangent, got {model.direction!r}")
@@ -351,7 +354,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         model = _model_for(upper, contact)
     else:
         found = None
-        model = _model_of_pair(upper, lower, contact)
+        model = model_for_pair(upper, lower, contact)
     steps = float_array("approaches", approaches, ndim=1)
     if isinstance(upper, Surface):
         found = candidates(upper, lower, deepest=_not_negative(steps.max(initial=0.0)), curvature=model.curvature)
@@ -364,7 +367,12 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
             upper.heights, lower.heights, spacing=upper.spacing, approaches=steps, model=model.core()
         )
     arrays = {name: read_only(column) for name, column in columns.items()}
-    return LoadCurve(**arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus))
+    return LoadCurve(
+        **arrays,
+        approach=read_only(steps.copy()),
+        effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding,
+    )
 
 
 def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, model: ContactModel) -> SurfaceLoadCurve:
@@ -378,6 +386,7 @@ def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, mode
         **arrays,
         approach=read_only(steps.copy()),
         effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding,
         direction=read_only(angles),
     )
 
@@ -385,12 +394,6 @@ def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, mode
 def _not_negative(approach: float) -> float:
     """Up to where candidates are looked for; a negative approach is refused by what follows."""
     return max(0.0, float(approach))
-
-
-def _model_of_pair(upper: Any, lower: Any, contact: Mapping[str, object]) -> ContactModel:
-    check_pair(upper, lower)
-    model = model_of(contact)
-    return model.for_surfaces() if isinstance(upper, Surface) else model.for_profiles()
 
 
 def _model_for(found: Candidates, contact: Mapping[str, object]) -> ContactModel:

@@ -12,8 +12,9 @@ from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.contact import LoadCurve, press
-from stiction.mechanics.model import ContactKeywords, ContactModel, model_of
+from stiction.mechanics.model import ContactKeywords, ContactModel, model_for_pair
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 _LEAST = 1e-6
 """Smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone."""
@@ -32,20 +33,20 @@ _TOLERANCE = 1e-12
 
 
 def approach_at_load(
-    upper: Profile,
-    lower: Profile,
+    upper: Profile | Surface,
+    lower: Profile | Surface,
     loads: ArrayLike,
     *,
     mu0: float,
     tau0: float = 0.0,
     **contact: Unpack[ContactKeywords],
 ) -> Floats:
-    """Approach at which two profiles first carry given normal loads.
+    """Approach at which two bodies first carry given normal loads.
 
     Parameters
     ----------
-    upper, lower : Profile
-        On the same grid.
+    upper, lower : Profile or Surface
+        Both of one kind, on the same grid.
     loads : array_like of float, mN
         Above 0, of any shape.
     mu0 : float
@@ -53,7 +54,7 @@ def approach_at_load(
     tau0 : float, GPa
         Adhesive shear strength.
     **contact
-        As for `press`.
+        As for `press`, with one direction.
 
     Returns
     -------
@@ -86,23 +87,26 @@ def approach_at_load(
     wanted = float_array("loads", loads)
     if not (wanted > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    model = model_of(contact)
+    model = model_for_pair(upper, lower, contact)
+    if model.angles().ndim > 0:
+        raise ValueError(f"direction must be one, because F_N depends on it, got {model.direction!r}")
     mu0, tau0 = friction.one_material(mu0, tau0, model.effective_modulus)
     approach, _ = crossing(Bodies(upper, lower), wanted.ravel(), mu0=mu0, tau0=tau0, model=model)
     return approach.reshape(wanted.shape)
 
 
 class Bodies:
-    """Two profiles that are pressed together again and again; the gap minima of a curvature are found once."""
+    """Two bodies that are pressed together again and again; the gap minima of a curvature are found once."""
 
-    def __init__(self, upper: Profile, lower: Profile) -> None:
+    def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         self.upper, self.lower = upper, lower
         self._found: Candidates | None = None
 
     def pressed(self, approaches: Floats, model: ContactModel) -> LoadCurve:
         """`press`; whatever has been found before, the sums are the same to the bit."""
+        model = model_for_pair(self.upper, self.lower, {"model": model})
         if model.detection == "cell":
-            return press(self.upper, self.lower, approaches, model=model)
+            return press(self.upper, self.lower, approaches, model=model)  # type: ignore[arg-type]
         deepest, found = float(approaches[-1]), self._found
         if found is None or found.deepest < deepest or found.curvature != model.curvature:
             # Some further, because what is asked for next is often a little deeper.
@@ -152,7 +156,7 @@ def crossing(
     return approach, status
 
 
-def _sampled(upper: Profile, lower: Profile) -> list[Floats]:
+def _sampled(upper: Profile | Surface, lower: Profile | Surface) -> list[Floats]:
     """Approaches in equal ratios up to where all points are in touch, some at a time; none for parallel bodies."""
     most = float(np.ptp(upper.heights - lower.heights))
     if not most > 0:

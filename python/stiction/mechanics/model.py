@@ -114,7 +114,7 @@ class ContactModel:
         """The model with what it leaves open as surfaces have it."""
         if self.detection == "cell":
             raise ValueError(
-                'detection must be "gap-minimum" on surfaces, got "cell": the contact of a grid point is a matter of lines'
+                'detection must be "gap-minimum" on surfaces, got "cell": the paper defines that along a line only'
             )
         if isinstance(law_of(self.law), HertzCylinder):
             raise ValueError(
@@ -174,6 +174,13 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
     return replace(model, **changes) if changes else model
+
+
+def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
+    """The contact model that keywords give for two bodies, which are checked; nothing is left open."""
+    check_pair(upper, lower)
+    model = model_of(keywords)
+    return model.for_surfaces() if isinstance(upper, Surface) else model.for_profiles()
 
 
 def check_pair(upper: Any, lower: Any) -> None:

@@ -134,7 +134,7 @@ def traverse(
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
     if "shear" in contact:
         raise ValueError("shear must not be given: a traverse has both directions")
-    model = model_of(contact, ContactModel(detection="gap-minimum"))
+    model = model_of(contact, ContactModel(detection="gap-minimum")).for_profiles()
     load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
