@@ -32,13 +32,11 @@ def test_import_is_light():
 
 def test_the_core_converts_nothing_silently():
     heights = np.zeros(8)
-    law = _core.HertzSphere(effective_modulus=1.0)
-    options = {"spacing": 1.0, "law": law, "by_cell": True, "convex_only": True, "shear": 1}
-    approaches = np.array([0.1])
-    _core.press(heights, heights, approaches, **options)
+    options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": stiction.ContactModel().core()}
+    _core.press(heights, heights, **options)
     for bad in (heights.tolist(), heights.astype(np.float32), np.zeros(16)[::2]):
         with pytest.raises(TypeError, match="incompatible function arguments"):
-            _core.press(bad, heights, approaches, **options)
+            _core.press(bad, heights, **options)
 
 
 def test_another_thread_makes_progress_during_a_long_call():

@@ -216,13 +216,26 @@ void add_candidate(const SurfacePair& pair, const Place& place, double offset, s
   all.push_back(candidate);
 }
 
+// The approaches at which a candidate is a contact, as a range of their indices.
+struct Steps {
+  std::size_t begin;
+  std::size_t end;
+};
+
+Steps steps_of(const ArealCandidate& candidate, Values approaches) {
+  const auto behind = [&](double approach) {
+    return static_cast<std::size_t>(std::upper_bound(approaches.begin(), approaches.end(), approach) -
+                                    approaches.begin());
+  };
+  return {behind(candidate.gap), behind(candidate.farthest)};
+}
+
 // For each candidate, the first of the approaches at which its ellipse overlaps another: as many as there are for none.
 // Ellipses grow with the approach about their centres, so once overlapping they are so for ever.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches) {
-  const std::size_t steps = approaches.size();
   struct Seen {
     std::size_t index;
-    std::size_t begin;  // its first approach
+    Steps steps;
     Shape shape;
     double left;
     double right;
@@ -230,17 +243,17 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
   };
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto begin = std::upper_bound(approaches.begin(), approaches.end(), all[i].gap) - approaches.begin();
-    if (static_cast<std::size_t>(begin) < steps) {
+    const Steps steps = steps_of(all[i], approaches);
+    if (steps.begin < steps.end) {
       const Shape shape = shape_of(all[i]);
-      const double size = all[i].overlap(approaches.back());
+      const double size = all[i].overlap(approaches[steps.end - 1]);
       const double reach = std::sqrt(shape.xx * size);
       const double x = all[i].position.x();
-      seen.push_back({i, static_cast<std::size_t>(begin), shape, x - reach, x + reach, std::sqrt(shape.yy * size)});
+      seen.push_back({i, steps, shape, x - reach, x + reach, std::sqrt(shape.yy * size)});
     }
   }
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.left < b.left; });
-  std::vector<std::size_t> first(all.size(), steps);
+  std::vector<std::size_t> first(all.size(), approaches.size());
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Seen& one = seen[i];
     const ArealCandidate& a = all[one.index];
@@ -248,18 +261,16 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const Seen& other = seen[j];
       const ArealCandidate& b = all[other.index];
       const Vector2 apart = (b.position - a.position).head<2>();
-      // Nothing new is to be learned at and behind the later of what is known of the two.
-      std::size_t begin = std::max(one.begin, other.begin);
-      std::size_t end = std::max(first[one.index], first[other.index]);
-      if (begin >= end || std::abs(apart.y()) > one.half_height + other.half_height) {
-        continue;
-      }
       const auto at = [&](std::size_t k) {
         return overlap(one.shape, a.overlap(approaches[k]), other.shape, b.overlap(approaches[k]), apart);
       };
-      if (end == steps && !at(steps - 1)) {
+      // Nothing new is to be learned at and behind the later of what is known of the two.
+      std::size_t begin = std::max(one.steps.begin, other.steps.begin);
+      std::size_t end = std::min({std::max(first[one.index], first[other.index]), one.steps.end, other.steps.end});
+      if (begin >= end || std::abs(apart.y()) > one.half_height + other.half_height || !at(end - 1)) {
         continue;
       }
+      --end;
       while (begin < end) {
         const std::size_t middle = (begin + end) / 2;
         if (at(middle)) {
@@ -537,10 +548,7 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
   const auto with = [&](const auto& one_law) {
     for (std::size_t i = 0; i < found.all.size(); ++i) {
       const ArealCandidate& one = found.all[i];
-      const auto begin = static_cast<std::size_t>(std::upper_bound(approaches.begin(), approaches.end(), one.gap) -
-                                                  approaches.begin());
-      const auto end = static_cast<std::size_t>(std::upper_bound(approaches.begin(), approaches.end(), one.farthest) -
-                                                approaches.begin());
+      const auto [begin, end] = steps_of(one, approaches);
       const double radius = one.radii.mean();
       for (std::size_t k = begin; k < end; ++k) {
         const double overlap = one.overlap(approaches[k]);
@@ -596,6 +604,12 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
     }
   }
   return result;
+}
+
+std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,
+                             const Checkpoint& checkpoint) {
+  checkpoint();
+  return press(found, approaches, model.law, std::span(&model.direction, 1), model.sliding);
 }
 
 }  // namespace stiction

@@ -247,9 +247,106 @@ void product(const Matrix& weights, const double* values, double* sums, Index st
   }
 }
 
+// ---- Over an area --------------------------------------------------------------------------------------------------
+
+// Points along an axis that are computed from the phase of their first.
+constexpr Index run = 64;
+static_assert(block % run == 0);
+
+// cos and sin of so many turns a point at `size` points from the first on; by angle addition, one rotation from each
+// run's first point, so that errors do not grow.
+STICTION_MULTIVERSION
+void rotate(const double* table_cos, const double* table_sin, double c, double s, double* cosines, double* sines) {
+  for (Index l = 0; l < run; ++l) {
+    cosines[l] = c * table_cos[l] - s * table_sin[l];
+    sines[l] = c * table_sin[l] + s * table_cos[l];
+  }
+}
+
+struct Rotations {
+  std::array<double, run> cosines;
+  std::array<double, run> sines;
+  Turns step;
+
+  explicit Rotations(Turns turns_per_point) : step(turns_per_point) {
+    for (std::size_t l = 0; l < run; ++l) {
+      const Complex at = unit(step * static_cast<Turns>(l));
+      cosines[l] = at.real();
+      sines[l] = at.imag();
+    }
+  }
+
+  // One run of points.
+  void fill(Index first, double* cosine, double* sine) const {
+    const Complex at = unit(step * static_cast<Turns>(first));
+    rotate(cosines.data(), sines.data(), at.real(), at.imag(), cosine, sine);
+  }
+};
+
+// Directions m and M - m have opposite wave numbers along x and equal ones along y. Together they are
+// -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X with even, odd = e^(i φ) ± e^(i φ'); alone, both are e^(i φ).
+struct ArealHarmonic {
+  Complex even;
+  Complex odd;
+  Rotations along_y;
+  Rotations along_x;
+};
+
+// What both directions of a frequency have in common, in turns a point.
+struct Wave {
+  long double y;
+  long double x;
+};
+
+Wave wave(const HarmonicArea& area, Index m, Index directions, Index n) {
+  const long double number = std::pow(static_cast<long double>(area.gamma), static_cast<long double>(n)) /
+                             static_cast<long double>(area.length_scale);
+  const long double angle =
+      std::numbers::pi_v<long double> * static_cast<long double>(m) / static_cast<long double>(directions);
+  return {number * std::sin(angle) * static_cast<long double>(area.spacing_y),
+          number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
+}
+
+// The harmonics that are kept, each with its weight in its amplitudes, and Σ w cos φ over them.
+struct ArealSum {
+  std::vector<ArealHarmonic> harmonics;
+  double constant = 0.0;
+};
+
+ArealSum areal_sum(MatrixView phases, Values weights, const HarmonicArea& area, Index rows, Index columns) {
+  constexpr long double most_turns = 0x1p44L;
+  ArealSum sum;
+  const Index directions = phases.rows();
+  for (Index n = 0; n < phases.cols(); ++n) {
+    const double weight = weights[static_cast<std::size_t>(n)];
+    for (Index m = 1; m <= directions; ++m) {
+      const Index partner = directions - m;
+      if (partner > 0 && partner < m) {
+        continue;
+      }
+      const Wave turns = wave(area, m, directions, n);
+      if (area.band_limited && (std::abs(turns.y) > 0.5L || std::abs(turns.x) > 0.5L)) {
+        continue;
+      }
+      if (std::max(std::abs(turns.y) * static_cast<long double>(rows),
+                   std::abs(turns.x) * static_cast<long double>(columns)) > most_turns) {
+        throw std::invalid_argument(
+            "gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the highest frequencies "
+            "cannot be resolved; take a smaller gamma, fewer frequencies, a smaller extent or a band limit");
+      }
+      const Complex one = std::polar(weight, phases(m - 1, n));
+      const bool alone = partner == 0 || partner == m;
+      const Complex other = alone ? Complex(0.0, 0.0) : std::polar(weight, phases(partner - 1, n));
+      sum.harmonics.push_back({one + other, one - other, Rotations(turns_of(turns.y)), Rotations(turns_of(turns.x))});
+      sum.constant += (one + other).real();
+    }
+  }
+  return sum;
+}
+
 void require(bool condition, const char* what) {
   if (!condition) {
-    throw std::invalid_argument(std::string("harmonic_profiles: ") + what);
+    throw std::invalid_argument(std::string("harmonics: ") + what);
   }
 }
 
@@ -267,7 +364,8 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
   return weights;
 }
 
-void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles) {
+void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles,
+                       const Checkpoint& checkpoint) {
   require(phases.rows() > 0 && phases.cols() > 0, "phases must have at least one direction and one frequency");
   require(weights.cols() == phases.cols(), "weights must have one column per frequency of the phases");
   require(phases.allFinite() && weights.allFinite(), "phases and weights must be finite");
@@ -287,6 +385,7 @@ void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid
   Matrix last_block;
   for (Index first = 0; first < grid.points; first += block) {
     for (std::size_t n = 0; n < all.size(); ++n) {
+      checkpoint();
       next_block(all[n], first, values.data() + static_cast<Index>(n) * block);
     }
     const Index count = grid.points - first;
@@ -296,6 +395,58 @@ void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid
       last_block.resize(weights.rows(), block);
       product(packed_weights, values.data(), last_block.data(), block);
       profiles.rightCols(count) = last_block.leftCols(count);
+    }
+  }
+}
+
+void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
+                      const Checkpoint& checkpoint) {
+  const Index rows = heights.rows();
+  const Index columns = heights.cols();
+  require(phases.rows() > 0 && phases.cols() > 0, "phases must have at least one direction and one frequency");
+  require(static_cast<Index>(weights.size()) == phases.cols(), "weights must be one for each frequency of the phases");
+  require(phases.allFinite(), "phases must be finite");
+  require(
+      area.spacing_y > 0.0 && std::isfinite(area.spacing_y) && area.spacing_x > 0.0 && std::isfinite(area.spacing_x),
+      "spacings must be above 0 and finite");
+  require(area.length_scale > 0.0 && std::isfinite(area.length_scale), "length_scale must be above 0 and finite");
+  require(area.gamma > 1.0 && std::isfinite(area.gamma), "gamma must be above 1 and finite");
+
+  const ArealSum sum = areal_sum(phases, weights, area, rows, columns);
+  heights.setConstant(sum.constant);
+  // A tile of rows and columns at a time, and of it so many harmonics that their factors stay in the cache.
+  constexpr std::size_t together = 32;
+  std::vector<double> of_x(2 * together * block);
+  std::array<double, run> cosines;
+  std::array<double, run> sines;
+  Matrix tile(run, block);
+  for (Index column = 0; column < columns; column += block) {
+    const Index width = std::min(block, columns - column);
+    for (std::size_t begin = 0; begin < sum.harmonics.size(); begin += together) {
+      const std::size_t count = std::min(together, sum.harmonics.size() - begin);
+      for (std::size_t h = 0; h < count; ++h) {
+        double* values = of_x.data() + 2 * h * block;
+        for (Index j = 0; j < width; j += run) {
+          sum.harmonics[begin + h].along_x.fill(column + j, values + j, values + block + j);
+        }
+      }
+      Matrix of_y(run, static_cast<Index>(2 * count));
+      for (Index row = 0; row < rows; row += run) {
+        checkpoint();
+        for (std::size_t h = 0; h < count; ++h) {
+          const ArealHarmonic& harmonic = sum.harmonics[begin + h];
+          harmonic.along_y.fill(row, cosines.data(), sines.data());
+          for (std::size_t i = 0; i < run; ++i) {
+            const auto at = static_cast<Index>(i);
+            of_y(at, static_cast<Index>(2 * h)) =
+                -(harmonic.even.real() * cosines[i] - harmonic.even.imag() * sines[i]);
+            of_y(at, static_cast<Index>(2 * h + 1)) = harmonic.odd.real() * sines[i] + harmonic.odd.imag() * cosines[i];
+          }
+        }
+        product(of_y, of_x.data(), tile.data(), block);
+        const Index height = std::min(run, rows - row);
+        heights.block(row, column, height, width) += tile.topLeftCorner(height, width);
+      }
     }
   }
 }

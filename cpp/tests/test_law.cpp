@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
+#include <variant>
 
 using stiction::ForceArea;
 using stiction::HertzCylinder;
@@ -73,4 +75,27 @@ TEST_CASE("laws refuse parameters that no material has") {
   CHECK_THROWS_AS(stiction::check(JacksonGreen{10.0, 1.0, 0.3}), std::invalid_argument);
   CHECK_THROWS_AS(stiction::check(JacksonGreen{10.0, nan, 0.3}), std::invalid_argument);
   CHECK_THROWS_AS(stiction::check(JacksonGreen{10.0, 0.1, 0.51}), std::invalid_argument);
+}
+
+TEST_CASE("laws by name take all of their parameters and no others") {
+  CHECK(std::holds_alternative<HertzCylinder>(
+      stiction::law("hertz-cylinder", {{"effective_modulus", 3.0}, {"width", 5.0}})));
+  CHECK_THROWS_WITH(stiction::law("hertz", {}), "there is no law hertz");
+  CHECK_THROWS_WITH(stiction::law("hertz-cylinder", {{"effective_modulus", 3.0}}),
+                    "law hertz-cylinder lacks its width");
+  CHECK_THROWS_WITH(stiction::law("hertz-sphere", {{"effective_modulus", 3.0}, {"width", 5.0}}),
+                    "law hertz-sphere has no parameter width");
+  CHECK_THROWS_WITH(stiction::law("hertz-sphere", {{"effective_modulus", 0.0}}),
+                    "effective_modulus is 0, must be above 0 and finite, in GPa");
+}
+
+TEST_CASE("the area is that of the patch with the semi-axes, an ellipse or a strip") {
+  const stiction::Radii radii{2.0, 2.0};
+  for (const stiction::Law& law : {stiction::Law(HertzSphere{10.0}), stiction::Law(JacksonGreen{10.0, 0.1, 0.3})}) {
+    const auto [area, axes] =
+        std::visit([&](const auto& one) { return std::pair(one(0.1, radii).area, one.semi_axes(0.1, radii)); }, law);
+    CHECK(std::numbers::pi * axes.prod() == doctest::Approx(area).epsilon(round_off));
+  }
+  const HertzCylinder strip{10.0, 3.0};
+  CHECK(4.0 * strip.semi_axes(0.1, radii).prod() == doctest::Approx(strip(0.1, radii).area).epsilon(round_off));
 }

@@ -45,6 +45,11 @@ class Pair:
         return self.first_touch + APPROACH
 
 
+def plane(vectors: np.ndarray) -> np.ndarray:
+    """The x and z components, in which a profile lies."""
+    return vectors[:, ::2]
+
+
 def pair() -> Pair:
     """A pair with contacts of both kinds, on flanks."""
     lower, upper = (
@@ -89,7 +94,9 @@ def draw_pair(ax: Axes, these: Pair) -> None:
     draw_bodies(ax, these, bottom, top)
     ax.set_xlim(-0.95, x[-1] + 0.05)
     ax.plot(x, touching, color=INK, linewidth=0.5, linestyle=(0, (4, 3)))
-    for number, (centre, normal, tangent) in enumerate(zip(found.centre, found.normal, found.tangent, strict=True)):
+    for number, (centre, normal, tangent) in enumerate(
+        zip(*(plane(each) for each in (found.centre, found.normal, found.tangent)), strict=True)
+    ):
         colour, kind = (OPPOSING, "opposes") if found.opposing[number] else (OTHER, "does not oppose")
         arrow(ax, centre, centre + 0.6 * normal, colour, width=1.2)
         word(ax, centre + 0.6 * normal, "n", 0.06, color=colour, weight="bold", ha="left", va="bottom")
@@ -122,7 +129,7 @@ def draw_pair(ax: Axes, these: Pair) -> None:
 def draw_contact(ax: Axes, these: Pair) -> None:
     """Draw the spheres of the enlarged contact."""
     found = these.found
-    centre, normal, tangent = (each[ENLARGED] for each in (found.centre, found.normal, found.tangent))
+    centre, normal, tangent = (plane(each)[ENLARGED] for each in (found.centre, found.normal, found.tangent))
     draw_bodies(ax, these, centre[1] - 1.05, centre[1] + 0.9)
     ax.set_xlim(centre[0] - 1.3, centre[0] + 1.3)
     for body, side, lowered, along in (
@@ -130,7 +137,10 @@ def draw_contact(ax: Axes, these: Pair) -> None:
         (these.upper, "upper", these.lowered, np.array([1.0, 0.0])),
     ):
         spheres = asperities(body, side)
-        middle, radius = spheres.centre[found.index[ENLARGED]] - [0.0, lowered], spheres.radius[found.index[ENLARGED]]
+        middle, radius = (
+            plane(spheres.centre)[found.index[ENLARGED]] - [0.0, lowered],
+            spheres.radius[found.index[ENLARGED]],
+        )
         circle = Circle(middle, radius, fill=False, linewidth=0.6, linestyle="--", edgecolor=INK)
         circle.set_clip_path(ax.add_patch(Rectangle((centre[0] - 1.3, centre[1] - 1.05), 2.6, 1.95, fill=False, lw=0)))
         ax.add_patch(circle)
@@ -160,7 +170,7 @@ def draw_angle(ax: Axes, corner: np.ndarray, radius: float, left: np.ndarray, ri
 def draw_forces(ax: Axes, these: Pair) -> None:
     """Draw the forces on the upper body at the enlarged contact, tip to tail, and the loads in balance with them."""
     found = these.found
-    normal, tangent = found.normal[ENLARGED], found.tangent[ENLARGED]
+    normal, tangent = plane(found.normal)[ENLARGED], plane(found.tangent)[ENLARGED]
     # In units of the normal force.
     start, middle, end = np.zeros(2), normal, normal + MU0 * tangent
     foot = np.array([end[0], 0.0])

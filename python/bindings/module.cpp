@@ -10,6 +10,7 @@ void bind_law(pybind11::module_& module);
 void bind_candidates(pybind11::module_& module);
 void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
+void bind_loading(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
@@ -23,4 +24,5 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_sums(module);
   stiction::python::bind_contact(module);
   stiction::python::bind_areal(module);
+  stiction::python::bind_loading(module);
 }

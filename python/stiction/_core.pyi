@@ -11,12 +11,14 @@ import typing
 __all__: list[str] = [
     "Candidates",
     "ContactModel",
+    "approaches_at",
     "asperities",
     "candidates",
     "contacts",
     "force_and_area",
     "frequency_weights",
     "harmonic_profiles",
+    "harmonic_surface",
     "press",
     "quantities",
     "scale_to_amplitude",
@@ -49,6 +51,38 @@ class ContactModel:
             collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
         ],
     ) -> None: ...
+
+@typing.overload
+def approaches_at(
+    upper: numpy.typing.NDArray[numpy.float64],
+    lower: numpy.typing.NDArray[numpy.float64],
+    *,
+    spacing: typing.SupportsFloat | typing.SupportsIndex,
+    loads: numpy.typing.NDArray[numpy.float64],
+    left: numpy.typing.NDArray[numpy.float64],
+    right: numpy.typing.NDArray[numpy.float64],
+    mu0: typing.SupportsFloat | typing.SupportsIndex,
+    tau0: typing.SupportsFloat | typing.SupportsIndex,
+    model: ContactModel,
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Approaches [µm] in brackets at which the normal load rises through loads [mN].
+    """
+
+@typing.overload
+def approaches_at(
+    found: Candidates,
+    *,
+    loads: numpy.typing.NDArray[numpy.float64],
+    left: numpy.typing.NDArray[numpy.float64],
+    right: numpy.typing.NDArray[numpy.float64],
+    mu0: typing.SupportsFloat | typing.SupportsIndex,
+    tau0: typing.SupportsFloat | typing.SupportsIndex,
+    model: ContactModel,
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The same, of candidates.
+    """
 
 def asperities(
     heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, side: str
@@ -129,6 +163,21 @@ def harmonic_profiles(
 ) -> None:
     """
     Eq. 1 for every row of weights, into `profiles` (rows, points) [µm].
+    """
+
+def harmonic_surface(
+    phases: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    weights: numpy.typing.NDArray[numpy.float64],
+    heights: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    *,
+    spacing_y: typing.SupportsFloat | typing.SupportsIndex,
+    spacing_x: typing.SupportsFloat | typing.SupportsIndex,
+    length_scale: typing.SupportsFloat | typing.SupportsIndex,
+    gamma: typing.SupportsFloat | typing.SupportsIndex,
+    band_limited: bool,
+) -> None:
+    """
+    Eq. 1 over an area, into `heights` (rows, columns) [µm].
     """
 
 @typing.overload

@@ -15,7 +15,7 @@ def test_slope_and_curvature_are_scipys_natural_spline(rough_pair, dimension, si
     ours = asperities(profile, side)
     assert np.abs(ours.slope - slope).max() < SAME_SPLINE * slope.std()
     assert np.abs(ours.curvature - curvature).max() < SAME_SPLINE * curvature.std()
-    assert np.abs(ours.normal - normal).max() < SAME_SPLINE
+    assert np.abs(ours.normal[:, [0, 2]] - normal).max() < SAME_SPLINE
     assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SAME_SPLINE * curvature.std())
 
 
@@ -26,7 +26,7 @@ def test_a_circle_has_its_radius_and_centre(circular_arc):
         arc = asperities(circular_arc(apex, radius, 0.002, 500, side), side)
         inner = slice(20, -20)
         assert np.allclose(arc.radius[inner], radius, rtol=2e-6)
-        assert np.allclose(arc.centre[inner], [apex, height], atol=4e-6)
+        assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
 def test_the_same_bump_is_convex_below_and_concave_above():

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import xarray
 from stiction import Study, run
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import store
 
 KILLS = 25

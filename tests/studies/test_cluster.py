@@ -5,7 +5,7 @@ import time
 
 import pytest
 from stiction import Study, run
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import cluster, runner
 from stiction.studies.cluster import ClusterError
 from stiction.studies.study import StudyError

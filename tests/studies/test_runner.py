@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import runner
 from stiction.studies.study import study_of
 

@@ -14,7 +14,7 @@ import pytest
 import stiction
 import xarray
 from stiction import Study, run
-from stiction.mechanics.contact import SUMS
+from stiction.mechanics.quantities import SUMS
 from stiction.studies import files, runner, store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.export import ExportError, export

@@ -111,4 +111,8 @@ std::vector<Contact> contacts(const ArealCandidates& found, double approach, con
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding);
 
+/// The same in the one direction of a model, of which it takes the law and the sliding rule as well.
+std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,
+                             const Checkpoint& checkpoint = {});
+
 }  // namespace stiction

@@ -71,7 +71,7 @@ std::optional<double> gap_minimum(double slope, double curvature, double next_sl
 // ---- The kernel, inline because there are many of it ----------------------------------------------------------------
 
 inline std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
-                                  double spacing, bool at_first_point) {
+                                         double spacing, bool at_first_point) {
   if (slope == 0.0 && curvature > 0.0 && !at_first_point) {
     return 0.0;
   }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "stiction/array.hpp"
+#include "stiction/checkpoint.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -31,7 +32,8 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// Accuracy: the phase of a harmonic is a 64-bit fraction of a turn, which wraps exactly however many turns it makes,
 /// so aliased harmonics are as good as the product of a long double wave number and the position. Throws
 /// std::invalid_argument for shapes that do not match, values out of range and unresolvable phases.
-void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles);
+void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles,
+                       const Checkpoint& checkpoint = {});
 
 /// The same as a new array. Inline, because its memory is then the caller's own.
 inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
@@ -39,5 +41,20 @@ inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const Har
   harmonic_profiles(phases, weights, grid, profiles);
   return profiles;
 }
+
+/// What an areal sum is evaluated on: point (i, j) lies at x = j Δx, y = i Δy.
+struct HarmonicArea {
+  double spacing_y;           ///< Δy [µm] > 0
+  double spacing_x;           ///< Δx [µm] > 0
+  double length_scale = 1.0;  ///< as for HarmonicGrid
+  double gamma = 1.5;
+  bool band_limited = false;  ///< drop every harmonic whose wave number along x or y exceeds π/Δx or π/Δy
+};
+
+/// The areal sum: that of Eq. 1 with the phases (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn and the weights
+/// w_n [µm], one for each frequency, into heights [µm] (rows along y, columns along x). With cos(a + b) = cos a cos b -
+/// sin a sin b each harmonic is two products of a row and a column. Accuracy and exceptions as `harmonic_profiles`.
+void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
+                      const Checkpoint& checkpoint = {});
 
 }  // namespace stiction

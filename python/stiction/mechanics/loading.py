@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import stiction._core
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
-from stiction.mechanics.contact import LoadCurve, press
-from stiction.mechanics.model import ContactKeywords, ContactModel, model_for_pair
+from stiction.mechanics.friction import Sums
+from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -25,11 +25,8 @@ _STEP = 1.1
 _STEPS_AT_A_TIME = 16
 """Sampled approaches between two looks at whether all loads are reached; deeper ones cost the more."""
 
-_FURTHER = 1.05
+_FURTHER = 5.0
 """How much further than they are asked for candidates are looked for."""
-
-_TOLERANCE = 1e-12
-"""Relative, of an approach."""
 
 
 def approach_at_load(
@@ -99,20 +96,46 @@ class Bodies:
     """Two bodies that are pressed together again and again; the gap minima of a curvature are found once."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
+        check_pair(upper, lower)
         self.upper, self.lower = upper, lower
         self._found: Candidates | None = None
 
-    def pressed(self, approaches: Floats, model: ContactModel) -> LoadCurve:
-        """`press`; whatever has been found before, the sums are the same to the bit."""
+    def pressed(self, approaches: Floats, model: ContactModel) -> Sums:
+        """The sums of `press`; whatever has been found before, they are the same to the bit."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
+        given: dict[str, Any] = {"approaches": approaches, "model": model.core()}
+        if isinstance(self.upper, Surface):
+            given["directions"] = model.directions()
         if model.detection == "cell":
-            return press(self.upper, self.lower, approaches, model=model)  # type: ignore[arg-type]
-        deepest, found = float(approaches[-1]), self._found
+            upper, lower = self.upper, self.lower
+            return Sums.of(stiction._core.press(upper.heights, lower.heights, spacing=upper.spacing, **given))
+        return Sums.of(stiction._core.press(self._minima(float(approaches[-1]), model).core, **given))
+
+    def rising_through(
+        self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
+    ) -> Floats:
+        """Approaches between `left`, where F_N is below loads, and `right`, where it is not."""
+        model = model_for_pair(self.upper, self.lower, {"model": model})
+        given: dict[str, Any] = {
+            "loads": loads,
+            "left": left,
+            "right": right,
+            "mu0": mu0,
+            "tau0": tau0,
+            "model": model.core(),
+        }
+        if model.detection == "cell":
+            upper, lower = self.upper, self.lower
+            return stiction._core.approaches_at(upper.heights, lower.heights, spacing=upper.spacing, **given)
+        return stiction._core.approaches_at(self._minima(float(right.max()), model).core, **given)
+
+    def _minima(self, deepest: float, model: ContactModel) -> Candidates:
+        found = self._found
         if found is None or found.deepest < deepest or found.curvature != model.curvature:
-            # Some further, because what is asked for next is often a little deeper.
+            # Further, because what is asked for next is often deeper.
             found = candidates(self.upper, self.lower, deepest=_FURTHER * deepest, curvature=model.curvature)
             self._found = found
-        return press(found, approaches, model=model)
+        return found
 
 
 def crossing(
@@ -120,12 +143,13 @@ def crossing(
 ) -> tuple[Floats, NDArray[np.str_]]:
     """Approaches (l,) that first carry loads (l,), and the status of each: "ok", or why it is NaN."""
 
-    def carried(curve: LoadCurve) -> Floats:
-        return friction.normal_load(curve, mu0, tau0)
+    def carried(sums: Sums) -> Floats:
+        return friction.normal_load(sums, mu0, tau0)
 
-    curve = bodies.pressed(np.zeros(1), model)
+    steps = np.zeros(1)
+    curve = bodies.pressed(steps, model)
     normal = carried(curve)
-    steps, below = curve.approach, normal[0] >= loads
+    below = normal[0] >= loads
     todo = ~below
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
@@ -146,13 +170,7 @@ def crossing(
     status = friction.status_of(touched=touched, reached=reached, below=below, locked=locked)
     approach = np.full(loads.size, np.nan)
     if reached.any():
-
-        def excess(approaches: Floats, load: Floats) -> Floats:
-            distinct, place = np.unique(approaches, return_inverse=True)
-            normal = carried(bodies.pressed(distinct, model))
-            return normal[place].reshape(approaches.shape) - load
-
-        approach[reached] = _first_not_negative(excess, left[reached], right[reached], loads[reached])
+        approach[reached] = bodies.rising_through(loads[reached], left[reached], right[reached], mu0, tau0, model)
     return approach, status
 
 
@@ -164,15 +182,3 @@ def _sampled(upper: Profile | Surface, lower: Profile | Surface) -> list[Floats]
     count = round(-np.log(_LEAST) / np.log(_STEP)) + 1
     steps = most * np.geomspace(_LEAST, 1.0, count)
     return [steps[first : first + _STEPS_AT_A_TIME] for first in range(0, count, _STEPS_AT_A_TIME)]
-
-
-def _first_not_negative(
-    excess: Callable[[Floats, Floats], Floats], left: Floats, right: Floats, loads: Floats
-) -> Floats:
-    """Where an excess over loads that is negative on the left, and not on the right, ceases to be negative."""
-    from scipy.optimize import elementwise
-
-    tolerances = {"xrtol": _TOLERANCE, "xatol": 0.0, "fatol": 0.0, "frtol": 0.0}
-    root = elementwise.find_root(excess, (left, right), args=(loads,), tolerances=tolerances)
-    behind = np.where(root.f_bracket[1] >= 0, root.bracket[1], root.bracket[0])
-    return np.asarray(np.where(root.f_x >= 0, root.x, behind))

@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import LoadCurve
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
@@ -62,8 +61,8 @@ _DIMS = ("shear", "line", "offset", "load")
 
 
 def traverse(
-    upper: Profile | Sequence[Profile],
-    lower: Profile | Sequence[Profile],
+    upper: Profile | Sequence[Profile] | Surface,
+    lower: Profile | Sequence[Profile] | Surface,
     loads: ArrayLike,
     *,
     mu0: float,
@@ -77,7 +76,7 @@ def traverse(
 
     Parameters
     ----------
-    upper, lower : Profile or list of Profile
+    upper, lower : Profile or list of Profile, or Surface
         The slider and what it is carried over, on the same spacing; of lists, each upper with the lower of its place:
         the lines of two maps, or surrogates.
     loads : (l,) array_like of float, mN
@@ -88,14 +87,16 @@ def traverse(
         Adhesive shear strength.
     offsets : (o,) array_like of float, µm
         Positions of the slider's first point on the lower profile, rising, rounded to whole spacings. The whole slider
-        must be over the lower profile.
+        must be over the lower profile. Of surfaces (o, 2), positions (x, y) of the upper map's first point on the lower
+        map, which may be negative: what lies above each other is pressed, at least 16 rows and columns.
     executor : concurrent.futures.Executor, optional
         Where positions are computed; a thread for each core by default.
     progress : bool
         Whether to draw a progress bar on the terminal.
     **contact
         effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
-        given, because contacts of a single position must not depend on the grid. `shear` is both.
+        given, because contacts of a single position must not depend on the grid. `shear` is both. Of surfaces also
+        `direction`, by default 0, 90, 180 and 270 degrees.
 
     Returns
     -------
@@ -104,7 +105,9 @@ def traverse(
         over 2 % of the approach on both sides), approach (µm), the figures of `Validity`, and status, over shear, line,
         offset (µm) and load (mN). The status is "ok", "no-contact", "self-locked", "not-reached" or "below-range" (more
         than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N jumps over a load,
-        values are between those before and behind the jump, in the proportion that carries the load.
+        values are between those before and behind the jump, in the proportion that carries the load. Of surfaces over
+        direction (degrees), offset and load: also lateral_load (mN) and the figures of `SurfaceValidity`, but no
+        stiffness; where F_N jumps, values are those behind the jump.
 
     Raises
     ------
@@ -126,6 +129,14 @@ def traverse(
     ('shear', 'load', 'statistic')
     """
     import xarray
+
+    if isinstance(upper, Surface) or isinstance(lower, Surface):
+        from stiction.studies.areal_traverse import traverse_surfaces
+
+        return traverse_surfaces(
+            upper, lower, loads, mu0=mu0, tau0=tau0, offsets=offsets, executor=executor, progress=progress,
+            contact=dict(contact),
+        )  # type: ignore[arg-type]  # fmt: skip
 
     uppers, lowers = _profiles("upper", upper), _profiles("lower", lower)
     if len(uppers) != len(lowers):
@@ -338,7 +349,7 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: float, tau0:
     return {**values, "status": status}
 
 
-def _across(curve: LoadCurve, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
+def _across(curve: Sums, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
     """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
     to_load, jump = rise
     share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)

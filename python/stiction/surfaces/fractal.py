@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
@@ -266,7 +266,7 @@ def weierstrass_mandelbrot_surface(
     phase_array = float_array("phases", phases, ndim=2)
     if not phase_array.size:
         raise ValueError(f"phases must have at least one direction and one frequency, got shape {phase_array.shape}")
-    directions, frequencies = phase_array.shape
+    frequencies = phase_array.shape[1]
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {shape!r}")
     rows, columns = (whole_number("shape", size, least=2, most=MOST_POINTS) for size in shape)
@@ -280,46 +280,19 @@ def weierstrass_mandelbrot_surface(
     hurst = hurst_exponent(fractal_dimension, convention=convention)
     weights = np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, length_scale))
 
-    # Turns per point along y and x, in extended precision, because a high frequency makes many turns.
-    angle = 4 * np.arctan(np.longdouble(1)) * np.arange(1, directions + 1)[:, np.newaxis] / directions
-    waves = np.longdouble(gamma) ** np.arange(frequencies) / np.longdouble(length_scale)
-    along_y = np.sin(angle) * waves * np.longdouble(extents[0] / rows)
-    along_x = np.cos(angle) * waves * np.longdouble(extents[1] / columns)
-    kept = np.full(along_x.shape, True)
-    if band_limit == "nyquist":
-        kept = (np.abs(along_y) <= 0.5) & (np.abs(along_x) <= 0.5)
-    if (kept & (np.maximum(np.abs(along_y) * rows, np.abs(along_x) * columns) > _MOST_TURNS)).any():
-        raise ValueError(
-            "gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the highest frequencies "
-            "cannot be resolved; take a smaller gamma, fewer frequencies, a smaller extent or a band limit"
-        )
-
-    # cos(a + b) = cos a cos b - sin a sin b: every harmonic is two products of a column and a row, many of them
-    # together a matrix product.
-    phase, weight = phase_array[kept], np.broadcast_to(weights, kept.shape)[kept]
-    along_y, along_x = along_y[kept], along_x[kept]
-    heights = np.full((rows, columns), (weight * np.cos(phase)).sum())
-    together = max(1, _ANGLES // max(rows, columns))
-    for first in range(0, phase.size, together):
-        some = slice(first, first + together)
-        of_y = _angles(along_y[some], rows) + phase[some]
-        of_x = _angles(along_x[some], columns)
-        heights -= (weight[some] * np.cos(of_y)) @ np.cos(of_x).T
-        heights += (weight[some] * np.sin(of_y)) @ np.sin(of_x).T
-    return Surface(read_only(heights), spacing=(extents[0] / rows, extents[1] / columns))
-
-
-_ANGLES = 2**20
-"""Of one axis, which are held at a time."""
-
-_MOST_TURNS = 2**44
-"""Beyond this many turns the fraction of a turn is no longer known to 1e-6."""
-
-
-def _angles(turns_per_point: NDArray[np.longdouble], points: int) -> Floats:
-    """(points, harmonics) angles at each point, rad, less whole turns."""
-    turns = np.arange(points, dtype=np.longdouble)[:, np.newaxis] * turns_per_point
-    return np.asarray(2 * math.pi * (turns - np.rint(turns)).astype(np.float64))
+    heights = np.empty((rows, columns))
+    spacing = extents[0] / rows, extents[1] / columns
+    stiction._core.harmonic_surface(
+        phase_array,
+        weights,
+        heights,
+        spacing_y=spacing[0],
+        spacing_x=spacing[1],
+        length_scale=length_scale,
+        gamma=gamma,
+        band_limited=band_limit == "nyquist",
+    )
+    return Surface(read_only(heights), spacing=spacing)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,142 @@
+import dataclasses
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import stiction._core
+from stiction import (
+    Candidates,
+    ContactModel,
+    Profile,
+    candidates,
+    contacts,
+    press,
+    random_phases,
+    weierstrass_mandelbrot,
+)
+from stiction.mechanics.friction import STATUS_DTYPE, Sums, status_of
+from stiction.mechanics.law import LAWS, NAMED, LawName
+from stiction.mechanics.model import ContactKeywords
+from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
+
+# Ctrl-C within a second, and the time that a busy machine takes to start and to end a process.
+ENDED_WITHIN = 5.0
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return tuple(
+        weierstrass_mandelbrot(random_phases(4, side=side), 1.3, points=20_000, extent=8.0).with_amplitude(0.1)
+        for side in ("upper", "lower")
+    )
+
+
+class TestCandidates:
+    @pytest.mark.parametrize("curvature", ["convex", "signed"])
+    def test_are_what_press_and_contacts_find_for_themselves(self, pair, curvature):
+        found = candidates(*pair, deepest=0.03, curvature=curvature)
+        steps = [0.0, 0.001, 0.02]
+        ours = press(found, steps, shear="-x")
+        theirs = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
+        for name in SUMS:
+            assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
+        table = contacts(found, 0.02)
+        assert set(table.index) <= set(found.index)
+        assert np.array_equal(
+            table.force, contacts(*pair, 0.02, model=ContactModel(detection="gap-minimum", curvature=curvature)).force
+        )
+
+    def test_lie_on_the_lower_body_where_the_gap_is_theirs(self, pair):
+        upper, lower = pair
+        found = candidates(upper, lower, deepest=0.03)
+        assert isinstance(found, Candidates)
+        assert (found.gap <= 0.03).all()
+        assert (found.position[:, 1] == 0).all()
+        assert (np.abs(found.position[:, 0] - lower.x[found.index] - lower.spacing / 2) <= lower.spacing / 2).all()
+        grid = upper.heights - lower.heights
+        # A minimum between two points is not above them, but for round-off.
+        assert (found.gap <= np.minimum(grid[found.index], grid[found.index + 1]) - grid.min() + 1e-12).all()
+        assert (found.radii[:, 0] == found.radii[:, 1]).all()
+        assert not found.gap.flags.writeable
+
+    def test_refuse_what_they_were_not_looked_for(self, pair):
+        found = candidates(*pair, deepest=0.03)
+        with pytest.raises(ValueError, match=r"approach is 0.04 µm, but candidates were looked for up to 0.03 µm only"):
+            press(found, [0.04])
+        with pytest.raises(ValueError, match="detection must be that of the candidates, 'gap-minimum', got 'cell'"):
+            press(found, [0.01], detection="cell")
+        with pytest.raises(ValueError, match="curvature must be that of the candidates, 'convex', got 'signed'"):
+            contacts(found, 0.01, curvature="signed")
+        with pytest.raises(ValueError, match="deepest"):
+            candidates(*pair, deepest="deep")
+        with pytest.raises(ValueError, match="must have equal spacings"):
+            candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)
+
+
+class TestContactModel:
+    def test_keywords_are_its_fields_and_take_precedence(self, pair):
+        assert set(ContactKeywords.__annotations__) == {"model"} | {
+            each.name for each in dataclasses.fields(ContactModel)
+        }
+        model = ContactModel(effective_modulus=20.0, detection="gap-minimum")
+        ours = press(*pair, [0.01], model=model, shear="-x")
+        theirs = press(*pair, [0.01], effective_modulus=20.0, detection="gap-minimum", shear="-x")
+        assert ours.effective_modulus == 20.0
+        assert np.array_equal(ours.tangential_elastic, theirs.tangential_elastic)
+
+    def test_bad_ones_are_named(self, pair):
+        with pytest.raises(ValueError, match="model must be a ContactModel, got dict"):
+            press(*pair, [0.01], model={})
+        with pytest.raises(ValueError, match="detection must be one of 'cell', 'gap-minimum', got 'both'"):
+            ContactModel(detection="both")
+        with pytest.raises(TypeError, match="'modulus'"):
+            press(*pair, [0.01], modulus=3.0)
+
+
+def test_quantities_and_laws_stand_once():
+    assert tuple(each.name for each in dataclasses.fields(Sums)) == SUMS
+    assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
+    assert tuple(NAMED) == LawName.__args__
+    assert len({law.name for law in LAWS}) == len(LAWS)
+    for law in LAWS:
+        with pytest.raises(ValueError, match=f"law {law.name} lacks its effective_modulus"):
+            stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
+
+
+def test_the_ladder_of_statuses():
+    given = [
+        (False, False, False, False), (True, True, False, False), (True, False, True, False),
+        (True, False, False, True), (True, False, False, False),
+    ]  # fmt: skip
+    touched, reached, below, locked = np.array(given).T
+    status = status_of(touched=touched, reached=reached, below=below, locked=locked)
+    assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
+    assert status.dtype == STATUS_DTYPE
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "press(*(Profile(np.random.default_rng(seed).random(5_000_000), spacing=1.0) for seed in (1, 2)),"
+        " np.linspace(0.5, 1.5, 400), detection='gap-minimum', curvature='signed')",
+        "weierstrass_mandelbrot(random_phases(1, directions=400, frequencies=400), 1.5, points=5_000_000)",
+        "weierstrass_mandelbrot_surface(random_phases(1), 1.5, shape=(8000, 8000))",
+    ],
+    ids=["press", "profile", "surface"],
+)
+def test_ctrl_c_ends_a_long_call(call):
+    program = (
+        "import numpy as np\nfrom stiction import *\n"
+        f"print('ready', flush=True)\ntry:\n    {call}\nexcept KeyboardInterrupt:\n    print('ended', flush=True)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(1.5)
+        assert process.poll() is None
+        start = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.readline() == "ended\n"
+        assert time.monotonic() - start < ENDED_WITHIN
