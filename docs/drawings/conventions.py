@@ -94,9 +94,8 @@ def draw_pair(ax: Axes, these: Pair) -> None:
     draw_bodies(ax, these, bottom, top)
     ax.set_xlim(-0.95, x[-1] + 0.05)
     ax.plot(x, touching, color=INK, linewidth=0.5, linestyle=(0, (4, 3)))
-    for number, (centre, normal, tangent) in enumerate(
-        zip(*(plane(each) for each in (found.centre, found.normal, found.tangent)), strict=True)
-    ):
+    vectors = (plane(each) for each in (found.centre, found.normal, found.tangent))
+    for number, (centre, normal, tangent) in enumerate(zip(*vectors, strict=True)):
         colour, kind = (OPPOSING, "opposes") if found.opposing[number] else (OTHER, "does not oppose")
         arrow(ax, centre, centre + 0.6 * normal, colour, width=1.2)
         word(ax, centre + 0.6 * normal, "n", 0.06, color=colour, weight="bold", ha="left", va="bottom")

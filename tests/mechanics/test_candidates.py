@@ -1,12 +1,11 @@
 import dataclasses
-import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
 import stiction._core
+from scipy.interpolate import CubicSpline
 from stiction import (
     Candidates,
     ContactModel,
@@ -22,8 +21,11 @@ from stiction.mechanics.law import LAWS, NAMED, LawName
 from stiction.mechanics.model import ContactKeywords
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
 
-# Ctrl-C within a second, and the time that a busy machine takes to start and to end a process.
-ENDED_WITHIN = 5.0
+# A spline by another solver.
+SAME_SPLINE = 1e-9
+# Seconds of the process's own time, because the machine may be busy with others.
+SIGNAL_AFTER = 0.5
+ENDED_WITHIN = 1.0
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +59,11 @@ class TestCandidates:
         assert (found.position[:, 1] == 0).all()
         assert (np.abs(found.position[:, 0] - lower.x[found.index] - lower.spacing / 2) <= lower.spacing / 2).all()
         grid = upper.heights - lower.heights
-        # A minimum between two points is not above them, but for round-off.
-        assert (found.gap <= np.minimum(grid[found.index], grid[found.index + 1]) - grid.min() + 1e-12).all()
+        spline = CubicSpline(lower.x, grid, bc_type="natural")
+        x = found.position[:, 0]
+        assert np.abs(spline(x) - grid.min() - found.gap).max() < SAME_SPLINE * np.ptp(grid)
+        assert np.abs(spline(x, 1)).max() < SAME_SPLINE * np.abs(spline(lower.x, 1)).max()
+        assert (spline(x, 2) > 0).all()
         assert (found.radii[:, 0] == found.radii[:, 1]).all()
         assert not found.gap.flags.writeable
 
@@ -120,23 +125,25 @@ def test_the_ladder_of_statuses():
 @pytest.mark.parametrize(
     "call",
     [
-        "press(*(Profile(np.random.default_rng(seed).random(5_000_000), spacing=1.0) for seed in (1, 2)),"
+        "press(*(Profile(np.random.default_rng(seed).random(2_000_000), spacing=1.0) for seed in (1, 2)),"
         " np.linspace(0.5, 1.5, 400), detection='gap-minimum', curvature='signed')",
-        "weierstrass_mandelbrot(random_phases(1, directions=400, frequencies=400), 1.5, points=5_000_000)",
-        "weierstrass_mandelbrot_surface(random_phases(1), 1.5, shape=(8000, 8000))",
+        "weierstrass_mandelbrot(random_phases(1, directions=2000), 1.5, points=2_000_000)",
+        "weierstrass_mandelbrot_surface(random_phases(1, directions=2000), 1.5, shape=(2000, 2000))",
     ],
     ids=["press", "profile", "surface"],
 )
 def test_ctrl_c_ends_a_long_call(call):
-    program = (
-        "import numpy as np\nfrom stiction import *\n"
-        f"print('ready', flush=True)\ntry:\n    {call}\nexcept KeyboardInterrupt:\n    print('ended', flush=True)\n"
-    )
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout.readline() == "ready\n"
-        time.sleep(1.5)
-        assert process.poll() is None
-        start = time.monotonic()
-        process.send_signal(signal.SIGINT)
-        assert process.stdout.readline() == "ended\n"
-        assert time.monotonic() - start < ENDED_WITHIN
+    program = f"""
+import signal, time
+import numpy as np
+from stiction import *
+signal.signal(signal.SIGPROF, signal.default_int_handler)
+signal.setitimer(signal.ITIMER_PROF, {SIGNAL_AFTER})
+start = time.process_time()
+try:
+    {call}
+except KeyboardInterrupt:
+    print(time.process_time() - start)
+"""
+    took = float(subprocess.check_output([sys.executable, "-c", program], text=True))
+    assert took < SIGNAL_AFTER + ENDED_WITHIN

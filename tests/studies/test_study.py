@@ -128,11 +128,11 @@ class TestChanges:
         study = Study().with_changes(
             {"contact.law": {"name": "jackson-green", "yield_strength": "200 MPa", "poisson_ratio": 0.3}}
         )
-        assert study.contact.contact_law() == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
+        assert study.contact.model().law == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
         assert study.with_changes({}).to_toml() == study.to_toml()
         cylinder = Study().with_changes({"contact.law": {"name": "hertz-cylinder", "width": "2 um"}})
-        assert cylinder.contact.contact_law() == HertzCylinder(width=2.0)
-        assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.contact_law() == "hertz-cylinder"
+        assert cylinder.contact.model().law == HertzCylinder(width=2.0)
+        assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.model().law == "hertz-cylinder"
 
     def test_equal_quantities_are_equal_studies(self):
         changed = Study().with_changes({"surfaces.amplitude": ["100 nm"]})

@@ -358,10 +358,11 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     steps = float_array("approaches", approaches, ndim=1)
     if isinstance(upper, Surface):
         found = candidates(upper, lower, deepest=_not_negative(steps.max(initial=0.0)), curvature=model.curvature)
-    if found is not None and isinstance(found.core, stiction._core.ArealCandidates):
-        return _pressed_surfaces(found.core, steps, model)
-    if found is not None:
-        columns = stiction._core.press(found.core, approaches=steps, model=model.core())
+    core = None if found is None else found.core
+    if isinstance(core, stiction._core.ArealCandidates):
+        return _pressed_surfaces(core, steps, model)
+    if core is not None:
+        columns = stiction._core.press(core, approaches=steps, model=model.core())
     else:
         columns = stiction._core.press(
             upper.heights, lower.heights, spacing=upper.spacing, approaches=steps, model=model.core()

@@ -1,4 +1,4 @@
-"""Load instead of approach: how far two profiles come together under a given normal load."""
+"""Load instead of approach: how far two bodies come together under a given normal load."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class Bodies:
         if isinstance(self.upper, Surface):
             given["directions"] = model.directions()
         if model.detection == "cell":
-            upper, lower = self.upper, self.lower
+            upper, lower = self.profiles()
             return Sums.of(stiction._core.press(upper.heights, lower.heights, spacing=upper.spacing, **given))
         return Sums.of(stiction._core.press(self._minima(float(approaches[-1]), model).core, **given))
 
@@ -125,9 +125,15 @@ class Bodies:
             "model": model.core(),
         }
         if model.detection == "cell":
-            upper, lower = self.upper, self.lower
+            upper, lower = self.profiles()
             return stiction._core.approaches_at(upper.heights, lower.heights, spacing=upper.spacing, **given)
         return stiction._core.approaches_at(self._minima(float(right.max()), model).core, **given)
+
+    def profiles(self) -> tuple[Profile, Profile]:
+        """Both bodies, where it is known that they are lines."""
+        assert isinstance(self.upper, Profile)
+        assert isinstance(self.lower, Profile)
+        return self.upper, self.lower
 
     def _minima(self, deepest: float, model: ContactModel) -> Candidates:
         found = self._found

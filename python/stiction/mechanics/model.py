@@ -91,7 +91,7 @@ class ContactModel:
 
     def angles(self) -> Floats:
         """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
-        given = self.shear if self.direction is None else self.direction
+        given: Any = self.shear if self.direction is None else self.direction
         if isinstance(given, str) or np.ndim(given) == 0:
             return np.asarray(_angle(given))
         angles = np.array([_angle(one) for one in given])

@@ -39,8 +39,8 @@ _DIMS = ("direction", "offset", "load")
 
 
 def traverse_surfaces(
-    upper: Surface,
-    lower: Surface,
+    upper: Any,
+    lower: Any,
     loads: ArrayLike,
     *,
     mu0: float,
@@ -136,7 +136,7 @@ def _places(offsets: ArrayLike, upper: Surface, lower: Surface) -> NDArray[np.in
             f"offsets must leave at least {FEWEST_POINTS} rows and columns of both maps above each other, got ({x:g}, "
             f"{y:g}) µm"
         )
-    return places
+    return np.asarray(places)
 
 
 def _position(

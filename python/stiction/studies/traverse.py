@@ -136,7 +136,7 @@ def traverse(
         return traverse_surfaces(
             upper, lower, loads, mu0=mu0, tau0=tau0, offsets=offsets, executor=executor, progress=progress,
             contact=dict(contact),
-        )  # type: ignore[arg-type]  # fmt: skip
+        )  # fmt: skip
 
     uppers, lowers = _profiles("upper", upper), _profiles("lower", lower)
     if len(uppers) != len(lowers):
