@@ -33,12 +33,12 @@ void visit_touches(const Candidate& candidate, Values approaches, double half_ce
 
 template <class L>
 void add_candidate(const Candidate& candidate, Values approaches, double half_cell, double spacing, const L& law,
-                   const Vector2& direction, std::vector<Sums>& sums) {
+                   const Vector2& direction, Sliding sliding, std::vector<Sums>& sums) {
   visit_touches(candidate, approaches, half_cell, [&](std::size_t k, const Touch& touch, Verdict verdict) {
     if (verdict == Verdict::crossed) {
       sums[k].crossed_count += 1;
     } else {
-      sums[k].add(touch, candidate.radii, law(touch.overlap, candidate.radii), direction, spacing);
+      sums[k].add(touch, candidate.radii, law(touch.overlap, candidate.radii), direction, sliding, spacing);
     }
   });
 }
@@ -130,7 +130,8 @@ std::vector<Sums> press(const ProfilePair& pair, Values approaches, const Contac
     for_each_candidate(
         pair, approaches.back(), model.detection, model.curvature,
         [&](const Candidate& candidate) {
-          add_candidate(candidate, approaches, half_cell(pair, model), pair.spacing, law, model.direction, sums);
+          add_candidate(candidate, approaches, half_cell(pair, model), pair.spacing, law, model.direction,
+                        model.sliding, sums);
         },
         checkpoint);
   };
@@ -147,7 +148,7 @@ std::vector<Sums> press(const Candidates& found, Values approaches, const Contac
     for (const Candidate& candidate : found.all) {
       checkpoint();
       if (candidate.gap <= approaches.back()) {
-        add_candidate(candidate, approaches, anywhere, found.spacing, law, model.direction, sums);
+        add_candidate(candidate, approaches, anywhere, found.spacing, law, model.direction, model.sliding, sums);
       }
     }
   };

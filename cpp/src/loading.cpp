@@ -154,4 +154,9 @@ std::vector<double> approaches_at(const Candidates& found, Values loads, Values 
   return approaches_of(found, loads, left, right, mu0, tau0, model, checkpoint);
 }
 
+std::vector<double> approaches_at(const ArealCandidates& found, Values loads, Values left, Values right, double mu0,
+                                  double tau0, const ContactModel& model, const Checkpoint& checkpoint) {
+  return approaches_of(found, loads, left, right, mu0, tau0, model, checkpoint);
+}
+
 }  // namespace stiction

@@ -1,8 +1,20 @@
 #include "stiction/sums.hpp"
 
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace stiction {
+
+Sliding sliding(std::string_view word) {
+  if (word == "opposing") {
+    return Sliding::opposing;
+  }
+  if (word == "all") {
+    return Sliding::all;
+  }
+  throw std::invalid_argument(std::string("sliding is ").append(word) + ", must be opposing or all");
+}
 
 double normal_load(const Sums& sums, double mu0, double tau0) {
   return sums.normal_elastic + mu0 * sums.normal_frictional + tau0 * sums.normal_adhesive;

@@ -1,4 +1,4 @@
-#include "stiction/contact.hpp"
+#include "contact.hpp"
 
 #include "arrays.hpp"
 #include "checkpoint.hpp"
@@ -8,8 +8,7 @@
 
 namespace stiction::python {
 
-// Beside that of sums, so that a template finds both.
-static Table table_of(const std::vector<Contact>& rows) {
+Table table_of(const std::vector<Contact>& rows) {
   Table table;
   table["index"] = column(rows, [](const Contact& c) { return static_cast<std::int64_t>(c.index); });
   table["centre"] = column(rows, [](const Contact& c) { return c.centre; });
@@ -43,12 +42,13 @@ Table table_by(const Work& work) {
 void bind_contact(py::module_& module) {
   py::class_<ContactModel>(module, "ContactModel", "How two bodies are pressed together.")
       .def(py::init([](const std::string& name, const std::map<std::string, double>& parameters,
-                       const std::string& where, const std::string& allowed, const std::array<double, 2>& direction) {
+                       const std::string& where, const std::string& allowed, const std::array<double, 2>& direction,
+                       const std::string& rule) {
              return ContactModel{law(name, parameters), detection(where), curvature(allowed),
-                                 Vector2(direction[0], direction[1])};
+                                 Vector2(direction[0], direction[1]), sliding(rule)};
            }),
            py::kw_only(), py::arg("law"), py::arg("parameters"), py::arg("detection"), py::arg("curvature"),
-           py::arg("direction"));
+           py::arg("direction"), py::arg("sliding"));
 
   module.def(
       "contacts",

@@ -5,6 +5,27 @@
 
 namespace stiction::python {
 
+template <class Found>
+static void bind_approaches(py::module_& module, const char* words) {
+  module.def(
+      "approaches_at",
+      [](const Found& found, const Array& loads, const Array& left, const Array& right, double mu0, double tau0,
+         const ContactModel& model) {
+        const Values wanted = view(loads);
+        const Values from = view(left);
+        const Values to = view(right);
+        const Checkpoint checkpoint = until_interrupted();
+        std::vector<double> result;
+        {
+          const py::gil_scoped_release release;
+          result = approaches_at(found, wanted, from, to, mu0, tau0, model, checkpoint);
+        }
+        return array_from(std::move(result));
+      },
+      py::arg("found"), py::kw_only(), py::arg("loads").noconvert(), py::arg("left").noconvert(),
+      py::arg("right").noconvert(), py::arg("mu0"), py::arg("tau0"), py::arg("model"), words);
+}
+
 void bind_loading(py::module_& module) {
   module.def(
       "approaches_at",
@@ -26,23 +47,8 @@ void bind_loading(py::module_& module) {
       py::arg("loads").noconvert(), py::arg("left").noconvert(), py::arg("right").noconvert(), py::arg("mu0"),
       py::arg("tau0"), py::arg("model"),
       "Approaches [µm] in brackets at which the normal load rises through loads [mN].");
-  module.def(
-      "approaches_at",
-      [](const Candidates& found, const Array& loads, const Array& left, const Array& right, double mu0, double tau0,
-         const ContactModel& model) {
-        const Values wanted = view(loads);
-        const Values from = view(left);
-        const Values to = view(right);
-        const Checkpoint checkpoint = until_interrupted();
-        std::vector<double> result;
-        {
-          const py::gil_scoped_release release;
-          result = approaches_at(found, wanted, from, to, mu0, tau0, model, checkpoint);
-        }
-        return array_from(std::move(result));
-      },
-      py::arg("found"), py::kw_only(), py::arg("loads").noconvert(), py::arg("left").noconvert(),
-      py::arg("right").noconvert(), py::arg("mu0"), py::arg("tau0"), py::arg("model"), "The same, of candidates.");
+  bind_approaches<Candidates>(module, "The same, of candidates.");
+  bind_approaches<ArealCandidates>(module, "The same, of candidates of two maps.");
 }
 
 }  // namespace stiction::python

@@ -18,7 +18,7 @@ from stiction.mechanics.closed_forms import (
     westergaard_gap,
     westergaard_pressure,
 )
-from stiction.mechanics.contact import Contacts, LoadCurve, contacts, press
+from stiction.mechanics.contact import Contacts, LoadCurve, SurfaceLoadCurve, SurfaceValidity, contacts, press
 from stiction.mechanics.friction import Validity
 from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
@@ -47,6 +47,7 @@ from stiction.surfaces.preparation import cropped, levelled, on_common_grid, rot
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import RoughnessParameters, roughness_parameters
 from stiction.surfaces.self_affine import self_affine, surrogate
+from stiction.surfaces.self_affine_surface import self_affine_surface
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, power_spectrum, spectral_moments
 from stiction.surfaces.surface import Surface
 from stiction.surfaces.surface_parameters import SurfaceParameters, bearing_curve, surface_parameters
@@ -74,8 +75,10 @@ __all__ = [
     "RoughnessParameters",
     "Study",
     "Surface",
+    "SurfaceLoadCurve",
     "SurfaceParameters",
     "SurfaceSpectrum",
+    "SurfaceValidity",
     "Validity",
     "__version__",
     "approach_at_load",
@@ -112,6 +115,7 @@ __all__ = [
     "roughness_parameters",
     "run",
     "self_affine",
+    "self_affine_surface",
     "slope_friction",
     "spectral_moments",
     "stiffness_map",

@@ -9,9 +9,11 @@ import numpy.typing
 import typing
 
 __all__: list[str] = [
+    "ArealCandidates",
     "Candidates",
     "ContactModel",
     "approaches_at",
+    "areal_quantities",
     "asperities",
     "candidates",
     "contacts",
@@ -50,7 +52,20 @@ class ContactModel:
         direction: typing.Annotated[
             collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
         ],
+        sliding: str,
     ) -> None: ...
+
+class ArealCandidates:
+    """
+    Where two maps may touch, found once for any number of presses.
+    """
+    def __len__(self) -> int: ...
+    def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
+    @property
+    def deepest(self) -> float:
+        """
+        Approach [µm] up to which they were looked for.
+        """
 
 @typing.overload
 def approaches_at(
@@ -122,6 +137,7 @@ def asperities(
     Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.
     """
 
+@typing.overload
 def candidates(
     upper: numpy.typing.NDArray[numpy.float64],
     lower: numpy.typing.NDArray[numpy.float64],
@@ -132,6 +148,19 @@ def candidates(
 ) -> Candidates:
     """
     The gap minima of two profiles up to a deepest approach [µm].
+    """
+
+@typing.overload
+def candidates(
+    upper: numpy.typing.NDArray[numpy.float64],
+    lower: numpy.typing.NDArray[numpy.float64],
+    *,
+    spacing: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"],
+    deepest: typing.SupportsFloat | typing.SupportsIndex,
+    curvature: str,
+) -> ArealCandidates:
+    """
+    The gap minima of two maps up to a deepest approach [µm]; spacing of rows, then of columns.
     """
 
 @typing.overload
@@ -153,6 +182,14 @@ def contacts(
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     The same, of candidates.
+    """
+
+@typing.overload
+def contacts(
+    found: ArealCandidates, *, approach: typing.SupportsFloat | typing.SupportsIndex, model: ContactModel
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    Every contact of two maps at one approach [µm]: a dict of columns.
     """
 
 def force_and_area(
@@ -224,6 +261,18 @@ def press(
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     The same, of candidates.
+    """
+
+@typing.overload
+def press(
+    found: ArealCandidates,
+    *,
+    approaches: numpy.typing.NDArray[numpy.float64],
+    model: ContactModel,
+    directions: numpy.typing.NDArray[numpy.float64],
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    Sums over the contacts of two maps: a dict of columns, direction by direction and in it by approach.
     """
 
 def quantities() -> list[tuple[str, str, str]]:

@@ -19,6 +19,7 @@ struct ContactModel {
   Detection detection = Detection::cell;
   Curvature curvature = Curvature::convex;
   Vector2 direction = {1.0, 0.0};  ///< where the upper body is about to move: a horizontal unit vector
+  Sliding sliding = Sliding::opposing;
 };
 
 /// One contact. Positions are in the frame of the lower body.

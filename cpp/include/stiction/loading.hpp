@@ -1,6 +1,7 @@
 // Load instead of approach: how far two bodies come together under a given normal load.
 #pragma once
 
+#include "stiction/areal.hpp"
 #include "stiction/array.hpp"
 #include "stiction/candidates.hpp"
 #include "stiction/checkpoint.hpp"
@@ -27,6 +28,8 @@ std::vector<double> rises_through(const ManyValues& function, Values levels, Val
 std::vector<double> approaches_at(const ProfilePair& pair, Values loads, Values left, Values right, double mu0,
                                   double tau0, const ContactModel& model, const Checkpoint& checkpoint = {});
 std::vector<double> approaches_at(const Candidates& found, Values loads, Values left, Values right, double mu0,
+                                  double tau0, const ContactModel& model, const Checkpoint& checkpoint = {});
+std::vector<double> approaches_at(const ArealCandidates& found, Values loads, Values left, Values right, double mu0,
                                   double tau0, const ContactModel& model, const Checkpoint& checkpoint = {});
 
 }  // namespace stiction

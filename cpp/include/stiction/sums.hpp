@@ -2,7 +2,7 @@
 // algebra: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
 //
 // The upper body is about to move along a horizontal unit vector s. A contact of normal n opposes the motion where
-// s·n < 0, and only opposing contacts carry friction, along the tangent t = -s + (s·n) n, normalised.
+// s·n < 0. Contacts that slide carry friction, along the tangent t = -s + (s·n) n, normalised, and push.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -15,16 +15,23 @@
 
 namespace stiction {
 
+/// Which contacts slide: `opposing` only those that oppose the motion, as the paper has it, `all` every one, of which
+/// those that lean with the motion push forward.
+enum class Sliding { opposing, all };
+
+/// By the words of results: "opposing", "all". Throws std::invalid_argument for another.
+Sliding sliding(std::string_view word);
+
 /// Sums over the contacts at one approach. F = elastic + mu0 frictional + tau0 adhesive, for both loads.
 struct Sums {
   Index contact_count = 0;
   double contact_area = 0.0;           ///< Σ A                 [µm²]
   double normal_elastic = 0.0;         ///< Σ F n_z             [mN]
-  double tangential_elastic = 0.0;     ///< -Σ_opposing F s·n   [mN]
-  double normal_frictional = 0.0;      ///< Σ_opposing F t_z    [mN] per unit mu0
-  double tangential_frictional = 0.0;  ///< -Σ_opposing F s·t   [mN] per unit mu0
-  double normal_adhesive = 0.0;        ///< Σ_opposing A t_z    [mN] per GPa of tau0
-  double tangential_adhesive = 0.0;    ///< -Σ_opposing A s·t   [mN] per GPa of tau0
+  double tangential_elastic = 0.0;     ///< -Σ_sliding F s·n   [mN]
+  double normal_frictional = 0.0;      ///< Σ_sliding F t_z    [mN] per unit mu0
+  double tangential_frictional = 0.0;  ///< -Σ_sliding F s·t   [mN] per unit mu0
+  double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
+  double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
   // How far the model is trusted. Shares are of Σ F n_z, and R is the mean radius.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
@@ -34,7 +41,8 @@ struct Sums {
 
   /// One more contact: how the bodies touch, what it carries, where the upper body is about to move, and the distance
   /// Δx [µm] of grid points.
-  void add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction, double spacing);
+  void add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction, Sliding sliding,
+           double spacing);
 };
 
 /// A member of `Sums`: its name, the unit and the words in which results speak of it.
@@ -50,7 +58,7 @@ inline constexpr std::array quantities{
     Quantity{"contact_count", "1", "number of contacts", &Sums::contact_count},
     Quantity{"contact_area", "um^2", "true contact area", &Sums::contact_area},
     Quantity{"normal_elastic", "mN", "normal load of the elastic forces", &Sums::normal_elastic},
-    Quantity{"tangential_elastic", "mN", "tangential load of the elastic forces of opposing contacts",
+    Quantity{"tangential_elastic", "mN", "tangential load of the elastic forces of sliding contacts",
              &Sums::tangential_elastic},
     Quantity{"normal_frictional", "mN", "normal load per unit mu0", &Sums::normal_frictional},
     Quantity{"tangential_frictional", "mN", "tangential load per unit mu0", &Sums::tangential_frictional},
@@ -94,7 +102,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
 }
 
 inline void Sums::add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction,
-                      double spacing) {
+                      Sliding sliding, double spacing) {
   constexpr double hertz_limit = 0.1;  // overlap / R
   const auto [force, area] = carried;
   const double radius = radii.mean();
@@ -106,7 +114,7 @@ inline void Sums::add(const Touch& touch, const Radii& radii, const ForceArea& c
   overlap_load += load * relative_overlap;
   load_beyond_hertz += relative_overlap > hertz_limit ? load : 0.0;
   load_below_grid += radius < spacing ? load : 0.0;
-  if (opposes(touch.normal, direction)) {
+  if (sliding == Sliding::all || opposes(touch.normal, direction)) {
     const Vector3 friction = tangent(touch.normal, direction);
     const double along = friction.head<2>().dot(direction);
     tangential_elastic -= force * touch.normal.head<2>().dot(direction);

@@ -12,6 +12,7 @@ import stiction._core
 from stiction._checks import Floats, choice, number, read_only
 from stiction.mechanics.model import Curvature, check_pair
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,7 @@ class Candidates:
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point on the left of the minimum.
+        Grid point on the left of the minimum; on surfaces that below it on the left, counted row by row.
     position : (c, 3) ndarray, µm
         Of the lower body there.
     gap : (c,) ndarray, µm
@@ -38,7 +39,7 @@ class Candidates:
         By which they were chosen.
     """
 
-    core: stiction._core.Candidates
+    core: stiction._core.Candidates | stiction._core.ArealCandidates
     curvature: Curvature
 
     def __len__(self) -> int:
@@ -70,17 +71,20 @@ class Candidates:
         return {name: read_only(column) for name, column in self.core.columns().items()}
 
 
-def candidates(upper: Profile, lower: Profile, *, deepest: float, curvature: Curvature = "convex") -> Candidates:
+def candidates(
+    upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: Curvature | None = None
+) -> Candidates:
     """Where two bodies may touch at approaches up to a deepest one: the local minima of their splined gap.
 
     Parameters
     ----------
-    upper, lower : Profile
-        On the same grid. A profile whose points lie on a line, to round-off, is a straight body.
+    upper, lower : Profile or Surface
+        Both of one kind, on the same grid. A profile whose points lie on a line, to round-off, is a straight body.
     deepest : float, µm
         At least 0.
-    curvature : {"convex", "signed"}
-        Whether both bodies must be convex, or one may be a wider cup.
+    curvature : {"convex", "signed"}, optional
+        Whether both bodies must be convex, or one may be a wider cup. By default "convex" for profiles and "signed" for
+        surfaces.
 
     Raises
     ------
@@ -100,6 +104,8 @@ def candidates(upper: Profile, lower: Profile, *, deepest: float, curvature: Cur
     array([1, 1])
     """
     check_pair(upper, lower)
+    if curvature is None:
+        curvature = "signed" if isinstance(upper, Surface) else "convex"
     choice("curvature", curvature, Curvature)
     core = stiction._core.candidates(
         upper.heights,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Unpack, overload
 
 import numpy as np
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core
 from stiction._checks import Floats, float_array, number, read_only
 from stiction.mechanics import friction
-from stiction.mechanics.candidates import Candidates
+from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums, Validity
-from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_of
+from stiction.mechanics.model import ContactKeywords, ContactModel, Sliding, model_for_pair, model_of
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,14 +28,15 @@ class Contacts:
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point that owns the contact: its own (cell), or the one on its left (gap-minimum).
+        Grid point that owns the contact: its own (cell), or the one on its left (gap-minimum). On surfaces the one
+        below it on its left, counted row by row.
     centre : (c, 3) ndarray, µm
     normal : (c, 3) ndarray
         Unit vector from the lower to the upper body.
     tangent : (c, 3) ndarray
         Unit vector of the friction on the upper body, were the contact to oppose the motion.
     radius : (c,) ndarray, µm
-        Effective radius, 1/R = 1/R_u + 1/R_l.
+        Effective radius, 1/R = 1/R_u + 1/R_l; on surfaces the geometric mean of the radii.
     radii : (c, 2) ndarray, µm
         Principal radii of the relative curvature, the larger first; of two spheres both are the effective radius.
     axes : (c, 2) ndarray, µm
@@ -44,7 +46,8 @@ class Contacts:
         Normal force of the contact law.
     area : (c,) ndarray, µm²
     opposing : (c,) ndarray of bool
-        Whether the normal force on the upper body points against the motion: only these carry friction.
+        Whether the normal force on the upper body points against the motion: only these carry friction, unless
+        ``sliding="all"``.
     """
 
     index: NDArray[np.int64]
@@ -79,21 +82,24 @@ class LoadCurve(Sums):
     contact_count : (k,) ndarray of int
     contact_area : (k,) ndarray, µm²
     normal_elastic, tangential_elastic : (k,) ndarray, mN
-        Σ F n_z over all, -Σ F s·n over opposing contacts.
+        Σ F n_z over all, -Σ F s·n over sliding contacts: opposing ones, or all with ``sliding="all"``.
     normal_frictional, tangential_frictional : (k,) ndarray, mN per unit mu0
-        Σ F t_z, -Σ F s·t over opposing contacts.
+        Σ F t_z, -Σ F s·t over sliding contacts.
     normal_adhesive, tangential_adhesive : (k,) ndarray, mN per GPa of tau0
-        Σ A t_z, -Σ A s·t over opposing contacts.
+        Σ A t_z, -Σ A s·t over sliding contacts.
     overlap_load, load_beyond_hertz, load_below_grid : (k,) ndarray, mN
         Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
         `validity`.
     crossed_count : (k,) ndarray of int
         Would-be contacts that were refused because their sphere centres had crossed.
     effective_modulus : float, GPa
+    sliding : {"opposing", "all"}
+        Which contacts the sums of friction are over.
     """
 
     approach: Floats
     effective_modulus: float
+    sliding: Sliding = "opposing"
 
     @property
     def validity(self) -> Validity:
@@ -126,11 +132,94 @@ class LoadCurve(Sums):
         strengths = friction.friction_parameter("tau0", tau0)
         friction.check_shear_strength(strengths, self.effective_modulus)
         both = np.broadcast_arrays(friction.friction_parameter("mu0", mu0), strengths)
-        return both[0][..., np.newaxis], both[1][..., np.newaxis]
+        # Before the axes of the sums, which are approaches or directions and approaches.
+        axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
+        return both[0][axes], both[1][axes]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceValidity(Validity):
+    """How far the model is to be trusted on surfaces: the figures of `Validity`, and two more.
+
+    R is the geometric mean of the two radii, and the refused contacts of `share_crossed` are those whose ellipse leaves
+    the map.
+
+    Attributes
+    ----------
+    share_overlapping : ndarray
+        Share of the load on ellipses that overlap another one, seen from above: contacts that would merge.
+    share_unanswered : ndarray
+        Share of the grid points lower than their eight neighbours, within the approach, beside which the spline has no
+        minimum; NaN where there are no such points.
+    """
+
+    share_overlapping: Floats
+    share_unanswered: Floats
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SurfaceLoadCurve(LoadCurve):
+    """Load and area of two surfaces against approach, for every mu0 and tau0 and for some directions at once.
+
+    All that a LoadCurve has. What depends on the direction, the tangential and lateral sums and the normal ones per
+    mu0 and tau0, has the shape (m, k) if directions are a sequence; loads and coefficients have the shape of
+    (mu0, tau0) + (m, k).
+
+    Attributes
+    ----------
+    direction : () or (m,) ndarray, degrees
+        From +x towards +y, where the upper body is about to move.
+    lateral_elastic : (k,) or (m, k) ndarray, mN
+        -Σ F c·n over sliding contacts, c being the horizontal unit vector on the left of the motion.
+    lateral_frictional, lateral_adhesive : (k,) or (m, k) ndarray, mN per unit mu0, mN per GPa of tau0
+        -Σ F c·t and -Σ A c·t over sliding contacts.
+    load_overlapping : (k,) ndarray, mN
+        Σ F n_z of contacts whose ellipse overlaps another one.
+    grid_minimum_count, unanswered_count : (k,) ndarray of int
+        Grid points lower than their eight neighbours, and those of them beside which the spline has no minimum.
+    """
+
+    direction: Floats
+    lateral_elastic: Floats
+    lateral_frictional: Floats
+    lateral_adhesive: Floats
+    load_overlapping: Floats
+    grid_minimum_count: NDArray[np.int64]
+    unanswered_count: NDArray[np.int64]
+
+    @property
+    def validity(self) -> SurfaceValidity:
+        """How far the model is to be trusted at each approach, (k,) each."""
+        lines = Validity.of(self)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return SurfaceValidity(
+                relative_overlap=lines.relative_overlap,
+                share_beyond_hertz=lines.share_beyond_hertz,
+                share_below_grid=lines.share_below_grid,
+                share_crossed=lines.share_crossed,
+                share_overlapping=self.load_overlapping / self.normal_elastic,
+                share_unanswered=self.unanswered_count / self.grid_minimum_count,
+            )
+
+    def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """Horizontal force in mN towards the left of the motion that keeps the upper body on its way.
+
+        Its shape and arguments are as for `normal_load`; negative values are towards the right.
+        """
+        mu0, tau0 = self._parameters(mu0, tau0)
+        return np.asarray(self.lateral_elastic + mu0 * self.lateral_frictional + tau0 * self.lateral_adhesive)
+
+
+_DIRECTED = frozenset(
+    f"{load}_{part}" for load in ("tangential", "lateral") for part in ("elastic", "frictional", "adhesive")
+) | {"normal_frictional", "normal_adhesive"}
+"""Sums that depend on the direction."""
 
 
 @overload
-def contacts(upper: Profile, lower: Profile, approach: float, **contact: Unpack[ContactKeywords]) -> Contacts: ...
+def contacts(
+    upper: Profile | Surface, lower: Profile | Surface, approach: float, **contact: Unpack[ContactKeywords]
+) -> Contacts: ...
 
 
 @overload
@@ -142,14 +231,14 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
     Parameters
     ----------
-    upper, lower : Profile
-        On the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to round-off, is a
-        straight body.
+    upper, lower : Profile or Surface
+        Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
+        round-off, is a straight body.
     approach : float, µm
         Displacement of the upper body since first touch of the grid points, at least 0.
     **contact
-        effective_modulus, law, detection, curvature and shear, as `ContactModel` has them, or `model`, a whole one;
-        candidates have a detection and a curvature of their own.
+        effective_modulus, law, detection, curvature, shear or direction, and sliding, as `ContactModel` has them, or
+        `model`, a whole one; candidates have a detection and a curvature of their own. One direction only.
 
     Raises
     ------
@@ -161,6 +250,11 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     With X = O_u - O_l between the sphere centres and d its length, the normal is ±X/d, the overlap R_u + R_l - d, or
     d less the difference of the radii for a ball in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2 (Eq. 4).
     Refused are centres that have crossed, n_z <= 0.
+
+    On surfaces contacts are the local minima of the splined gap g, whose common slope p = ∇z gives the normal
+    (-p, 1)/q, q² = 1 + p². The relative curvatures κ1 <= κ2 are the eigenvalues of the Hessian of g over q in the
+    metric I + p pᵀ, the overlap is (δ - g)/q, and the contact is the ellipse of Hertz (Johnson, Contact Mechanics,
+    section 4.2). Refused are ellipses that leave the map.
 
     Examples
     --------
@@ -174,19 +268,22 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     (1, array([0.0133]))
     """
     if isinstance(upper, Candidates):
+        found: Candidates | None = upper
         approach = lower if approach is None else approach
         model = _model_for(upper, contact)
-        columns = stiction._core.contacts(
-            upper.core, approach=number("approach", approach, unit="µm"), model=model.core()
-        )
     else:
-        check_pair(upper, lower)
+        found = None
+        model = model_for_pair(upper, lower, contact)
+    approach = number("approach", approach, unit="µm")
+    if model.angles().ndim > 0:
+        raise ValueError(f"direction must be one, because a contact has one tangent, got {model.direction!r}")
+    if isinstance(upper, Surface):
+        found = candidates(upper, lower, deepest=_not_negative(approach), curvature=model.curvature)
+    if found is not None:
+        columns = stiction._core.contacts(found.core, approach=approach, model=model.core())
+    else:
         columns = stiction._core.contacts(
-            upper.heights,
-            lower.heights,
-            spacing=upper.spacing,
-            approach=number("approach", approach, unit="µm"),
-            model=model_of(contact).core(),
+            upper.heights, lower.heights, spacing=upper.spacing, approach=approach, model=model.core()
         )
     columns["opposing"] = columns["opposing"].astype(np.bool_)
     return Contacts(**{name: read_only(column) for name, column in columns.items()})
@@ -194,6 +291,12 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 @overload
 def press(upper: Profile, lower: Profile, approaches: ArrayLike, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
+
+
+@overload
+def press(
+    upper: Surface, lower: Surface, approaches: ArrayLike, **contact: Unpack[ContactKeywords]
+) -> SurfaceLoadCurve: ...
 
 
 @overload
@@ -205,13 +308,18 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
 
     Parameters
     ----------
-    upper, lower : Profile
-        On the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to round-off, is a
-        straight body.
+    upper, lower : Profile or Surface
+        Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
+        round-off, is a straight body.
     approaches : (k,) array_like of float, µm
         At least 0 and strictly increasing.
     **contact
-        As for `contacts`.
+        As for `contacts`. On surfaces there may be many directions, which cost little more than one.
+
+    Returns
+    -------
+    LoadCurve
+        Of surfaces a `SurfaceLoadCurve`.
 
     Raises
     ------
@@ -228,27 +336,73 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     >>> curve = press(upper, lower, [0.005, 0.01, 0.02])
     >>> curve.friction_coefficient(mu0=[0.1, 0.4]).shape
     (2, 3)
+
+    Two surfaces, around the compass:
+
+    >>> from stiction import self_affine_surface
+    >>> lower, upper = (
+    ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, side=side)
+    ...     for side in ("lower", "upper")
+    ... )
+    >>> curve = press(upper, lower, [0.02, 0.04], direction=[0, 90, 180, 270], sliding="all")
+    >>> curve.friction_coefficient(mu0=0.4).shape
+    (4, 2)
     """
     if isinstance(upper, Candidates):
+        found: Candidates | None = upper
         approaches = lower if approaches is None else approaches
         model = _model_for(upper, contact)
-        steps = float_array("approaches", approaches, ndim=1)
-        columns = stiction._core.press(upper.core, approaches=steps, model=model.core())
     else:
-        check_pair(upper, lower)
-        model = model_of(contact)
-        steps = float_array("approaches", approaches, ndim=1)
+        found = None
+        model = model_for_pair(upper, lower, contact)
+    steps = float_array("approaches", approaches, ndim=1)
+    if isinstance(upper, Surface):
+        found = candidates(upper, lower, deepest=_not_negative(steps.max(initial=0.0)), curvature=model.curvature)
+    core = None if found is None else found.core
+    if isinstance(core, stiction._core.ArealCandidates):
+        return _pressed_surfaces(core, steps, model)
+    if core is not None:
+        columns = stiction._core.press(core, approaches=steps, model=model.core())
+    else:
         columns = stiction._core.press(
             upper.heights, lower.heights, spacing=upper.spacing, approaches=steps, model=model.core()
         )
     arrays = {name: read_only(column) for name, column in columns.items()}
-    return LoadCurve(**arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus))
+    return LoadCurve(
+        **arrays,
+        approach=read_only(steps.copy()),
+        effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding,
+    )
+
+
+def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, model: ContactModel) -> SurfaceLoadCurve:
+    angles, directions = model.angles(), model.directions()
+    columns = stiction._core.press(found, approaches=steps, model=model.core(), directions=directions)
+    arrays = {}
+    for name, column in columns.items():
+        table = column.reshape(len(directions), steps.size)
+        arrays[name] = read_only(table if name in _DIRECTED and angles.ndim > 0 else table[0])
+    return SurfaceLoadCurve(
+        **arrays,
+        approach=read_only(steps.copy()),
+        effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding,
+        direction=read_only(angles),
+    )
+
+
+def _not_negative(approach: float) -> float:
+    """Up to where candidates are looked for; a negative approach is refused by what follows."""
+    return max(0.0, float(approach))
 
 
 def _model_for(found: Candidates, contact: Mapping[str, object]) -> ContactModel:
     """A model for candidates; a detection or curvature that is given must be theirs."""
-    model = model_of(contact, ContactModel(detection="gap-minimum", curvature=found.curvature))
+    model = model_of(contact)
     for name, own in (("detection", "gap-minimum"), ("curvature", found.curvature)):
-        if getattr(model, name) != own:
+        if getattr(model, name) not in (None, own):
             raise ValueError(f"{name} must be that of the candidates, {own!r}, got {getattr(model, name)!r}")
-    return model
+    model = replace(model, detection="gap-minimum", curvature=found.curvature)
+    areal = isinstance(found.core, stiction._core.ArealCandidates)
+    return model.for_surfaces() if areal else model.for_profiles()

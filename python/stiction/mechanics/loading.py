@@ -1,4 +1,4 @@
-"""Load instead of approach: how far two profiles come together under a given normal load."""
+"""Load instead of approach: how far two bodies come together under a given normal load."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums
-from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_of
+from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 _LEAST = 1e-6
 """Smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone."""
@@ -29,20 +30,20 @@ _FURTHER = 5.0
 
 
 def approach_at_load(
-    upper: Profile,
-    lower: Profile,
+    upper: Profile | Surface,
+    lower: Profile | Surface,
     loads: ArrayLike,
     *,
     mu0: float,
     tau0: float = 0.0,
     **contact: Unpack[ContactKeywords],
 ) -> Floats:
-    """Approach at which two profiles first carry given normal loads.
+    """Approach at which two bodies first carry given normal loads.
 
     Parameters
     ----------
-    upper, lower : Profile
-        On the same grid.
+    upper, lower : Profile or Surface
+        Both of one kind, on the same grid.
     loads : array_like of float, mN
         Above 0, of any shape.
     mu0 : float
@@ -50,7 +51,7 @@ def approach_at_load(
     tau0 : float, GPa
         Adhesive shear strength.
     **contact
-        As for `press`.
+        As for `press`, with one direction.
 
     Returns
     -------
@@ -83,25 +84,30 @@ def approach_at_load(
     wanted = float_array("loads", loads)
     if not (wanted > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    model = model_of(contact)
+    model = model_for_pair(upper, lower, contact)
+    if model.angles().ndim > 0:
+        raise ValueError(f"direction must be one, because F_N depends on it, got {model.direction!r}")
     mu0, tau0 = friction.one_material(mu0, tau0, model.effective_modulus)
     approach, _ = crossing(Bodies(upper, lower), wanted.ravel(), mu0=mu0, tau0=tau0, model=model)
     return approach.reshape(wanted.shape)
 
 
 class Bodies:
-    """Two profiles that are pressed together again and again; the gap minima of a curvature are found once."""
+    """Two bodies that are pressed together again and again; the gap minima of a curvature are found once."""
 
-    def __init__(self, upper: Profile, lower: Profile) -> None:
+    def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
         self.upper, self.lower = upper, lower
         self._found: Candidates | None = None
 
     def pressed(self, approaches: Floats, model: ContactModel) -> Sums:
         """The sums of `press`; whatever has been found before, they are the same to the bit."""
+        model = model_for_pair(self.upper, self.lower, {"model": model})
         given: dict[str, Any] = {"approaches": approaches, "model": model.core()}
+        if isinstance(self.upper, Surface):
+            given["directions"] = model.directions()
         if model.detection == "cell":
-            upper, lower = self.upper, self.lower
+            upper, lower = self.profiles()
             return Sums.of(stiction._core.press(upper.heights, lower.heights, spacing=upper.spacing, **given))
         return Sums.of(stiction._core.press(self._minima(float(approaches[-1]), model).core, **given))
 
@@ -109,6 +115,7 @@ class Bodies:
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
         """Approaches between `left`, where F_N is below loads, and `right`, where it is not."""
+        model = model_for_pair(self.upper, self.lower, {"model": model})
         given: dict[str, Any] = {
             "loads": loads,
             "left": left,
@@ -118,9 +125,15 @@ class Bodies:
             "model": model.core(),
         }
         if model.detection == "cell":
-            upper, lower = self.upper, self.lower
+            upper, lower = self.profiles()
             return stiction._core.approaches_at(upper.heights, lower.heights, spacing=upper.spacing, **given)
         return stiction._core.approaches_at(self._minima(float(right.max()), model).core, **given)
+
+    def profiles(self) -> tuple[Profile, Profile]:
+        """Both bodies, where it is known that they are lines."""
+        assert isinstance(self.upper, Profile)
+        assert isinstance(self.lower, Profile)
+        return self.upper, self.lower
 
     def _minima(self, deepest: float, model: ContactModel) -> Candidates:
         found = self._found
@@ -167,7 +180,7 @@ def crossing(
     return approach, status
 
 
-def _sampled(upper: Profile, lower: Profile) -> list[Floats]:
+def _sampled(upper: Profile | Surface, lower: Profile | Surface) -> list[Floats]:
     """Approaches in equal ratios up to where all points are in touch, some at a time; none for parallel bodies."""
     most = float(np.ptp(upper.heights - lower.heights))
     if not most > 0:

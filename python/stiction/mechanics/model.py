@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypedDict
 
+import numpy as np
+
 import stiction._core
-from stiction._checks import choice, number
-from stiction.mechanics.law import Law, LawName, law_of
-from stiction.surfaces.profile import Profile
+from stiction._checks import Floats, choice, number
+from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
+from stiction.surfaces.profile import MOST_POINTS, Profile
+from stiction.surfaces.surface import Surface
 
 Detection = Literal["cell", "gap-minimum"]
 Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
+Direction = Literal["+x", "-x"] | float
+Sliding = Literal["opposing", "all"]
 
 EFFECTIVE_MODULUS = 10.0
 """GPa, of the paper."""
@@ -31,13 +37,22 @@ class ContactModel:
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
     law : HertzSphere, HertzCylinder or JacksonGreen, or "hertz-sphere" or "hertz-cylinder"
         What one contact carries.
-    detection : {"cell", "gap-minimum"}
+        On surfaces "hertz-sphere" is the elliptic contact of Hertz; `JacksonGreen` takes the sphere of the same mean
+        radius, which it was fitted to; `HertzCylinder` is refused, because the contacts are no lines.
+    detection : {"cell", "gap-minimum"}, optional
         "cell" (Eq. 5): a grid point owns a contact whose centre lies in its own cell. "gap-minimum": contacts are at
-        the local minima of the splined gap, which do not depend on the grid where it resolves the surfaces.
-    curvature : {"convex", "signed"}
-        Whether both bodies must be convex at a contact, or one may be a wider cup.
+        the local minima of the splined gap, which do not depend on the grid where it resolves the surfaces. By default
+        "cell" for profiles, as the paper has it, and "gap-minimum" for surfaces, for which there is no other.
+    curvature : {"convex", "signed"}, optional
+        Whether both bodies must be convex at a contact, or one may be a wider cup. By default "convex" for profiles, as
+        the paper has it, and "signed" for surfaces, where a summit rarely meets a summit.
     shear : {"+x", "-x"}
         Where the upper body is about to move.
+    direction : {"+x", "-x"}, float or a sequence of these, optional
+        The same for surfaces: along x, or at an angle in degrees from +x towards +y. Of a sequence, `press` computes
+        all. By default that of `shear`, beside which it must not be given.
+    sliding : {"opposing", "all"}
+        Which contacts rub and push: those whose normal force opposes the motion, as the paper has it, or every one.
 
     Raises
     ------
@@ -48,37 +63,93 @@ class ContactModel:
     --------
     >>> from stiction import ContactModel, JacksonGreen
     >>> steel = ContactModel(effective_modulus=115.0, law=JacksonGreen(yield_strength=0.3, poisson_ratio=0.3))
-    >>> steel.detection
-    'cell'
+    >>> steel.sliding
+    'opposing'
     """
 
     effective_modulus: float = EFFECTIVE_MODULUS
     law: Law | LawName = "hertz-sphere"
-    detection: Detection = "cell"
-    curvature: Curvature = "convex"
+    detection: Detection | None = None
+    curvature: Curvature | None = None
     shear: Shear = "+x"
+    direction: Direction | Sequence[Direction] | None = None
+    sliding: Sliding = "opposing"
 
     def __post_init__(self) -> None:
-        choice("detection", self.detection, Detection)
-        choice("curvature", self.curvature, Curvature)
+        if self.detection is not None:
+            choice("detection", self.detection, Detection)
+        if self.curvature is not None:
+            choice("curvature", self.curvature, Curvature)
         choice("shear", self.shear, Shear)
+        choice("sliding", self.sliding, Sliding)
+        if self.direction is not None:
+            if self.shear != "+x":
+                raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
+            self.angles()
         number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
         self.core()
 
+    def angles(self) -> Floats:
+        """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
+        given: Any = self.shear if self.direction is None else self.direction
+        if isinstance(given, str) or np.ndim(given) == 0:
+            return np.asarray(_angle(given))
+        angles = np.array([_angle(one) for one in given])
+        if not angles.size:
+            raise ValueError("direction must have at least one element, got none")
+        return angles
+
+    def directions(self) -> Floats:
+        """(m, 2) horizontal unit vectors (x, y) of the directions."""
+        return np.array([_unit_vector(angle) for angle in self.angles().ravel()])
+
+    def for_profiles(self) -> ContactModel:
+        """The model with what it leaves open as profiles have it, and along x."""
+        angles = self.angles()
+        if angles.ndim > 0 or float(angles) not in (0.0, 180.0):
+            raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
+        return replace(self, detection=self.detection or "cell", curvature=self.curvature or "convex")
+
+    def for_surfaces(self) -> ContactModel:
+        """The model with what it leaves open as surfaces have it."""
+        if self.detection == "cell":
+            raise ValueError(
+                'detection must be "gap-minimum" on surfaces, got "cell": the paper defines that along a line only'
+            )
+        if isinstance(law_of(self.law), HertzCylinder):
+            raise ValueError(
+                "law must not be HertzCylinder on surfaces: their contacts are ellipses, for which take HertzSphere"
+            )
+        return replace(self, detection="gap-minimum", curvature=self.curvature or "signed")
+
     def core(self) -> stiction._core.ContactModel:
-        """The model of the core."""
+        """The model of the core, with the first direction."""
         law = law_of(self.law)
+        x, y = self.directions()[0]
         return stiction._core.ContactModel(
             law=law.name,
             parameters=law.parameters(self.effective_modulus),
-            detection=self.detection,
-            curvature=self.curvature,
-            direction=DIRECTIONS[self.shear],
+            detection=self.detection or "cell",
+            curvature=self.curvature or "convex",
+            direction=(float(x), float(y)),
+            sliding=self.sliding,
         )
 
 
-DIRECTIONS: dict[Shear, tuple[float, float]] = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0)}
-"""As horizontal unit vectors (x, y)."""
+def _angle(direction: Any) -> float:
+    """Degrees from +x towards +y, from 0 to below 360."""
+    if isinstance(direction, str):
+        if direction not in ("+x", "-x"):
+            raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {direction!r}')
+        return 0.0 if direction == "+x" else 180.0
+    return number("direction", direction, unit="degrees") % 360.0
+
+
+def _unit_vector(angle: float) -> tuple[float, float]:
+    """Exact along the axes."""
+    quarter, rest = divmod(angle, 90.0)
+    x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
 
 
 class ContactKeywords(TypedDict, total=False):
@@ -87,9 +158,11 @@ class ContactKeywords(TypedDict, total=False):
     model: ContactModel
     effective_modulus: float
     law: Law | LawName
-    detection: Detection
-    curvature: Curvature
+    detection: Detection | None
+    curvature: Curvature | None
     shear: Shear
+    direction: Direction | Sequence[Direction] | None
+    sliding: Sliding
 
 
 def model_of(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
@@ -103,10 +176,24 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
     return replace(model, **changes) if changes else model
 
 
+def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
+    """The contact model that keywords give for two bodies, which are checked; nothing is left open."""
+    check_pair(upper, lower)
+    model = model_of(keywords)
+    return model.for_surfaces() if isinstance(upper, Surface) else model.for_profiles()
+
+
 def check_pair(upper: Any, lower: Any) -> None:
-    """Two profiles on one grid; how many points they have is for the core to see."""
+    """Two profiles or two surfaces on one grid; how many points they have is for the core to see."""
     for name, body in (("upper", upper), ("lower", lower)):
-        if not isinstance(body, Profile):
-            raise ValueError(f"{name} must be a Profile, got {type(body).__name__}")
+        if not isinstance(body, (Profile, Surface)):
+            raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+    if isinstance(upper, Surface) != isinstance(lower, Surface):
+        raise ValueError(
+            f"upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "
+            f"{type(lower).__name__}"
+        )
+    if isinstance(upper, Surface) and upper.heights.size > MOST_POINTS:
+        raise ValueError(f"upper and lower must have at most {MOST_POINTS} points, got {upper.heights.size}")
     if upper.spacing != lower.spacing:
         raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")

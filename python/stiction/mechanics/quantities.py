@@ -16,31 +16,49 @@ class Quantity(NamedTuple):
 
 _OF_THE_CORE = {name: Quantity(unit, words) for name, unit, words in stiction._core.quantities()}
 
+_OF_AREAS = {name: Quantity(unit, words) for name, unit, words in stiction._core.areal_quantities()}
+
 SUMS: tuple[str, ...] = tuple(_OF_THE_CORE)
 """What a LoadCurve holds at each approach, and a result of each pair: the members of `Sums`, in the core's order."""
+
+AREAL_SUMS: tuple[str, ...] = tuple(_OF_AREAS)
+"""What a SurfaceLoadCurve holds besides."""
+
+AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_unanswered")
+"""The members that `SurfaceValidity` has besides those of `Validity`."""
 
 VALIDITY: tuple[str, ...] = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
 """The members of `Validity`."""
 
-QUANTITIES: dict[str, Quantity] = _OF_THE_CORE | {
-    "friction_coefficient": Quantity("1", "coefficient of static friction"),
-    "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
-    "normal_stiffness": Quantity("mN/um", "normal stiffness"),
-    "share_opposing": Quantity("1", "share of the load on contacts that oppose the motion"),
-    "relative_overlap": Quantity("1", "load-weighted mean of overlap / radius"),
-    "share_beyond_hertz": Quantity("1", "share of the load on contacts with an overlap above a tenth of their radius"),
-    "share_below_grid": Quantity("1", "share of the load on contacts with a radius below the grid spacing"),
-    "share_crossed": Quantity("1", "share of would-be contacts refused because their sphere centres had crossed"),
-    "fractal_dimension": Quantity("1", "fractal dimension"),
-    "amplitude": Quantity("um", "amplitude"),
-    "repetition": Quantity("1", "repetition"),
-    "approach": Quantity("um", "approach since first touch"),
-    "load": Quantity("mN", "normal load"),
-    "mu0": Quantity("1", "molecular friction coefficient"),
-    "tau0": Quantity("GPa", "adhesive shear strength"),
-    "effective_modulus": Quantity("GPa", "effective modulus"),
-    "status": Quantity("", "whether the value exists, or why not"),
-}
+QUANTITIES: dict[str, Quantity] = (
+    _OF_THE_CORE
+    | _OF_AREAS
+    | {
+        "friction_coefficient": Quantity("1", "coefficient of static friction"),
+        "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
+        "normal_stiffness": Quantity("mN/um", "normal stiffness"),
+        "share_opposing": Quantity("1", "share of the load on contacts that oppose the motion"),
+        "relative_overlap": Quantity("1", "load-weighted mean of overlap / radius"),
+        "share_beyond_hertz": Quantity(
+            "1", "share of the load on contacts with an overlap above a tenth of their radius"
+        ),
+        "share_below_grid": Quantity("1", "share of the load on contacts with a radius below the grid spacing"),
+        "share_crossed": Quantity("1", "share of would-be contacts refused because their sphere centres had crossed"),
+        "share_overlapping": Quantity("1", "share of the load on contacts whose ellipse overlaps another one"),
+        "share_unanswered": Quantity("1", "share of the grid's minima beside which the spline has none"),
+        "lateral_load": Quantity("mN", "lateral load that keeps the upper body on its way"),
+        "direction": Quantity("degree", "where the upper body is about to move, from +x towards +y"),
+        "fractal_dimension": Quantity("1", "fractal dimension"),
+        "amplitude": Quantity("um", "amplitude"),
+        "repetition": Quantity("1", "repetition"),
+        "approach": Quantity("um", "approach since first touch"),
+        "load": Quantity("mN", "normal load"),
+        "mu0": Quantity("1", "molecular friction coefficient"),
+        "tau0": Quantity("GPa", "adhesive shear strength"),
+        "effective_modulus": Quantity("GPa", "effective modulus"),
+        "status": Quantity("", "whether the value exists, or why not"),
+    }
+)
 """All of them, coordinates included."""
 
 

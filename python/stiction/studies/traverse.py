@@ -27,6 +27,7 @@ from stiction.studies import intervals
 from stiction.studies.executors import in_order
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
@@ -56,8 +57,8 @@ _DIMS = ("shear", "line", "offset", "load")
 
 
 def traverse(
-    upper: Profile | Sequence[Profile],
-    lower: Profile | Sequence[Profile],
+    upper: Profile | Sequence[Profile] | Surface,
+    lower: Profile | Sequence[Profile] | Surface,
     loads: ArrayLike,
     *,
     mu0: ArrayLike,
@@ -71,7 +72,7 @@ def traverse(
 
     Parameters
     ----------
-    upper, lower : Profile or list of Profile
+    upper, lower : Profile or list of Profile, or Surface
         The slider and what it is carried over, on the same spacing; of lists, each upper with the lower of its place:
         the lines of two maps, or surrogates.
     loads : (l,) array_like of float, mN
@@ -82,14 +83,16 @@ def traverse(
         Adhesive shear strength.
     offsets : (o,) array_like of float, µm
         Positions of the slider's first point on the lower profile, rising, rounded to whole spacings. The whole slider
-        must be over the lower profile.
+        must be over the lower profile. Of surfaces (o, 2), positions (x, y) of the upper map's first point on the lower
+        map, which may be negative: what lies above each other is pressed, at least 16 rows and columns.
     executor : concurrent.futures.Executor, optional
         Where positions are computed; a thread for each core by default.
     progress : bool
         Whether to draw a progress bar on the terminal.
     **contact
         effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
-        given, because contacts of a single position must not depend on the grid. `shear` is both.
+        given, because contacts of a single position must not depend on the grid. `shear` is both. Of surfaces also
+        `direction`, by default 0, 90, 180 and 270 degrees.
 
     Returns
     -------
@@ -100,6 +103,8 @@ def traverse(
         tau0 (GPa) if lists of them are given. The status is "ok", "no-contact", "self-locked", "not-reached" or
         "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N
         jumps over a load, values are between those before and behind the jump, in the proportion that carries the load.
+        Of surfaces over direction (degrees), offset and load: also lateral_load (mN) and the figures of
+        `SurfaceValidity`, but no stiffness; where F_N jumps, values are those behind the jump.
 
     Raises
     ------
@@ -122,6 +127,14 @@ def traverse(
     """
     import xarray
 
+    if isinstance(upper, Surface) or isinstance(lower, Surface):
+        from stiction.studies.areal_traverse import traverse_surfaces
+
+        return traverse_surfaces(
+            upper, lower, loads, mu0=mu0, tau0=tau0, offsets=offsets, executor=executor, progress=progress,
+            contact=dict(contact),
+        )  # fmt: skip
+
     uppers, lowers = _profiles("upper", upper), _profiles("lower", lower)
     if len(uppers) != len(lowers):
         raise ValueError(f"upper and lower must be as many profiles, got {len(uppers)} and {len(lowers)}")
@@ -129,7 +142,7 @@ def traverse(
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
     if "shear" in contact:
         raise ValueError("shear must not be given: a traverse has both directions")
-    model = model_of(contact, ContactModel(detection="gap-minimum"))
+    model = model_of(contact, ContactModel(detection="gap-minimum")).for_profiles()
     load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")

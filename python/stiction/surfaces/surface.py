@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import Floats, float_array, number, read_only, whole_number
+from stiction import _core
+from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import Profile, steps
+
+SurfaceAmplitude = Literal["height", "Sa", "Sq"]
+
+# Each is that of all points, whatever their arrangement, and has the name of the profile's in the core.
+_OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +44,8 @@ class Surface:
     (1.0, 1.0)
     >>> surface.row(1).heights
     array([1., 2., 1., 2.])
+    >>> surface.with_amplitude(4.0).heights[0]
+    array([-2.,  0., -2.,  0.])
     """
 
     heights: Floats
@@ -83,6 +91,34 @@ class Surface:
         """Return one column as a profile along y."""
         index = whole_number("index", index, least=0, most=self.heights.shape[1] - 1)
         return Profile(self.heights[:, index], spacing=self.spacing[0], history=(*self.history, f"column {index}"))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether all heights are equal: a flat body, which has no amplitude."""
+        return bool((self.heights == self.heights[0, 0]).all())
+
+    def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:
+        """The same shape about a mean of zero, scaled to an amplitude.
+
+        Parameters
+        ----------
+        amplitude : float, µm
+            The value that the measure shall have, above 0.
+        measure : {"height", "Sa", "Sq"}
+            Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
+
+        Raises
+        ------
+        ValueError
+            If the amplitude is not above 0, the measure is unknown, or the surface is flat.
+        """
+        choice("measure", measure, SurfaceAmplitude)
+        amplitude = number("amplitude", amplitude, unit="µm", above=0)
+        scaled = np.empty(self.heights.size)
+        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _OF_POINTS[measure], scaled):
+            raise ValueError("a flat surface has no amplitude to scale")
+        history = (*self.history, f"scaled to {measure} {amplitude:g} µm")
+        return Surface(scaled.reshape(self.heights.shape), spacing=self.spacing, history=history)
 
 
 def lengths(name: str, value: Any) -> tuple[float, float]:

@@ -1,0 +1,642 @@
+"""Two areas pressed together: exact answers, identities, a slow reference, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from reference import areal
+from scipy.special import ellipe, ellipk
+from stiction import (
+    ContactModel,
+    HertzCylinder,
+    JacksonGreen,
+    Surface,
+    SurfaceLoadCurve,
+    approach_at_load,
+    candidates,
+    contacts,
+    force_and_area,
+    press,
+    self_affine,
+    self_affine_surface,
+)
+
+# Independent evaluations of the same heights: other splines, another search, another solution for the ellipse.
+INDEPENDENT = 1e-8
+# The curvature error of a spline on a smooth body is of second order in spacing / radius, 1e-3 and less here.
+SMOOTH = 1e-6
+# Identities that change no operation but their order. A minimum lies where two slopes are equal, which round-off moves
+# most where the gap is flattest.
+IDENTITY = 1e-9
+SCALING = 1e-8
+# Sums of the same numbers in another order.
+ROUND_OFF = 1e-12
+
+DIRECTED = (
+    "tangential_elastic", "tangential_frictional", "tangential_adhesive", "normal_frictional", "normal_adhesive",
+    "lateral_elastic", "lateral_frictional", "lateral_adhesive",
+)  # fmt: skip
+COMMON = ("contact_count", "contact_area", "normal_elastic", "crossed_count")
+ANGLES = (0.0, 33.0, 90.0, 180.0, 213.0, 301.5)
+
+
+def rough_pair(seed=3, **changes):
+    """A resolved pair: eight points to the shortest wave."""
+    choices = {
+        "hurst_exponent": 0.8, "rms": 0.05, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
+    } | changes  # fmt: skip
+    return [self_affine_surface(seed, side=side, **choices) for side in ("upper", "lower")]
+
+
+def surface_of(function, shape=(61, 81), spacing=(0.02, 0.02)):
+    y, x = (np.arange(size) * step for size, step in zip(shape, spacing, strict=True))
+    return Surface(function(*np.meshgrid(x, y)), spacing=spacing)
+
+
+def assert_close(actual, expected, tolerance):
+    """Each within a tolerance relative to itself."""
+    assert np.all(np.abs(np.subtract(actual, expected)) <= tolerance * np.abs(expected)), (actual, expected)
+
+
+def assert_sums_close(one, other, tolerance, names=COMMON + DIRECTED):
+    """Each of one curve within a tolerance of the other's, relative to the load or area that it is a part of."""
+    for name in names:
+        actual, expected = getattr(one, name), getattr(other, name)
+        size = {"adhesive": other.contact_area}.get(name.rpartition("_")[2], other.normal_elastic)
+        size = np.abs(expected) if name in COMMON else size
+        assert np.all(np.abs(actual - expected) <= tolerance * size), (name, actual, expected)
+
+
+class TestAgainstReference:
+    @pytest.mark.parametrize("sliding", ["opposing", "all"])
+    @pytest.mark.parametrize("curvature", ["signed", "convex"])
+    def test_sums_are_those_of_the_plain_evaluation(self, sliding, curvature):
+        total = 0
+        for seed in (3, 4):
+            upper, lower = rough_pair(seed)
+            approaches = [0.03, 0.1, 0.2]
+            curve = press(upper, lower, approaches, direction=ANGLES, sliding=sliding, curvature=curvature)
+            for k, approach in enumerate(approaches):
+                found = areal.contacts(
+                    upper.heights, lower.heights, upper.spacing, approach, convex=curvature == "convex"
+                )
+                total += len(found)
+                for row, angle in enumerate(ANGLES):
+                    expected = areal.sums(found, angle, sliding)
+                    for name in COMMON:
+                        assert_close(getattr(curve, name)[k], expected[name], INDEPENDENT)
+                    for name in DIRECTED:
+                        size = expected["contact_area" if name.endswith("adhesive") else "normal_elastic"]
+                        assert abs(getattr(curve, name)[row, k] - expected[name]) <= INDEPENDENT * size
+        assert total > 20
+
+    def test_table_is_that_of_the_plain_evaluation(self):
+        upper, lower = rough_pair()
+        table = contacts(upper, lower, 0.15, direction=20.0)
+        found = [one for one in areal.contacts(upper.heights, lower.heights, upper.spacing, 0.15) if not one["leaves"]]
+        assert len(table) == len(found) > 5
+        rows = upper.heights.shape[1]
+        order = np.argsort([int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in found])
+        found = [found[i] for i in order]
+        assert table.index.tolist() == [int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in found]
+        for name in ("normal", "radii", "axes", "overlap", "force", "area"):
+            expected = np.array([one[name] for one in found])
+            assert np.allclose(getattr(table, name), expected, rtol=INDEPENDENT, atol=INDEPENDENT * expected.max())
+        point = np.array([[one["x"], one["y"], one["z"]] for one in found])
+        assert np.allclose(table.centre, point - 0.5 * table.overlap[:, None] * table.normal, atol=1e-9)
+        s = np.array([math.cos(math.radians(20)), math.sin(math.radians(20)), 0])
+        assert (table.opposing == (table.normal @ s < 0)).all()
+        assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
+        assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
+
+    def test_no_minimum_of_rough_maps_is_missed(self):
+        # Roughness down to the grid, where many minima are small and near to saddles.
+        upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
+        gap = upper.heights - lower.heights
+        deepest = 2 * np.ptp(gap)
+        found = candidates(upper, lower, deepest=deepest)
+        places = areal.minima(gap, (0.05, 0.05))
+        assert len(found) >= len(places) > 100
+        apart = np.abs(found.position[:, None, :2] - places).max(axis=2)
+        assert apart.min(axis=0).max() < 1e-6
+
+    def test_grid_minima_without_an_answer_are_counted(self):
+        upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
+        gap = upper.heights - lower.heights
+        inner = gap[1:-1, 1:-1]
+        around = [gap[1 + j : 39 + j, 1 + i : 39 + i] for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)]
+        lowest = np.all([inner < other for other in around], axis=0)
+        approach = 0.6 * np.ptp(gap)
+        curve = press(upper, lower, [approach])
+        expected = np.argwhere(lowest & (inner - gap.min() <= approach)) + 1
+        assert curve.grid_minimum_count[0] == len(expected)
+        places = candidates(upper, lower, deepest=approach).position[:, :2] / 0.05
+        alone = sum(not (np.abs(places - point[::-1]) <= 1).all(axis=1).any() for point in expected)
+        assert curve.unanswered_count[0] == alone
+        assert curve.validity.share_unanswered[0] == alone / len(expected)
+
+
+def hertz(k, longer, overlap, modulus):
+    """Force, area, semi-axes and the shorter radius of the ellipse with k = b/a and a longer radius."""
+    m = 1 - k**2
+    first, second = ellipk(m), ellipe(m)
+    if k == 1:
+        a = math.sqrt(overlap * longer)
+        return 4 / 3 * modulus * math.sqrt(longer) * overlap**1.5, math.pi * a * a, (a, a), longer
+    ratio = k**2 * (first - second) / (second - k**2 * first)
+    a = math.sqrt(2 * overlap * longer * (first - second) / (first * m))
+    return 2 / 3 * math.pi * a * overlap * modulus / first, math.pi * k * a**2, (a, k * a), longer * ratio
+
+
+class TestExact:
+    @pytest.mark.parametrize("k", [1.0, 0.9, 0.5, 0.2, 0.05, 0.02])
+    @pytest.mark.parametrize("angle", [0.0, 25.0])
+    def test_an_ellipsoid_on_a_flat_carries_what_hertz_says(self, k, angle):
+        modulus, overlap = 7.0, 1e-5
+        force, area, axes, shorter = hertz(k, 2.0, overlap, modulus)
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        # Fine enough for the shorter radius, and as wide as the ellipse is long.
+        half = 1.5 * axes[0]
+        spacing = min(2 * half / 80, 0.02 * shorter)
+        size = 2 * round(half / spacing)
+
+        def height(x, y):
+            x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
+            along, across = c * x + s * y, -s * x + c * y
+            # A paraboloid: the radii at its apex are exact, and a cubic spline has it exactly but near the edges.
+            return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter)
+
+        body = surface_of(height, (size + 1, size + 1), (spacing, spacing))
+        flat = Surface(np.zeros_like(body.heights), spacing=spacing)
+        touch = -body.heights.max()
+        table = contacts(flat, body, overlap - touch, effective_modulus=modulus)
+        assert len(table) == 1
+        assert_close(table.force, force, SMOOTH)
+        assert_close(table.area, area, SMOOTH)
+        assert_close(table.axes[0], axes, SMOOTH)
+        assert_close(table.radii[0], (2.0, shorter), SMOOTH)
+        assert_close(table.overlap, overlap, SMOOTH)
+        assert table.normal[0].tolist() == [0, 0, 1]
+
+    def test_a_contact_of_two_tilted_bodies_has_their_curvatures_in_the_tangent_plane(self):
+        # Two spheres side by side: seen along the line of centres the relative curvature is the same both ways.
+        spacing, radii, centre = 0.005, (2.0, 3.0), np.array([0.2, 0.1])
+
+        def cap(x, y, radius, at, sign):
+            return sign * np.sqrt(radius**2 - (x - at[0]) ** 2 - (y - at[1]) ** 2)
+
+        middle = np.array([0.4013, 0.4027])
+        lower = surface_of(lambda x, y: cap(x, y, radii[0], middle - centre, 1), (161, 161), (spacing, spacing))
+        upper = surface_of(lambda x, y: cap(x, y, radii[1], middle + 1.5 * centre, -1), (161, 161), (spacing, spacing))
+        table = contacts(upper, lower, 1e-6)
+        assert len(table) == 1
+        sine = np.hypot(*(2.5 * centre)) / sum(radii)
+        normal = [*(2.5 * centre / sum(radii)), math.sqrt(1 - sine**2)]
+        assert np.allclose(table.normal[0], normal, atol=SMOOTH)
+        assert_close(table.radii[0], 1.2, 1e-5)
+
+    @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
+    def test_one_contact_on_a_slope_slides_at_the_sum_of_the_angles(self, angle):
+        slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+
+        def ramp(x, y):
+            return slope * (direction[0] * (x - 0.8) + direction[1] * (y - 0.6))
+
+        upper = surface_of(lambda x, y: ramp(x, y) + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
+        lower = surface_of(ramp)
+        mu0 = 0.3
+        curve = press(upper, lower, [1e-3], direction=[angle, angle + 180])
+        theta = math.atan(slope)
+        assert_close(curve.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
+        assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0  # it leans with the motion
+        # Up and down the slope when every contact rubs.
+        both = press(upper, lower, [1e-3], direction=[angle, angle + 180], sliding="all")
+        assert_close(both.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
+        assert_close(both.friction_coefficient(mu0=mu0)[1], math.tan(math.atan(mu0) - theta), 1e-11)
+        assert abs(curve.lateral_load(mu0=mu0)).max() < ROUND_OFF * curve.normal_elastic[0]
+        # With adhesion by the same triangle.
+        m = mu0 + 0.05 * curve.contact_area / curve.normal_elastic * math.cos(theta)
+        coefficient = curve.friction_coefficient(mu0=mu0, tau0=0.05)[0]
+        assert_close(coefficient, np.tan(theta + np.arctan(m)), ROUND_OFF)
+
+    def test_across_a_slope_the_lateral_force_keeps_the_body_on_its_way(self):
+        upper = surface_of(lambda x, y: 0.4 * x + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
+        lower = surface_of(lambda x, _y: 0.4 * x)
+        curve = press(upper, lower, [1e-3], direction=90, sliding="all")
+        # Sliding along +y on a plane that rises along +x: nothing rises, and gravity's share pulls along -x.
+        theta = math.atan(0.4)
+        force = curve.normal_elastic / math.cos(theta)
+        assert_close(curve.tangential_load(mu0=0.3), 0.3 * force, ROUND_OFF)
+        assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)  # left of +y is -x
+
+    def test_extruded_profiles_have_the_contacts_of_the_profiles(self):
+        upper, lower = (
+            self_affine(
+                5, hurst_exponent=0.8, rms=0.02, points=200, spacing=0.05, shortest_wavelength=0.5, periodic=True,
+                side=side,
+            )
+            for side in ("upper", "lower")
+        )  # fmt: skip
+        # A slight bow along y, without which a valley has no lowest point.
+        y = (np.arange(41) - 20.3)[:, None] * 0.05
+        bow = 200.0
+        above = Surface(upper.heights + y**2 / (2 * bow), spacing=0.05)
+        below = Surface(np.tile(lower.heights, (41, 1)), spacing=0.05)
+        lines = candidates(upper, lower, deepest=0.2, curvature="signed")
+        areas = candidates(above, below, deepest=0.2)
+        gap = (upper.heights - lower.heights).min()
+        # The bow's own least height on the grid is part of first touch.
+        shift = (above.heights - below.heights).min() - gap
+        assert len(areas) == len(lines) >= 10
+        assert np.allclose(areas.position[:, 0], lines.position[:, 0], atol=1e-9)
+        assert np.allclose(areas.position[:, 1], 20.3 * 0.05, atol=1e-6)
+        assert np.allclose(areas.gap, lines.gap - shift, atol=1e-9)
+        # On a profile R = q³/g''; on an area the shorter radius is that, across the valley, and the normal is the same.
+        assert_close(areas.radii[:, 1], lines.radii[:, 0], IDENTITY)
+        approach = areas.gap[0] + shift + 1e-9
+        one, other = contacts(lines, approach), contacts(areas, approach - shift)
+        nearest = np.abs(one.centre[:, 0] - lines.position[0, 0]).argmin()
+        same = np.abs(other.centre[:, 0] - lines.position[0, 0]).argmin()
+        assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
+
+    def test_surfaces_that_are_level_everywhere_have_half_of_the_paper_or_all_of_it(self):
+        # Level contacts do not oppose: under the paper's rule a rough body on a flat has no friction at all.
+        upper, _ = rough_pair()
+        flat = Surface(np.zeros_like(upper.heights), spacing=upper.spacing)
+        for bodies in ((upper, flat), (flat, upper)):
+            curve = press(*bodies, [0.05, 0.1], direction=[0, 45])
+            assert (curve.friction_coefficient(mu0=0.4, tau0=0.2) == 0).all()
+        every = press(upper, flat, [0.05, 0.1], direction=[0, 45], sliding="all")
+        expected = 0.4 + 0.2 * every.contact_area / every.normal_elastic
+        assert_close(every.friction_coefficient(mu0=0.4, tau0=0.2), np.broadcast_to(expected, (2, 2)), ROUND_OFF)
+
+
+class TestIdentities:
+    APPROACHES = (0.03, 0.08, 0.15)
+
+    def pressed(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
+        return press(upper, lower, approaches, direction=angles, **contact)
+
+    @pytest.mark.parametrize("sliding", ["opposing", "all"])
+    def test_rotation_by_90_degrees(self, sliding):
+        upper, lower = rough_pair()
+        # x -> y, y -> -x: rows run backwards, then become columns.
+        turned = [Surface(one.heights.T[:, ::-1], spacing=one.spacing[::-1]) for one in (upper, lower)]
+        plain = self.pressed(upper, lower, sliding=sliding)
+        rotated = self.pressed(*turned, angles=[angle + 90 for angle in ANGLES], sliding=sliding)
+        assert_sums_close(rotated, plain, IDENTITY)
+
+    @pytest.mark.parametrize("sliding", ["opposing", "all"])
+    def test_mirror(self, sliding):
+        upper, lower = rough_pair()
+        mirrored = [Surface(one.heights[:, ::-1], spacing=one.spacing) for one in (upper, lower)]
+        plain = self.pressed(upper, lower, sliding=sliding)
+        other = self.pressed(*mirrored, angles=[180 - angle for angle in ANGLES], sliding=sliding)
+        for name in ("lateral_elastic", "lateral_frictional", "lateral_adhesive"):  # left becomes right
+            assert np.abs(getattr(other, name) + getattr(plain, name)).max() < IDENTITY
+        assert_sums_close(other, plain, IDENTITY, [n for n in COMMON + DIRECTED if not n.startswith("lateral")])
+
+    def test_exchange_of_the_bodies(self):
+        upper, lower = rough_pair()
+        inverted = [Surface(-one.heights, spacing=one.spacing) for one in (lower, upper)]
+        plain = self.pressed(upper, lower)
+        other = self.pressed(*inverted, angles=[angle + 180 for angle in ANGLES])
+        assert_sums_close(other, plain, IDENTITY)
+
+    def test_scaling_and_modulus(self):
+        upper, lower = rough_pair()
+        large = [Surface(7 * one.heights, spacing=(7 * one.spacing[0], 7 * one.spacing[1])) for one in (upper, lower)]
+        plain = self.pressed(upper, lower)
+        scaled = self.pressed(*large, approaches=[7 * each for each in self.APPROACHES])
+        harder = self.pressed(upper, lower, effective_modulus=30.0)
+        for name in COMMON + DIRECTED:
+            expected = getattr(plain, name) * (1 if name.endswith("count") else 49)
+            assert np.allclose(getattr(scaled, name), expected, rtol=SCALING, atol=1e-11)
+            times = 1 if name.endswith(("count", "area", "adhesive")) else 3
+            assert np.allclose(getattr(harder, name), times * getattr(plain, name), rtol=ROUND_OFF)
+
+    def test_opposite_directions_share_out_the_contacts(self):
+        upper, lower = rough_pair()
+        one, other, every = (
+            contacts(upper, lower, 0.1, direction=angle, sliding=rule)
+            for angle, rule in ((33, "opposing"), (213, "opposing"), (33, "all"))
+        )
+        assert (one.opposing == ~other.opposing).all()
+        assert 0 < one.opposing.sum() < len(one)
+        assert (every.opposing == one.opposing).all()
+        curves = {rule: self.pressed(upper, lower, angles=[33, 213], sliding=rule) for rule in ("opposing", "all")}
+        halves, whole = curves["opposing"], curves["all"]
+        # What pushes against the motion and what pushes along it make up the whole, to friction's turning round.
+        assert_close(halves.tangential_elastic[0] - halves.tangential_elastic[1], whole.tangential_elastic[0], IDENTITY)
+        assert_close(halves.tangential_frictional.sum(axis=0), whole.tangential_frictional[0], IDENTITY)
+
+    def test_many_directions_are_each_direction(self):
+        upper, lower = rough_pair()
+        many = self.pressed(upper, lower)
+        assert many.direction.tolist() == [angle % 360 for angle in ANGLES]
+        for row, angle in enumerate(ANGLES):
+            one = self.pressed(upper, lower, angles=angle)
+            assert one.tangential_elastic.shape == (3,)
+            for name in DIRECTED:
+                assert (getattr(one, name) == getattr(many, name)[row]).all()
+            for name in COMMON:
+                assert (getattr(one, name) == getattr(many, name)).all()
+        assert many.friction_coefficient(mu0=[[0.1], [0.4]], tau0=[0.0, 0.1, 0.2]).shape == (2, 3, len(ANGLES), 3)
+        assert (self.pressed(upper, lower, angles="-x").tangential_elastic == many.tangential_elastic[3]).all()
+        shear = self.pressed(upper, lower, angles=None, shear="-x")
+        assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
+
+    def test_superposition_of_both_loads(self):
+        upper, lower = rough_pair()
+        found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
+        curve = press(upper, lower, [0.1], direction=33)
+        s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
+        total = np.zeros(3)
+        for one in found:
+            if one["leaves"]:
+                continue
+            n = one["normal"]
+            total[2] += one["force"] * n[2]
+            if s @ n < 0:
+                t = -s + (s @ n) * n
+                friction = (0.3 * one["force"] + 0.07 * one["area"]) * t / np.linalg.norm(t)
+                total[:2] += (one["force"] * n)[:2]
+                total += friction
+        assert_close(curve.normal_load(mu0=0.3, tau0=0.07), total[2], INDEPENDENT)
+        assert_close(curve.tangential_load(mu0=0.3, tau0=0.07), -s @ total + s[2] * total[2], INDEPENDENT)
+        assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, INDEPENDENT)
+
+    def test_a_map_in_parts_is_the_map(self):
+        # More than one part of 256 cells a side, with a minimum on the seam of two.
+        size = 300
+        y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
+        heights = -np.cos(2 * np.pi * x / 16) - np.cos(2 * np.pi * y / 16)
+        found = candidates(
+            Surface(heights * 0.1, spacing=0.1), Surface(np.zeros((size, size)), spacing=0.1), deepest=0.05
+        )
+        # Every 16 points, but for those on the edges.
+        assert len(found) == 18**2
+        assert np.allclose(np.round(found.position[:, :2] / 1.6), found.position[:, :2] / 1.6, atol=1e-3)
+        assert np.ptp(found.radii[np.abs(found.position[:, :2] / 0.1 - 150).max(axis=1) < 100]) < 1e-9
+
+
+class TestLaws:
+    def test_a_law_that_yields_takes_the_sphere_of_the_mean_radius(self):
+        upper, lower = rough_pair()
+        law = JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)
+        table, elastic = contacts(upper, lower, 0.1, law=law), contacts(upper, lower, 0.1)
+        for i in range(len(table)):
+            expected = force_and_area(law, overlap=table.overlap[i], radius=table.radius[i])
+            assert_close((table.force[i], table.area[i]), expected, ROUND_OFF)
+        assert np.allclose(table.radius, np.sqrt(table.radii.prod(axis=1)), rtol=ROUND_OFF)
+        # The patch has the ellipse's shape and the law's area.
+        assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
+        assert np.allclose(table.axes[:, 1] / table.axes[:, 0], elastic.axes[:, 1] / elastic.axes[:, 0], rtol=1e-9)
+
+    def test_cylinders_are_refused_with_the_reason(self):
+        for law in (HertzCylinder(), "hertz-cylinder"):
+            with pytest.raises(ValueError, match="ellipses"):
+                press(*rough_pair(), [0.1], law=law)
+
+
+class TestValidity:
+    def test_overlapping_ellipses_are_counted(self):
+        # Two summits side by side whose ellipses meet, and one far away.
+        def bumps(x, y):
+            centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
+            return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
+
+        lower = surface_of(bumps, (121, 261), (0.01, 0.01))
+        flat = Surface(np.zeros_like(lower.heights), spacing=0.01)
+        table = contacts(flat, lower, 0.02)
+        assert len(table) == 3
+        # The nearer two meet where 2 sqrt(R d) = 0.2, R = 0.2.
+        approach = [0.04, 0.049, 0.052, 0.06]
+        curve = press(flat, lower, approach)
+        assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
+
+    def test_ellipses_overlap_as_points_on_them_say(self):
+        upper, lower = rough_pair(6)
+        approaches = np.linspace(0.05, 0.25, 9)
+        curve = press(upper, lower, approaches)
+        turn = np.linspace(0, 2 * np.pi, 2000)
+        found = candidates(upper, lower, deepest=0.25)
+        for k, approach in enumerate(approaches):
+            table = contacts(found, approach)
+            loads = table.force * table.normal[:, 2]
+            rims = [self.rim(upper, lower, table, i, turn) for i in range(len(table))]
+            met = [any(self.meet(rims[i], rims[j]) for j in range(len(table)) if j != i) for i in range(len(table))]
+            share = loads[np.array(met, dtype=bool)].sum() / loads.sum() if len(table) else np.nan
+            if curve.crossed_count[k] == 0:
+                assert curve.validity.share_overlapping[k] == pytest.approx(share, abs=1e-9)
+
+    @staticmethod
+    def rim(upper, lower, table, i, turn):
+        """Points of an ellipse seen from above, from the reference's principal directions."""
+        of_gap = areal.Spline(upper.heights - lower.heights, upper.spacing)
+        n = table.normal[i]
+        p = -n[:2] / n[2]
+        x, y = (table.centre[i] + 0.5 * table.overlap[i] * n)[:2]
+        root = np.linalg.inv(np.linalg.cholesky(np.eye(2) + np.outer(p, p)))
+        _, vectors = np.linalg.eigh(root @ of_gap.hessian([x], [y])[..., 0] @ root.T)
+        u, v = (root.T @ vectors).T
+        return (
+            np.array([x, y])
+            + np.outer(np.cos(turn), table.axes[i, 0] * u)
+            + np.outer(np.sin(turn), table.axes[i, 1] * v)
+        )
+
+    @staticmethod
+    def meet(one, other):
+        from matplotlib.path import Path
+
+        return bool(Path(one).contains_points(other).any() or Path(other).contains_points(one).any())
+
+    def test_an_ellipse_that_leaves_the_map_is_refused(self):
+        body = surface_of(lambda x, y: -((x - 0.2) ** 2 + (y - 0.6) ** 2) / 0.4)
+        flat = Surface(np.zeros_like(body.heights), spacing=0.02)
+        # 0.2 from the edge: R = 0.2, so the radius of contact is that at an overlap of 0.2.
+        curve = press(flat, body, [0.19, 0.21])
+        assert curve.contact_count.tolist() == [1, 0]
+        assert curve.crossed_count.tolist() == [0, 1]
+        assert curve.validity.share_crossed.tolist() == [0, 1]
+        assert curve.status(mu0=0.3).tolist() == ["ok", "no-contact"]
+        assert len(contacts(flat, body, 0.21)) == 0
+
+
+class TestLoading:
+    def test_approach_at_load_is_where_the_load_is_carried(self):
+        upper, lower = rough_pair()
+        loads = np.array([0.01, 0.1, 0.3])
+        for choices in ({"direction": 40.0}, {"direction": 40.0, "sliding": "all"}):
+            approach = approach_at_load(upper, lower, loads, mu0=0.3, **choices)
+            curve = press(upper, lower, approach, **choices)
+            assert_close(curve.normal_load(mu0=0.3), loads, 1e-9)
+        # A ball on a flat has Hertz's.
+        ball = surface_of(lambda x, y: -((x - 0.807) ** 2 + (y - 0.604) ** 2) / 2)
+        flat = Surface(np.zeros_like(ball.heights), spacing=0.02)
+        touch = -ball.heights.max()
+        at = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
+        assert float(at) == pytest.approx(0.01 - touch, rel=SMOOTH)
+
+    def test_candidates_are_found_once_for_any_number_of_presses(self):
+        upper, lower = rough_pair()
+        found = candidates(upper, lower, deepest=0.2)
+        assert found.curvature == "signed"
+        assert (found.gap <= 0.2).all()
+        for choices in ({}, {"direction": [0, 70]}, {"sliding": "all"}, {"effective_modulus": 3.0}):
+            again, plain = press(found, [0.05, 0.1], **choices), press(upper, lower, [0.05, 0.1], **choices)
+            assert isinstance(again, SurfaceLoadCurve)
+            for name in COMMON + DIRECTED:
+                assert (getattr(again, name) == getattr(plain, name)).all()
+        with pytest.raises(ValueError, match="looked for up to"):
+            press(found, [0.3])
+        with pytest.raises(ValueError, match="curvature"):
+            press(found, [0.1], curvature="convex")
+
+
+class TestProfiles:
+    """The sliding rule on lines."""
+
+    def test_all_contacts_slide_on_lines_too(self):
+        upper, lower = (
+            self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
+            for side in ("upper", "lower")
+        )
+        for detection in ("cell", "gap-minimum"):
+            table = contacts(upper, lower, 0.05, detection=detection, shear="-x")
+            every = press(upper, lower, [0.05], detection=detection, shear="-x", sliding="all")
+            n, t = table.normal, table.tangent
+            assert len(table) > 3
+            assert_close(every.normal_elastic[0], (table.force * n[:, 2]).sum(), ROUND_OFF)
+            assert every.tangential_elastic[0] == pytest.approx((table.force * n[:, 0]).sum(), rel=1e-9)
+            assert every.normal_frictional[0] == pytest.approx((table.force * t[:, 2]).sum(), rel=1e-9)
+            assert every.tangential_adhesive[0] == pytest.approx((table.area * t[:, 0]).sum(), rel=1e-9)
+            with pytest.raises(ValueError, match="direction on profiles"):
+                press(upper, lower, [0.05], direction=90)
+            with pytest.raises(ValueError, match="direction on profiles"):
+                press(upper, lower, [0.05], direction=["+x", "-x"])
+            given = press(upper, lower, [0.05], detection=detection, direction="-x", sliding="all")
+            assert (given.tangential_elastic == every.tangential_elastic).all()
+
+
+class TestBadInput:
+    @pytest.mark.parametrize(
+        ("changes", "match"),
+        [
+            ({"detection": "cell"}, "detection"),
+            ({"curvature": "concave"}, "curvature"),
+            ({"direction": "up"}, "direction"),
+            ({"direction": math.nan}, "direction"),
+            ({"direction": [0.0, math.inf]}, "direction"),
+            ({"direction": []}, "direction"),
+            ({"direction": [[0.0]]}, "direction"),
+            ({"direction": True}, "direction"),
+            ({"direction": None, "shear": "+y"}, "shear"),
+            ({"direction": 10.0, "shear": "-x"}, "shear"),
+            ({"sliding": "some"}, "sliding"),
+            ({"effective_modulus": 0.0}, "effective_modulus"),
+        ],
+    )
+    def test_of_models(self, changes, match):
+        with pytest.raises(ValueError, match=match):
+            press(*rough_pair(), [0.1], **changes)
+
+    @pytest.mark.parametrize("approaches", [[-0.1], [0.1, 0.1], [], [math.nan], [[0.1]]])
+    def test_of_approaches(self, approaches):
+        with pytest.raises(ValueError, match="approach"):
+            press(*rough_pair(), approaches)
+
+    def test_of_surfaces(self):
+        upper, lower = rough_pair()
+        flat = Surface(np.zeros((10, 10)), spacing=1.0)
+        for bad, match in (
+            ((upper, Surface(lower.heights, spacing=0.05)), "spacing"),
+            ((upper, Surface(lower.heights[:-1], spacing=lower.spacing)), "shapes"),
+            ((upper, lower.row(0)), "both"),
+            ((upper, lower.heights), "Profile or a Surface"),
+            ((Surface(np.zeros((2, 10)), spacing=1.0), Surface(np.ones((2, 10)), spacing=1.0)), "4 rows"),
+            ((flat, flat), "parallel"),
+            ((upper, upper), "parallel"),
+        ):
+            with pytest.raises(ValueError, match=match):
+                press(*bad, [0.1])
+            with pytest.raises(ValueError, match=match):
+                contacts(*bad, 0.1)
+        with pytest.raises(ValueError, match="direction must be one"):
+            contacts(upper, lower, 0.1, direction=[0, 90])
+        with pytest.raises(ValueError, match="direction must be one"):
+            approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
+
+    def test_a_model_says_what_it_leaves_open(self):
+        model = ContactModel()
+        assert (model.detection, model.curvature) == (None, None)
+
+
+class TestGrid:
+    def test_sums_converge_with_the_grid(self):
+        # At equal heights: first touch is of grid points, so approaches of two grids differ by that of their touches.
+        made = {}
+        for points in (1024, 512, 256):
+            spacing = 16 / points
+            upper, lower = (
+                self_affine_surface(
+                    5, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=spacing, shortest_wavelength=1.0,
+                    longest_wavelength=4.0, side=side,
+                )
+                for side in ("upper", "lower")
+            )  # fmt: skip
+            # A bowl keeps contacts from the edges, where splines of two grids differ.
+            x = np.arange(points) * spacing - 8
+            upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
+            touch = (upper.heights - lower.heights).min()
+            finest = made[1024][0] if made else touch
+            found = candidates(upper, lower, deepest=0.25)
+            order = np.lexsort(np.round(found.position[:, :2] * 50).T)
+            made[points] = touch, found.gap[order] + touch, found.radii[order], press(
+                upper, lower, [0.1 + finest - touch], direction=[20, 200]
+            )  # fmt: skip
+        gaps, radii = (
+            [np.median(np.abs(made[points][k] / made[1024][k] - 1), axis=0) for points in (256, 512)] for k in (1, 2)
+        )
+        # Heights of a cubic spline are of fourth order in the spacing, curvatures of second; measured 4.1, and 2.3
+        # against a grid that is itself only twice as fine.
+        assert np.log2(gaps[0] / gaps[1]) > 3.5
+        assert (np.log2(radii[0] / radii[1]) > 1.2).all()
+        for points, digits in ((256, 1e-3), (512, 2e-4)):
+            one, finest = made[points][3], made[1024][3]
+            assert (one.contact_count == finest.contact_count).all()
+            for name in ("contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
+                assert_close(getattr(one, name), getattr(finest, name), digits)
+
+
+class TestGentleSurfaces:
+    def test_follow_the_closed_forms_of_both_rules(self):
+        pairs, mu0, tau0 = 16, 0.4, 0.1
+        loads = {rule: np.zeros((2, pairs)) for rule in ("opposing", "all")}
+        area = force = slope = 0.0
+        for repetition in range(pairs):
+            upper, lower = rough_pair(
+                7, rms=0.02, shape=(256, 256), spacing=1 / 16, shortest_wavelength=0.7, longest_wavelength=4.0,
+                repetition=repetition,
+            )  # fmt: skip
+            # Rms slope of the gap along one direction, by the Fourier coefficients.
+            wave = 2j * np.pi * np.fft.fftfreq(256, 1 / 16)
+            gap = np.fft.fft2(upper.heights - lower.heights)
+            slope += sum(np.mean(np.abs(np.fft.ifft2(gap * w)) ** 2) for w in (wave, wave[:, None])) / (2 * pairs)
+            for rule, sums in loads.items():
+                curve = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding=rule)
+                sums[0, repetition] = curve.tangential_load(mu0=mu0, tau0=tau0).sum()
+                sums[1, repetition] = curve.normal_load(mu0=mu0, tau0=tau0).sum()
+            area, force = area + curve.contact_area[0], force + curve.normal_elastic[0]
+        m, steep = mu0 + tau0 * area / force, math.sqrt(slope) / (2 * math.sqrt(2 * math.pi))
+        expected = {"opposing": (m / 2 + steep) / (1 - m * steep), "all": m}
+        for rule, (tangential, normal) in loads.items():
+            mean = tangential.sum() / normal.sum()
+            left_out = (tangential.sum() - tangential) / (normal.sum() - normal)
+            error = math.sqrt((pairs - 1) * np.var(left_out))
+            # 95 % with 15 degrees of freedom, and what is of second order in the slope.
+            assert abs(mean - expected[rule]) < 2.13 * error + slope
+        # Without adhesion the second rule has mu0 for each pair.
+        every = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
+        assert abs(every.friction_coefficient(mu0=mu0).mean() - mu0) < slope

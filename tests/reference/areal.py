@@ -1,0 +1,160 @@
+"""Contact and friction of two maps in plain NumPy on scipy's splines: slow, and each step as its formula reads."""
+
+import numpy as np
+from scipy.interpolate import NdBSpline, make_interp_spline
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipkm1
+
+
+class Spline:
+    """Tensor product of natural cubic splines; x along columns, y along rows, both in µm."""
+
+    def __init__(self, heights, spacing):
+        y, x = (np.arange(size) * step for size, step in zip(heights.shape, spacing, strict=True))
+        along_x = make_interp_spline(x, heights, k=3, bc_type="natural", axis=1)
+        along_y = make_interp_spline(y, along_x.c.T, k=3, bc_type="natural", axis=0)
+        self.spline = NdBSpline((along_y.t, along_x.t), np.ascontiguousarray(along_y.c), k=3)
+
+    def __call__(self, x, y, along_x=0, along_y=0):
+        return self.spline(np.column_stack([y, x]), nu=(along_y, along_x))
+
+    def gradient(self, x, y):
+        return np.array([self(x, y, 1, 0), self(x, y, 0, 1)])
+
+    def hessian(self, x, y):
+        xx, xy, yy = self(x, y, 2, 0), self(x, y, 1, 1), self(x, y, 0, 2)
+        return np.array([[xx, xy], [xy, yy]])
+
+
+def minima(heights, spacing):
+    """(n, 2) places x, y of the local minima of a map's spline: Newton's method from 16 starts in every cell."""
+    spline = Spline(heights, spacing)
+    rows, columns = heights.shape
+    step = np.array([spacing[1], spacing[0]])
+    most = step * [columns - 1, rows - 1]
+    fractions = (np.arange(4) + 0.5) / 4
+    y, x = np.meshgrid(
+        (np.arange(rows - 1)[:, None] + fractions).ravel(), (np.arange(columns - 1)[:, None] + fractions).ravel(),
+        indexing="ij",
+    )  # fmt: skip
+    at = np.column_stack([x.ravel(), y.ravel()]) * step
+    start = at.copy()
+    for _ in range(40):
+        gradient = spline.gradient(*at.T)
+        hessian = spline.hessian(*at.T)
+        determinant = hessian[0, 0] * hessian[1, 1] - hessian[0, 1] ** 2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            move = (
+                np.array([
+                    hessian[1, 1] * gradient[0] - hessian[0, 1] * gradient[1],
+                    hessian[0, 0] * gradient[1] - hessian[0, 1] * gradient[0],
+                ])
+                / determinant
+            ).T  # fmt: skip
+        at = at - move
+        # Another start is nearer to what is found further off.
+        near = (np.abs(at - start) < 1.5 * step).all(axis=1) & (at > 0).all(axis=1) & (at < most).all(axis=1)
+        at, start, move = at[near], start[near], move[near]
+        if at.size == 0 or np.abs(move / step).max() < 1e-13:
+            break
+    hessian = spline.hessian(*at.T)
+    lowest = (hessian[0, 0] > 0) & (hessian[0, 0] * hessian[1, 1] > hessian[0, 1] ** 2)
+    settled = (np.abs(move) < 1e-9 * step).all(axis=1)
+    at = at[lowest & settled]
+    order = np.lexsort(np.round(at / step * 1e6).T)
+    at = at[order]
+    different = np.ones(len(at), dtype=bool)
+    different[1:] = (np.abs(np.diff(at, axis=0)) > 2e-6 * step).any(axis=1)
+    return at[different]
+
+
+def ellipse(longer, shorter):
+    """k = b/a, and K of the modulus sqrt(1 - k²), of two radii of relative curvature (Johnson, section 4.2)."""
+
+    def integrals(k):
+        return ellipkm1(k**2), ellipe(1 - k**2)
+
+    def ratio(k):
+        first, second = integrals(k)
+        return k**2 * (first - second) / (second - k**2 * first)
+
+    if longer / shorter < 1 + 1e-5:
+        k = (shorter / longer) ** (2 / 3)  # within 1e-11, where the integrals cancel
+    else:
+        k = brentq(lambda k: ratio(k) - shorter / longer, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
+    return k, integrals(k)[0]
+
+
+def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=False):
+    """A dict for each contact of two maps."""
+    gap = upper - lower
+    zero = gap.min()
+    of_gap, of_lower, of_upper = Spline(gap, spacing), Spline(lower, spacing), Spline(upper, spacing)
+    extent = (np.array(gap.shape) - 1)[::-1] * np.array(spacing)[::-1]
+    found = []
+    for x, y in minima(gap, spacing):
+        height = float(of_gap([x], [y])[0]) - zero
+        if height >= approach:
+            continue
+        if convex:
+            bodies = (of_upper.hessian([x], [y])[..., 0], -of_lower.hessian([x], [y])[..., 0])
+            if min(np.linalg.eigvalsh(body).min() for body in bodies) <= 0:
+                continue
+        p = of_lower.gradient([x], [y])[:, 0]
+        q = np.sqrt(1 + p @ p)
+        normal = np.array([-p[0], -p[1], 1]) / q
+        # Directions of the tangent plane whose curvature is stationary, in its metric I + p pᵀ.
+        metric = np.eye(2) + np.outer(p, p)
+        root = np.linalg.inv(np.linalg.cholesky(metric))
+        curvature, vectors = np.linalg.eigh(root @ (of_gap.hessian([x], [y])[..., 0] / q) @ root.T)
+        directions = (root.T @ vectors).T  # rows, the less curved first
+        longer, shorter = 1 / curvature
+        overlap = (approach - height) / q
+        k, first = ellipse(longer, shorter)
+        second = ellipe(1 - k**2)
+        if k > 1 - 1e-6:
+            a = np.sqrt(overlap * longer * (1 + (1 - k) / 4))
+        else:
+            a = np.sqrt(2 * overlap * longer * (first - second) / (first * (1 - k**2)))
+        b = k * a
+        reach = np.sqrt((a * directions[0]) ** 2 + (b * directions[1]) ** 2)
+        leaves = (np.array([x, y]) < reach).any() or (np.array([x, y]) + reach > extent).any()
+        found.append({
+            "x": x, "y": y, "z": float(of_lower([x], [y])[0]), "normal": normal, "radii": (longer, shorter),
+            "axes": (a, b), "overlap": overlap, "leaves": leaves,
+            "force": 2 / 3 * np.pi * a * overlap * effective_modulus / first, "area": np.pi * a * b,
+        })  # fmt: skip
+    return found
+
+
+def sums(found, angle, sliding="opposing"):
+    """The sums of contacts for a motion of the upper body at an angle in degrees from +x towards +y."""
+    s = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0])
+    across = np.array([-s[1], s[0], 0])
+    total = dict.fromkeys(
+        [
+            *("contact_count", "contact_area", "crossed_count", "normal_elastic", "normal_frictional"),
+            *("normal_adhesive", "tangential_elastic", "tangential_frictional", "tangential_adhesive"),
+            *("lateral_elastic", "lateral_frictional", "lateral_adhesive"),
+        ],
+        0.0,
+    )
+    for one in found:
+        if one["leaves"]:
+            total["crossed_count"] += 1
+            continue
+        n, force, area = one["normal"], one["force"], one["area"]
+        total["contact_count"] += 1
+        total["contact_area"] += area
+        total["normal_elastic"] += force * n[2]
+        if sliding == "opposing" and not s @ n < 0:
+            continue
+        t = -s + (s @ n) * n
+        t /= np.linalg.norm(t)
+        for part, size in (("frictional", force), ("adhesive", area)):
+            total[f"normal_{part}"] += size * t[2]
+            total[f"tangential_{part}"] -= size * (s @ t)
+            total[f"lateral_{part}"] -= size * (across @ t)
+        total["tangential_elastic"] -= force * (s @ n)
+        total["lateral_elastic"] -= force * (across @ n)
+    return total

@@ -1,0 +1,65 @@
+import numpy as np
+import pytest
+from stiction import Surface, press, self_affine_surface, traverse
+
+CHOICES = {
+    "hurst_exponent": 0.8, "rms": 0.03, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
+}  # fmt: skip
+
+
+def pair():
+    return [self_affine_surface(3, side=side, **CHOICES) for side in ("upper", "lower")]
+
+
+def test_every_position_presses_what_lies_above_each_other_to_the_load():
+    upper, lower = pair()
+    offsets = [(0.0, 0.0), (0.8, -0.5), (-0.4, 1.0)]
+    result = traverse(upper, lower, [0.02, 0.1], mu0=0.3, offsets=offsets, direction=[0, 45])
+    assert dict(result.sizes) == {"direction": 2, "offset": 3, "load": 2}
+    assert result["x"].values.tolist() == [0.0, 0.8, -0.4]
+    assert np.allclose(result["nominal_area"], [3.2**2, 2.4 * 2.7, 2.8 * 2.2])
+    # Moved by 20 columns to the right and 10 rows down.
+    above, below = (
+        Surface(upper.heights[10:, :60], spacing=upper.spacing),
+        Surface(lower.heights[:54, 20:], spacing=lower.spacing),
+    )
+    for d, angle in enumerate((0, 45)):
+        for k, load in enumerate((0.02, 0.1)):
+            at = result.isel(direction=d, offset=1, load=k)
+            assert at["status"] == "ok"
+            curve = press(above, below, [float(at["approach"])], direction=angle)
+            assert curve.normal_load(mu0=0.3)[0] == pytest.approx(load, rel=1e-9)
+            assert curve.friction_coefficient(mu0=0.3)[0] == pytest.approx(float(at["friction_coefficient"]), rel=1e-12)
+            assert curve.lateral_load(mu0=0.3)[0] == pytest.approx(float(at["lateral_load"]), rel=1e-12)
+
+
+def test_four_directions_by_default_and_the_rule_is_said():
+    result = traverse(*pair(), 0.05, mu0=0.3, sliding="all")
+    assert result["direction"].values.tolist() == [0, 90, 180, 270]
+    assert result.attrs["sliding"] == "all"
+    assert result.sizes["offset"] == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"offsets": [(2.6, 0.0)]}, "at least 16 rows and columns"),
+        ({"offsets": [(0.0, -99.0)]}, "at least 16 rows and columns"),
+        ({"offsets": [1.0, 2.0, 3.0]}, "offsets"),
+        ({"offsets": [(np.nan, 0.0)]}, "offsets"),
+        ({"offsets": [(1e300, 0.0)]}, "offsets"),
+        ({"loads": [0.0]}, "loads"),
+        ({"mu0": -0.1}, "mu0"),
+        ({"direction": "north"}, "direction"),
+        ({"detection": "cell"}, "detection"),
+    ],
+)
+def test_bad_arguments_are_named(changes, match):
+    with pytest.raises(ValueError, match=match):
+        traverse(*pair(), **({"loads": 0.1, "mu0": 0.3} | changes))
+
+
+def test_a_surface_is_not_carried_over_a_profile():
+    upper, lower = pair()
+    with pytest.raises(ValueError, match="both"):
+        traverse(upper, lower.row(0), 0.1, mu0=0.3)
