@@ -12,6 +12,7 @@ __all__: list[str] = [
     "ArealCandidates",
     "Candidates",
     "ContactModel",
+    "PressureSearch",
     "approaches_at",
     "areal_quantities",
     "asperities",
@@ -67,6 +68,31 @@ class ArealCandidates:
         Approach [µm] up to which they were looked for.
         """
 
+class PressureSearch:
+    def __init__(
+        self,
+        pressure: numpy.typing.NDArray[numpy.float64],
+        *,
+        total: typing.SupportsFloat | typing.SupportsIndex,
+        hardness: typing.SupportsFloat | typing.SupportsIndex,
+        line: bool,
+        periodic: bool,
+    ) -> None: ...
+    def advance(self, response: numpy.typing.NDArray[numpy.float32]) -> bool: ...
+    def balance(self) -> float: ...
+    def residual(self) -> numpy.typing.NDArray[numpy.float32]: ...
+    def restart(self, potential: numpy.typing.NDArray[numpy.float64]) -> None: ...
+    def settle(self) -> None: ...
+    def step(
+        self, preconditioned: numpy.typing.NDArray[numpy.float32], response: numpy.typing.NDArray[numpy.float32]
+    ) -> numpy.typing.NDArray[numpy.float32]: ...
+    @property
+    def approach(self) -> float: ...
+    @property
+    def plain(self) -> bool: ...
+    @property
+    def pressure(self) -> numpy.typing.NDArray[numpy.float64]: ...
+
 @typing.overload
 def approaches_at(
     upper: numpy.typing.NDArray[numpy.float64],
@@ -99,30 +125,25 @@ def approaches_at(
     The same, of candidates.
     """
 
-class PressureSearch:
-    def __init__(
-        self,
-        pressure: numpy.typing.NDArray[numpy.float64],
-        *,
-        total: typing.SupportsFloat | typing.SupportsIndex,
-        hardness: typing.SupportsFloat | typing.SupportsIndex,
-        line: bool,
-        periodic: bool,
-    ) -> None: ...
-    def advance(self, response: numpy.typing.NDArray[numpy.float32]) -> bool: ...
-    def balance(self) -> float: ...
-    def residual(self) -> numpy.typing.NDArray[numpy.float32]: ...
-    def restart(self, potential: numpy.typing.NDArray[numpy.float64]) -> None: ...
-    def settle(self) -> None: ...
-    def step(
-        self, preconditioned: numpy.typing.NDArray[numpy.float32], response: numpy.typing.NDArray[numpy.float32]
-    ) -> numpy.typing.NDArray[numpy.float32]: ...
-    @property
-    def approach(self) -> float: ...
-    @property
-    def plain(self) -> bool: ...
-    @property
-    def pressure(self) -> numpy.typing.NDArray[numpy.float64]: ...
+@typing.overload
+def approaches_at(
+    found: ArealCandidates,
+    *,
+    loads: numpy.typing.NDArray[numpy.float64],
+    left: numpy.typing.NDArray[numpy.float64],
+    right: numpy.typing.NDArray[numpy.float64],
+    mu0: typing.SupportsFloat | typing.SupportsIndex,
+    tau0: typing.SupportsFloat | typing.SupportsIndex,
+    model: ContactModel,
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The same, of candidates of two maps.
+    """
+
+def areal_quantities() -> list[tuple[str, str, str]]:
+    """
+    Name, unit and words of each of the sums that only areas have.
+    """
 
 def asperities(
     heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, side: str

@@ -8,7 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,23 @@ STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in get_args(Status))}")
 
 SHEAR_STRENGTH_LIMIT = 0.1
 """tau0/E* above which tau0 is nearly always MPa given as GPa."""
+
+
+class LoadSums(Protocol):
+    """Whatever has the sums that both loads follow from: over asperities, or over points of a half-space."""
+
+    @property
+    def normal_elastic(self) -> Floats: ...  # noqa: D102
+    @property
+    def tangential_elastic(self) -> Floats: ...  # noqa: D102
+    @property
+    def normal_frictional(self) -> Floats: ...  # noqa: D102
+    @property
+    def tangential_frictional(self) -> Floats: ...  # noqa: D102
+    @property
+    def normal_adhesive(self) -> Floats: ...  # noqa: D102
+    @property
+    def tangential_adhesive(self) -> Floats: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -112,12 +129,12 @@ class Validity:
             )
 
 
-def normal_load(sums: Sums, mu0: Floats | float, tau0: Floats | float) -> Floats:
+def normal_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -> Floats:
     """F_N in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
     return np.asarray(sums.normal_elastic + mu0 * sums.normal_frictional + tau0 * sums.normal_adhesive)
 
 
-def tangential_load(sums: Sums, mu0: Floats | float, tau0: Floats | float) -> Floats:
+def tangential_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -> Floats:
     """F_T in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
     return np.asarray(sums.tangential_elastic + mu0 * sums.tangential_frictional + tau0 * sums.tangential_adhesive)
 

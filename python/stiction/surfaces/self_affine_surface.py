@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice, number, read_only, whole_number
-from stiction.surfaces.fractal import _SIDE_KEY, Side
-from stiction.surfaces.profile import MOST_POINTS
+from stiction.surfaces.fractal import _SIDE_KEY
+from stiction.surfaces.profile import MOST_POINTS, Side
 from stiction.surfaces.surface import Surface, lengths
 
 _ROUND_UP = 1 + 1e-9
