@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -12,8 +12,7 @@ import scipy.sparse
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-
-Sliding = Literal["opposing", "all"]
+from stiction.mechanics.model import Sliding
 
 LEVEL = 1e-12
 """Of its load: a patch that pushes along the direction by less is level, to round-off, and does not oppose."""
@@ -103,7 +102,8 @@ def sums(
     """What F_N and F_T need for every mu0 and tau0; those that depend on the direction as (directions,).
 
     Of each point under pressure: its force on the ground plan (mN), its share of the ground plan (µm²), slopes along y
-    and x (or x alone) of the deformed interface, and its patch, from 1 on.
+    and x (or x alone) of the deformed interface, and its patch, from 1 on. Directions are (m, 2) horizontal unit
+    vectors.
     """
     along_x = slope[-1]
     along_y = slope[0] if len(slope) == 2 else np.zeros_like(along_x)
@@ -113,8 +113,8 @@ def sums(
         "normal_elastic": float(force.sum()),
     }
     columns: dict[str, list[float]] = {name: [] for name in _BY_DIRECTION}
-    for angle in directions:
-        rise = along_x * np.cos(angle) + along_y * np.sin(angle)  # -q s·n
+    for x, y in directions:
+        rise = along_x * x + along_y * y  # -q s·n
         if sliding == "all":
             share = np.ones_like(force)
         else:
