@@ -115,8 +115,8 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
     >>> from stiction import Surface, surface_parameters
     >>> grooves = np.sin(2 * np.pi * np.arange(100) / 20) + np.zeros((50, 1))  # that run along y
     >>> found = surface_parameters(Surface(grooves, spacing=0.5))
-    >>> round(found.Sq, 6), found.Std, round(found.Smr1 + found.Smr2, 6)
-    (0.707107, 1.0, 1.0)
+    >>> round(found.Sq, 6), found.Std, round(found.Sku, 6)
+    (0.707107, 1.0, 1.5)
     """
     choice("derivative", derivative, Derivative)
     refuse_flat(surface)
