@@ -289,7 +289,9 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     locked = np.ma.masked_where(status != STATUS_SELF_LOCKED, np.ones(status.shape))
     axes.pcolormesh(*edges, locked, cmap=ListedColormap([_LOCKED_COLOUR]), rasterized=True)
-    mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values), norm=norm, cmap="viridis", rasterized=True)
+    # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
+    shown = np.ma.masked_invalid(np.maximum(values, norm.vmin))
+    mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
     if min(values.shape) > 1:
         for name, style, _ in _VALIDITY_LINES:
             share = np.ma.masked_invalid(panel[name].values)
