@@ -114,13 +114,8 @@ def sums(
     }
     columns: dict[str, list[float]] = {name: [] for name in _BY_DIRECTION}
     for angle in directions:
-        rise = along_x * np.cos(angle) + along_y * np.sin(angle)  # -q s·n
-        if sliding == "all":
-            share = np.ones_like(force)
-        else:
-            pushed = np.bincount(patch, weights=rise * force)
-            opposing = pushed > LEVEL * np.bincount(patch, weights=force)
-            share = opposing[patch].astype(np.float64)
+        rise = _rise(slope, angle)  # -q s·n
+        share = 1.0 if sliding == "all" else opposes(force, slope, patch, angle)
         # n·s = -rise/q, and t = -s + (s·n) n over its length, sqrt(1 - (s·n)²).
         length = np.sqrt(1 - rise**2 / square)
         upward, along = -rise / (square * length), length
@@ -131,6 +126,19 @@ def sums(
         columns["normal_adhesive"].append(float((stuck * upward).sum()))
         columns["tangential_adhesive"].append(float((stuck * along).sum()))
     return results | {name: np.array(values) for name, values in columns.items()}
+
+
+def opposes(force: Floats, slope: list[Floats], patch: NDArray[np.int64], angle: float) -> NDArray[np.bool_]:
+    """Whether the patch of each point pushes the upper body back; arguments as for `sums`, the angle in rad."""
+    pushed = np.bincount(patch, weights=_rise(slope, angle) * force)
+    opposing = pushed > LEVEL * np.bincount(patch, weights=force)
+    return np.asarray(opposing[patch])
+
+
+def _rise(slope: list[Floats], angle: float) -> Floats:
+    """Slope along a direction."""
+    along_y = slope[0] * np.sin(angle) if len(slope) == 2 else 0.0
+    return np.asarray(slope[-1] * np.cos(angle) + along_y)
 
 
 _BY_DIRECTION = (
