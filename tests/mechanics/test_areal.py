@@ -531,6 +531,8 @@ class TestBadInput:
             ({"direction": [0.0, math.inf]}, "direction"),
             ({"direction": []}, "direction"),
             ({"direction": [[0.0]]}, "direction"),
+            ({"direction": [[0.0], [0.0, 1.0]]}, "direction"),
+            ({"direction": {"x": 1.0}}, "direction"),
             ({"direction": True}, "direction"),
             ({"direction": None, "shear": "+y"}, "shear"),
             ({"direction": 10.0, "shear": "-x"}, "shear"),
@@ -571,6 +573,7 @@ class TestBadInput:
     def test_a_model_says_what_it_leaves_open(self):
         model = ContactModel()
         assert (model.detection, model.curvature) == (None, None)
+        assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
 
 
 class TestGrid:

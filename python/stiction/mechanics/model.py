@@ -85,6 +85,8 @@ class ContactModel:
         if self.direction is not None:
             if self.shear != "+x":
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
+            if _are_many(self.direction):
+                object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
             self.angles()
         number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
         self.core()
@@ -92,7 +94,7 @@ class ContactModel:
     def angles(self) -> Floats:
         """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
         given: Any = self.shear if self.direction is None else self.direction
-        if isinstance(given, str) or np.ndim(given) == 0:
+        if not _are_many(given):
             return np.asarray(_angle(given))
         angles = np.array([_angle(one) for one in given])
         if not angles.size:
@@ -134,6 +136,10 @@ class ContactModel:
             direction=(float(x), float(y)),
             sliding=self.sliding,
         )
+
+
+def _are_many(direction: Any) -> bool:
+    return isinstance(direction, (list, tuple, range)) or (isinstance(direction, np.ndarray) and direction.ndim > 0)
 
 
 def _angle(direction: Any) -> float:

@@ -21,7 +21,6 @@ from stiction.mechanics.friction import STATUS_DTYPE
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel
-from stiction.mechanics.patches import slopes
 from stiction.mechanics.quantities import AREAL_VALIDITY, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import in_order
@@ -398,6 +397,8 @@ def _completed(
     modulus: float,
 ) -> dict[str, NDArray[Any]]:
     """With the share of the area, and what the gap's slopes alone say."""
+    from stiction.mechanics.patches import slopes
+
     upper, lower = pair
     values["contact_area_fraction"] = values["contact_area"] / (upper.extent[0] * upper.extent[1])
     along_y, along_x = slopes(upper.heights - lower.heights, upper.spacing, periodic=False)
