@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 Mechanics = Literal["half-space", "asperities"]
 
+TITLE = "stiction pair of maps"
+"""Of a result."""
+
 SLIDING = ("opposing", "all")
 
 COMPASS = tuple(30.0 * step for step in range(12))
@@ -185,7 +188,7 @@ def pressed_maps(
             ),
         },
         {
-            "title": "stiction pair of maps",
+            "title": TITLE,
             "mechanics": mechanics,
             "shape": np.array(_window_shape(upper.heights.shape)),
             "spacing_um": np.array(upper.spacing),
