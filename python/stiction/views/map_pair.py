@@ -185,6 +185,9 @@ def _doubts_of(result: xarray.Dataset, at: xarray.Dataset) -> list[str]:
             beyond = float(mean["share_beyond_hertz"])
             if beyond > OVERLAPPING:
                 lines.append(f"asperities: {100 * beyond:.2g} % of the load is beyond Hertz (overlap > R/10)")
+        pressure = float(at["load"]) / float(at["nominal_area"]) / float(mean["contact_area_fraction"])
+        softer = "" if "hardness_GPa" in result.attrs else "; if the hardness is near that, give --hardness"
+        lines.append(f"{name}: the pressure in contact is {pressure:.2g} GPa on the mean{softer}")
         if (count := float(mean["contact_count"])) < FEW_CONTACTS:
             lines.append(
                 f"{name}: {count:.3g} contacts on the mean are few, so mu_s is that of single contacts; larger maps or "
@@ -280,28 +283,41 @@ def save_map_pair_figures(
 ) -> list[Path]:
     """Draw a pair of maps into a directory and return the paths; of several loads, mu0 and tau0 the first.
 
-    ``compass.png``: `compass_figure`. ``friction.png``: `map_load_figure`. ``contacts.png``: `contacts_figure` at the
-    first shift and direction, if there is one and the bodies, as `pressed_maps` takes them, are given.
+    ``compass.png``: `compass_figure`. ``friction.png``: `map_load_figure`. ``contacts.png``: `contacts_figure` in the
+    first direction at the shift whose number of contacts is in the middle, if the bodies, as `pressed_maps` takes them,
+    are given.
     """
     load = float(np.atleast_1d(loads)[0])
     mean = mean.isel(_materials(mean)[0][1])
     figures = {"compass.png": compass_figure(mean, load), "friction.png": map_load_figure(mean, loads)}
     if bodies is not None:
+        name, direction, shift = _names(result)[0], float(result["direction"][0]), _typical(result, load)
         hardness = result.attrs.get("hardness_GPa")
         found = map_contacts(
-            *bodies, load, direction=float(result["direction"][0]), mechanics=_names(result)[0],  # type: ignore[arg-type]
+            *bodies, load, shift=shift, direction=direction, mechanics=name,  # type: ignore[arg-type]
             effective_modulus=float(result["effective_modulus"]),
             compliance_share=float(result.attrs["compliance_share"]),
             hardness=None if hardness is None else float(hardness),
         )  # fmt: skip
         if found is not None:
-            figures["contacts.png"] = contacts_figure(
-                found, f"{_head(mean, load)}\n{_names(mean)[0]}, upper body {_way(float(result['direction'][0]))}"
-            )
+            words = f"{name}, upper body {_sign(_way(direction))}, shift {shift + 1} of {result.sizes['shift']}"
+            figures["contacts.png"] = contacts_figure(found, f"{_head(mean, load)}\n{words}")
     paths = [directory / name for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
         save_picture(figure, path)
     return paths
+
+
+def _typical(result: xarray.Dataset, load: float) -> int:
+    """The shift of which the number of contacts is in the middle."""
+    counts = result["contact_count"].isel(mechanics=0).sel(load=load, method="nearest").values
+    known = np.flatnonzero(np.isfinite(counts))
+    return int(known[np.argsort(counts[known], kind="stable")[known.size // 2]]) if known.size else 0
+
+
+def _sign(words: str) -> str:
+    """With the minus of numbers."""
+    return words.replace("-", "\N{MINUS SIGN}")
 
 
 def _head(mean: xarray.Dataset, load: float | None = None) -> str:
@@ -324,6 +340,7 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
     """Friction coefficient against the direction of the upper body's motion, by both sliding rules; 80 mm wide."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     at = mean.sel(load=load, method="nearest").sortby("direction")
     with mpl.rc_context(STYLE):
@@ -351,8 +368,11 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
                 words = "by the slope of the gap alone" if rule == "opposing" else "_"  # once in the legend
                 axes.plot(around, np.append(alone, alone[0]), ":", color="0.2", linewidth=0.8, label=words)
         axes.set_ylim(bottom=0)
+        axes.grid(linewidth=0.3, color="0.8")
         axes.set_rlabel_position(22.5)
-        axes.set_xticks(np.radians(np.arange(0, 360, 45)), ["+x", "45°", "+y", "135°", "−x", "225°", "−y", "315°"])
+        axes.yaxis.set_major_locator(MaxNLocator(4))
+        ways = ("+x", "45°", "+y", "135°", "-x", "225°", "-y", "315°")
+        axes.set_xticks(np.radians(np.arange(0, 360, 45)), [_sign(way) for way in ways])
         axes.set_title(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6, loc="center")
         handles, labels = axes.get_legend_handles_labels()
         figure.legend(
@@ -384,14 +404,17 @@ def map_load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
             values = 100 * mean["contact_area_fraction"].sel(mechanics=name).transpose("statistic", "load").values
             bottom.fill_between(pressure, values[1], values[2], color="C2", alpha=0.15, linewidth=0)
             bottom.plot(pressure, values[0], color="C2", **style)
-        for axes in (top, bottom):
-            axes.set_xscale("log")
-            for load in np.atleast_1d(loads):
-                axes.axvline(1000 * load / area, color="0.5", linewidth=0.5, linestyle=":")
         if np.nanmax(values, initial=0.0) > 0:
             bottom.set_yscale("log")
+        for axes in (top, bottom):
+            axes.set_xscale("log")
+            _plain(axes.xaxis)
+            for load in np.atleast_1d(loads):
+                axes.axvline(1000 * load / area, color="0.5", linewidth=0.5, linestyle=":")
+        if bottom.get_yscale() == "log":
+            _plain(bottom.yaxis)
         top.set_ylim(bottom=0)
-        top.set_ylabel(rf"$\mu_s$, upper body {_way(direction)}".replace("-", "\N{MINUS SIGN}"))
+        top.set_ylabel(rf"$\mu_s$, upper body {_sign(_way(direction))}")
         bottom.set_ylabel("true area $A/A_0$ (%)")
         bottom.set_xlabel("load over the area of the overlap (MPa)")
         top.set_title(f"{_head(mean)}\n{_material_title(mean)}", loc="left", fontsize=6, pad=3)
@@ -400,6 +423,15 @@ def map_load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         )
         figure.draw_without_rendering()
     return figure
+
+
+def _plain(axis: Any) -> None:
+    """Numbers without powers of ten on a logarithmic axis of about a decade."""
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(lambda value, _: f"{value:g}")
+    axis.set_minor_locator(NullLocator())
 
 
 def contacts_figure(found: MapContacts, title: str) -> Figure:
@@ -412,7 +444,7 @@ def contacts_figure(found: MapContacts, title: str) -> Figure:
     fine = np.ptp(lower.heights) < _FINE
     with mpl.rc_context(STYLE):
         zoomed = found.pressure is not None
-        figure = Figure(figsize=(WIDTH, (150 if zoomed else 92) * MILLIMETRE), layout="constrained")
+        figure = Figure(figsize=(WIDTH, (142 if zoomed else 86) * MILLIMETRE), layout="constrained")
         drawn = figure.subplots(2 if zoomed else 1, 1, squeeze=False)[:, 0]
         axes = drawn[0]
         box = (0.0, extent_x, 0.0, extent_y)
@@ -420,7 +452,7 @@ def contacts_figure(found: MapContacts, title: str) -> Figure:
         image = axes.imshow(
             lower.heights * (1000 if fine else 1), extent=box, origin="lower", cmap="gray", vmin=low, vmax=high,
         )  # fmt: skip
-        figure.colorbar(image, ax=axes, label="height of the lower body " + ("(nm)" if fine else "(µm)"), extend="both")
+        figure.colorbar(image, ax=axes, label="lower body " + ("(nm)" if fine else "(µm)"), extend="both", shrink=0.8)
         sizes = 60 * found.force / found.force.max()
         for opposing, colour, words in (
             (True, "C3", "opposes the motion"), (False, "C0", "does not"),
@@ -457,7 +489,7 @@ def _pressure_panel(figure: Figure, axes: Any, found: MapContacts) -> None:
     box = (left * dx, (left + piece.shape[1]) * dx, top * dy, (top + piece.shape[0]) * dy)
     axes.imshow(beneath, extent=box, origin="lower", cmap="gray", alpha=0.6)
     image = axes.imshow(np.where(piece > 0, piece, np.nan), extent=box, origin="lower", cmap="inferno", vmin=0)
-    figure.colorbar(image, ax=axes, label="pressure (GPa)")
+    figure.colorbar(image, ax=axes, label="pressure (GPa)", shrink=0.8)
     axes.set_title("around the contact that carries most", loc="left", pad=3)
     axes.set_xlabel("$x$ (µm)")
     axes.set_ylabel("$y$ (µm)")
