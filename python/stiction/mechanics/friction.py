@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, number
 from stiction.mechanics.quantities import SUMS
 
-Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range"]
+Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved"]
 """Whether a point has a coefficient of friction, or why not."""
 
 STATUS_OK: Status = "ok"
@@ -24,6 +24,7 @@ STATUS_SELF_LOCKED: Status = "self-locked"
 STATUS_NO_CONTACT: Status = "no-contact"
 STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
+STATUS_NOT_SOLVED: Status = "not-solved"
 
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in get_args(Status))}")
 """Of arrays of them."""

@@ -7,7 +7,7 @@ half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -43,22 +43,27 @@ class HalfSpaceContact:
     patches : ndarray of int
         Number of the patch that a point under pressure belongs to, from 1 on; 0 where there is no pressure. Points
         are connected with all their neighbours, on areas eight, and over the edges where periodic.
+    opposing : ndarray of bool
+        Where a point's patch opposes the motion; a first axis of d directions where they were given.
     """
 
     pressure: Floats
     gap: Floats
     patches: NDArray[np.int64]
+    opposing: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """Gap (µm, its least is 0), kernel and what else belongs to the pair."""
+    """Gap (µm, its least is 0), kernel, slopes of the deformed interface and what else belongs to the pair."""
 
     gap: Floats
     kernel: Kernel
     spacing: tuple[float, ...]
     periodic: bool
     hardness: float | None
+    slope: list[Floats]
+    model: ContactModel
 
     @property
     def cell(self) -> float:
@@ -150,7 +155,7 @@ class HalfSpaceCurve:
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Pressure, gap and patches at `load[index]`."""
-        from stiction.mechanics.patches import labelled
+        from stiction.mechanics.patches import labelled, opposes
 
         if not -self.load.size <= index < self.load.size:
             raise ValueError(f"index must be one of the {self.load.size} loads, got {index!r}")
@@ -162,7 +167,16 @@ class HalfSpaceCurve:
             free &= pressure < problem.hardness
         patches, _ = labelled(pressure > 0, periodic=problem.periodic)
         gap = potential - potential[free].mean()
-        return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches))
+        slope = [along.ravel() for along in problem.slope]
+        each = [opposes(pressure.ravel(), slope, patches.ravel(), way) for way in problem.model.directions()]
+        opposing = np.array(each).reshape(*problem.model.angles().shape, *pressure.shape)
+        return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches), read_only(opposing))
+
+    def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
+        """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""
+        problem = replace(self._problem, model=replace(self._problem.model, sliding=sliding))
+        rows = [_sums(problem, self._pressure(i)) for i in range(self.load.size)]
+        return replace(self, **_columns(rows, problem.model), _problem=problem)
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """F_N in mN, shape of (mu0, tau0) + (k,) or (d, k); mu0 dimensionless, tau0 in GPa, broadcast."""
@@ -272,7 +286,6 @@ def half_space(
         raise ValueError(f"loads must be above 0 mN and strictly increasing, got {loads!r}")
     model = ContactModel(effective_modulus=effective_modulus, direction=direction, sliding=sliding)
     modulus = float(model.effective_modulus)
-    several = model.angles().ndim > 0
     if isinstance(upper, Profile):
         model.for_profiles()
     choice("boundary", boundary, Boundary)
@@ -287,11 +300,11 @@ def half_space(
     if hardness is not None:
         hardness = number("hardness", hardness, unit="GPa", above=0)
     solver = Solver(gap, spacing, modulus, periodic=periodic, hardness=hardness, tolerance=tolerance)
-    problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness)
+    slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
+    problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness, slope, model)
     most = np.inf if hardness is None else hardness * problem.cell * gap.size
     if not steps[-1] < most:
         raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
-    slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
     rows = []
     pressed = []
     for load in steps:
@@ -301,43 +314,57 @@ def half_space(
                 f"no solution at {load:g} mN: error {solution.error:.2g} after {solution.iterations} iterations, "
                 f"above the tolerance {tolerance:g}"
             )
-        rows.append(_row(problem, solution, slope, model))
+        rows.append(_row(problem, solution) | _sums(problem, solution.pressure))
         points = np.flatnonzero(solution.pressure)
         pressed.append((read_only(points), read_only(solution.pressure.ravel()[points])))
-    columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    for name, column in columns.items():
-        if column.ndim == 2:
-            column = np.ascontiguousarray(column.T) if several else column[:, 0].copy()
-        columns[name] = read_only(column)
     return HalfSpaceCurve(
         load=read_only(steps.copy()),
-        **columns,
+        **_columns(rows, model),
         effective_modulus=modulus,
         _problem=problem,
         _pressed=tuple(pressed),
     )
 
 
-def _row(problem: _Problem, solution: Solution, slope: list[Floats], model: ContactModel) -> dict[str, Any]:
-    from stiction.mechanics.patches import labelled, sums, true_share
+def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
+    """(k,) of each quantity, (d, k) of those that depend on the direction if there are several."""
+    columns = {}
+    for name in rows[0]:
+        column = np.array([row[name] for row in rows])
+        if column.ndim == 2:
+            column = np.ascontiguousarray(column.T) if model.angles().ndim > 0 else column[:, 0].copy()
+        columns[name] = read_only(column)
+    return columns
+
+
+def _row(problem: _Problem, solution: Solution) -> dict[str, Any]:
+    """What one load's solution says without friction."""
+    from stiction.mechanics.patches import labelled
 
     touching = solution.pressure > 0
-    patches, count = labelled(touching, periodic=problem.periodic)
     pressure = solution.pressure[touching]
     capped = pressure == problem.hardness
     return {
         "approach": solution.approach if problem.has_approach else np.nan,
         "error": solution.error,
         "iterations": solution.iterations,
-        "contact_count": count,
+        "contact_count": labelled(touching, periodic=problem.periodic)[1],
         "load_share_at_hardness": float(pressure[capped].sum() / pressure.sum()),
         "area_share_at_hardness": float(capped.mean()),
-        **sums(
-            pressure * problem.cell,
-            true_share(touching, periodic=problem.periodic) * problem.cell,
-            [along[touching] for along in slope],
-            patches[touching],
-            model.directions(),
-            model.sliding,
-        ),
     }
+
+
+def _sums(problem: _Problem, pressure: Floats) -> dict[str, Any]:
+    """The sums of `HalfSpaceCurve` at one load."""
+    from stiction.mechanics.patches import labelled, sums, true_share
+
+    touching = pressure > 0
+    patches, _ = labelled(touching, periodic=problem.periodic)
+    return sums(
+        pressure[touching] * problem.cell,
+        true_share(touching, periodic=problem.periodic) * problem.cell,
+        [along[touching] for along in problem.slope],
+        patches[touching],
+        problem.model.directions(),
+        problem.model.sliding,
+    )

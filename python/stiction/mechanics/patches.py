@@ -113,14 +113,9 @@ def sums(
         "normal_elastic": float(force.sum()),
     }
     columns: dict[str, list[float]] = {name: [] for name in _BY_DIRECTION}
-    for x, y in directions:
-        rise = along_x * x + along_y * y  # -q s·n
-        if sliding == "all":
-            share = np.ones_like(force)
-        else:
-            pushed = np.bincount(patch, weights=rise * force)
-            opposing = pushed > LEVEL * np.bincount(patch, weights=force)
-            share = opposing[patch].astype(np.float64)
+    for way in directions:
+        rise = _rise(slope, way)  # -q s·n
+        share = 1.0 if sliding == "all" else opposes(force, slope, patch, way)
         # n·s = -rise/q, and t = -s + (s·n) n over its length, sqrt(1 - (s·n)²).
         length = np.sqrt(1 - rise**2 / square)
         upward, along = -rise / (square * length), length
@@ -131,6 +126,19 @@ def sums(
         columns["normal_adhesive"].append(float((stuck * upward).sum()))
         columns["tangential_adhesive"].append(float((stuck * along).sum()))
     return results | {name: np.array(values) for name, values in columns.items()}
+
+
+def opposes(force: Floats, slope: list[Floats], patch: NDArray[np.int64], way: Floats) -> NDArray[np.bool_]:
+    """Whether the patch of each point pushes the upper body back; arguments as for `sums`, the direction (x, y)."""
+    pushed = np.bincount(patch, weights=_rise(slope, way) * force)
+    opposing = pushed > LEVEL * np.bincount(patch, weights=force)
+    return np.asarray(opposing[patch])
+
+
+def _rise(slope: list[Floats], way: Floats) -> Floats:
+    """Slope along a direction (x, y)."""
+    along_y = slope[0] * way[1] if len(slope) == 2 else 0.0
+    return np.asarray(slope[-1] * way[0] + along_y)
 
 
 _BY_DIRECTION = (
