@@ -7,7 +7,7 @@ half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -71,6 +71,15 @@ class _Problem:
         return self.periodic or len(self.spacing) == 2
 
 
+@dataclass(frozen=True)
+class _Interface:
+    """Slopes of the deformed interface along each axis, and the directions (rad) that friction is asked for."""
+
+    slope: list[Floats]
+    angles: Floats
+    several: bool
+
+
 @dataclass(frozen=True, eq=False)
 class HalfSpaceCurve:
     """Contact of two bodies as an elastic half-space at each load, for every mu0 and tau0; all arrays are read-only.
@@ -126,6 +135,16 @@ class HalfSpaceCurve:
     effective_modulus: float
     _problem: _Problem = field(repr=False)
     _pressed: tuple[tuple[NDArray[np.int64], Floats], ...] = field(repr=False)
+    _interface: _Interface = field(repr=False)
+
+    def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
+        """The same contacts under another sliding rule, without solving again."""
+        choice("sliding", sliding, Sliding)
+        rows = [
+            _row_of_sums(self._problem, self._pressure(index), self._interface, sliding)
+            for index in range(self.load.size)
+        ]
+        return replace(self, **_columns(rows, self._interface))
 
     @cached_property
     def stiffness(self) -> Floats:
@@ -279,6 +298,7 @@ def half_space(
     if not steps[-1] < most:
         raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
     slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
+    interface = _Interface(slope, angles, several)
     rows = []
     pressed = []
     for load in steps:
@@ -288,43 +308,53 @@ def half_space(
                 f"no solution at {load:g} mN: error {solution.error:.2g} after {solution.iterations} iterations, "
                 f"above the tolerance {tolerance:g}"
             )
-        rows.append(_row(problem, solution, slope, angles, sliding))
+        rows.append(_row(problem, solution, interface, sliding))
         points = np.flatnonzero(solution.pressure)
         pressed.append((read_only(points), read_only(solution.pressure.ravel()[points])))
-    columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    for name, column in columns.items():
-        if column.ndim == 2:
-            column = np.ascontiguousarray(column.T) if several else column[:, 0].copy()
-        columns[name] = read_only(column)
     return HalfSpaceCurve(
         load=read_only(steps.copy()),
-        **columns,
+        **_columns(rows, interface),
         effective_modulus=modulus,
         _problem=problem,
         _pressed=tuple(pressed),
+        _interface=interface,
     )
 
 
-def _row(
-    problem: _Problem, solution: Solution, slope: list[Floats], angles: Floats, sliding: Sliding
-) -> dict[str, Any]:
-    touching = solution.pressure > 0
-    patches, count = labelled(touching, periodic=problem.periodic)
-    pressure = solution.pressure[touching]
+def _columns(rows: list[dict[str, Any]], interface: _Interface) -> dict[str, Any]:
+    """Arrays over the loads of what rows have for each."""
+    columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    for name, column in columns.items():
+        if column.ndim == 2:
+            column = np.ascontiguousarray(column.T) if interface.several else column[:, 0].copy()
+        columns[name] = read_only(column)
+    return columns
+
+
+def _row(problem: _Problem, solution: Solution, interface: _Interface, sliding: Sliding) -> dict[str, Any]:
+    pressure = solution.pressure[solution.pressure > 0]
     capped = pressure == problem.hardness
     return {
         "approach": solution.approach if problem.has_approach else np.nan,
         "error": solution.error,
         "iterations": solution.iterations,
-        "contact_count": count,
         "load_share_at_hardness": float(pressure[capped].sum() / pressure.sum()),
         "area_share_at_hardness": float(capped.mean()),
+        **_row_of_sums(problem, solution.pressure, interface, sliding),
+    }
+
+
+def _row_of_sums(problem: _Problem, pressure: Floats, interface: _Interface, sliding: Sliding) -> dict[str, Any]:
+    touching = pressure > 0
+    patches, count = labelled(touching, periodic=problem.periodic)
+    return {
+        "contact_count": count,
         **sums(
-            pressure * problem.cell,
+            pressure[touching] * problem.cell,
             true_share(touching, periodic=problem.periodic) * problem.cell,
-            [along[touching] for along in slope],
+            [along[touching] for along in interface.slope],
             patches[touching],
-            angles,
+            interface.angles,
             sliding,
         ),
     }
