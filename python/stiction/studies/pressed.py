@@ -40,7 +40,7 @@ def _curves(
     if contact.mechanics == "half-space":
         return _half_spaces(study, upper, lower)
     models = (contact.model(rule) for rule in contact.rules())
-    if isinstance(upper, Surface):
+    if isinstance(upper, Surface) or isinstance(lower, Surface):
         deepest = float(contact.steps()[-1])
         found = candidates(upper, lower, deepest=deepest, curvature=contact.curvature)
         return (press(found, contact.steps(), model=model) for model in models)

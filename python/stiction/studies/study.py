@@ -389,8 +389,7 @@ class Surfaces(_Table):
         return self
 
     def _check_wavelengths(self) -> None:
-        longer, finest = max(self.extents()), 2 * max(self.spacings())
-        longest = longer if self.longest_wavelength is None else float(self.longest_wavelength)
+        longer, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
         if longest > longer * ROUND_UP:
             raise _fault_at("longest_wavelength", f"must be at most the longer side, {longer:g} um, got {longest:g} um")
@@ -405,6 +404,12 @@ class Surfaces(_Table):
     def case(self) -> str:
         """What the surfaces are, of the three that there are."""
         return _case_of(vars(self))
+
+    def longest(self) -> float:
+        """The longest wavelength, µm: that of Eq. 1, or of self-affine surfaces."""
+        if self.case != _SELF_AFFINE:
+            return float(self.length_scale)
+        return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
     def extents(self) -> tuple[float, float]:
         """Lengths of surfaces along y and x, µm."""
@@ -746,7 +751,7 @@ class Study(_Table):
 
     def _of_another_kind(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """All keys with the defaults of the new kind, but for what differs from those of the old one and belongs."""
-        old = {
+        old: dict[str, dict[str, Any]] = {
             "surfaces": {"kind": self.surfaces.kind, "generator": self.surfaces.generator},
             "contact": {"mechanics": self.contact.mechanics},
         }
