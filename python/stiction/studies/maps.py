@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 _DIMS = ("fractal_dimension", "amplitude", "repetition")
 """And the steps of `step_of`."""
 
+_MOTIONS = ("sliding", "direction")
+"""Dimensions of results for several sliding rules and directions."""
+
 
 def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, Crossing]:
     """Mean of values (r, k) at loads (l,), read off along mean normal loads (r, k), and its interval."""
@@ -118,10 +121,11 @@ def _map(
 ) -> xarray.Dataset:
     import xarray
 
-    for motion in ("sliding", "direction"):
+    for motion in _MOTIONS:
         if motion in dataset.dims:
             each = [_map(dataset.isel({motion: i}), loads, mu0, tau0, what) for i in range(dataset.sizes[motion])]
-            return xarray.concat(each, dim=motion, coords="minimal", compat="override", join="override")
+            whole = xarray.concat(each, dim=motion, coords="minimal", compat="override", join="override")
+            return whole.assign_coords({motion: dataset[motion].variable})
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
@@ -171,6 +175,7 @@ def _map(
         "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
     }
     dims = tuple(coordinates)
+    coordinates |= {motion: data[motion].variable for motion in _MOTIONS if motion in data.coords}
     units, long_name = QUANTITIES[what]
     return xarray.Dataset(
         {
