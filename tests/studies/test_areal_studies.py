@@ -193,7 +193,8 @@ def test_maps_have_rules_and_directions_and_are_those_of_each(result):
         assert friction_map(one, [load]).equals(maps.sel(sliding=rule))
     assert (maps["status"] == "ok").any()
     assert area_map(result, [load])["contact_area"].dims == maps["friction_coefficient"].dims
-    assert nondimensional(maps)["friction_coefficient"].equals(maps["friction_coefficient"])
+    without = nondimensional(maps)["friction_coefficient"]  # by numbers without units along loads and strengths
+    assert np.array_equal(without.values, maps["friction_coefficient"].values, equal_nan=True)
 
 
 def test_friction_at_a_load_of_the_half_space_is_the_ratio_of_means():
