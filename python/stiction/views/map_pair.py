@@ -175,6 +175,11 @@ def _doubts_of(result: xarray.Dataset, at: xarray.Dataset) -> list[str]:
             continue
         if name == "half-space":
             lines.append(f"half-space: solved to an error of {float(own['error'].max()):.1g} (of the gap's deviation)")
+            largest, edge = (100 * float(mean[each]) for each in ("share_on_largest", "share_at_edge"))
+            lines.append(
+                f"half-space: one contact carries {largest:.2g} % of the load on the mean, and {edge:.2g} % is on "
+                "contacts that the edge of the overlap cuts"
+            )
             if "hardness_GPa" in result.attrs:
                 share = 100 * float(mean["load_share_at_hardness"])
                 lines.append(f"half-space: {share:.2g} % of the load is where the pressure is the hardness")
@@ -186,8 +191,8 @@ def _doubts_of(result: xarray.Dataset, at: xarray.Dataset) -> list[str]:
             if beyond > OVERLAPPING:
                 lines.append(f"asperities: {100 * beyond:.2g} % of the load is beyond Hertz (overlap > R/10)")
         pressure = float(at["load"]) / float(at["nominal_area"]) / float(mean["contact_area_fraction"])
-        softer = "" if "hardness_GPa" in result.attrs else "; if the hardness is near that, give --hardness"
-        lines.append(f"{name}: the pressure in contact is {pressure:.2g} GPa on the mean{softer}")
+        near = "" if "hardness_GPa" in result.attrs else "; a hardness near that limits it (--hardness)"
+        lines.append(f"{name}: the pressure in contact is {pressure:.2g} GPa on the mean{near}")
         if (count := float(mean["contact_count"])) < FEW_CONTACTS:
             lines.append(
                 f"{name}: {count:.3g} contacts on the mean are few, so mu_s is that of single contacts; larger maps or "
@@ -370,7 +375,7 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
         axes.set_ylim(bottom=0)
         axes.grid(linewidth=0.3, color="0.8")
         axes.set_rlabel_position(22.5)
-        axes.yaxis.set_major_locator(MaxNLocator(4))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
         ways = ("+x", "45°", "+y", "135°", "-x", "225°", "-y", "315°")
         axes.set_xticks(np.radians(np.arange(0, 360, 45)), [_sign(way) for way in ways])
         axes.set_title(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6, loc="center")
