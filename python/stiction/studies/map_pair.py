@@ -455,9 +455,9 @@ def pressed_maps_mean(result: xarray.Dataset) -> xarray.Dataset:
 
     Notes
     -----
-    The interval is Student's t over the shifts, NaN for fewer than 3, and not below 0 where no value is. It says how
-    well the mean over all shifts of *these two maps* is known. Shifts have heights in common, and other pieces of the
-    surfaces may be different: of that it knows nothing.
+    The interval is Student's t over the shifts, NaN for fewer than 3, not below 0 where no value is, and of shares not
+    above 1. It says how well the mean over all shifts of *these two maps* is known. Shifts have heights in common, and
+    other pieces of the surfaces may be different: of that it knows nothing.
     """
     import xarray
 
@@ -467,6 +467,8 @@ def pressed_maps_mean(result: xarray.Dataset) -> xarray.Dataset:
             continue
         first = values.transpose("shift", ...)
         statistics = np.stack(intervals.of_sample(first.values), axis=-1)
+        if str(name).startswith("share_"):
+            statistics = np.minimum(statistics, 1.0)
         variables[str(name)] = ((*first.dims[1:], "statistic"), statistics, values.attrs)
     ok = (result["status"] == friction.STATUS_OK).sum("shift")
     coordinates = {name: each for name, each in result.coords.items() if "shift" not in each.dims}
