@@ -193,7 +193,7 @@ def test_code_of_the_page(page, tmp_path, monkeypatch):
 def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(tmp_path):
     example = [sys.executable, ROOT / "examples/characterise_profile.py"]
     said = subprocess.run(example, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True).stdout
-    assert [block.text for block in blocks(ROOT / "docs/measured.md") if block.kind == "text"] == [said]
+    assert said in [block.text for block in blocks(ROOT / "docs/measured.md") if block.kind == "text"]
 
 
 @pytest.mark.skipif(not DEV.exists(), reason="./dev is not here")

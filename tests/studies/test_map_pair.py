@@ -161,6 +161,12 @@ def test_pictured_contacts_carry_the_load(mechanics):
     found = map_contacts(upper, lower, 0.1, shift=1, direction=30.0, mechanics=mechanics)
     assert len(found.x) == int(result["contact_count"].isel(shift=1).sel(load=0.1))
     assert found.force.sum() == pytest.approx(0.1, rel=1e-2)  # of asperities along their normals
+    if mechanics == "half-space":
+        largest = float(result["share_on_largest"].isel(shift=1).sel(load=0.1))
+        assert largest == pytest.approx(found.force.max() / found.force.sum(), rel=1e-3)
+        edge = float(result["share_at_edge"].isel(shift=1).sel(load=0.1))
+        inside = found.pressure[1:-1, 1:-1].sum() / found.pressure.sum()
+        assert 1 - inside - 1e-9 <= edge < 1
     share = found.force[found.opposing].sum() / found.force.sum()
     assert share == pytest.approx(float(result["share_opposing"].isel(shift=1, direction=0).sel(load=0.1)), abs=0.01)
     assert ((found.x >= 0) & (found.x <= 4.8) & (found.y >= 0) & (found.y <= 4.8)).all()

@@ -18,7 +18,7 @@ from stiction.mechanics.candidates import candidates
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.contact import SurfaceLoadCurve, contacts, press
 from stiction.mechanics.friction import STATUS_DTYPE
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space
+from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half_space
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.quantities import AREAL_VALIDITY, VALIDITY, attributes_of
@@ -54,7 +54,7 @@ _STIFFNESS_STEP = 0.02
 _OF_FRICTION = ("friction_coefficient", "normal_load")
 _OF_CONTACT = (
     "contact_area", "contact_area_fraction", "contact_count", "normal_stiffness", "approach", "error",
-    "load_share_at_hardness", *VALIDITY, *AREAL_VALIDITY,
+    "load_share_at_hardness", "share_on_largest", "share_at_edge", *VALIDITY, *AREAL_VALIDITY,
 )  # fmt: skip
 
 _FRICTION_DIMS = ("sliding", "direction", "shift", "load", "mu0", "tau0")
@@ -109,7 +109,8 @@ def pressed_maps(
     xarray.Dataset
         friction_coefficient, normal_load (mN) and status over sliding, direction, shift, load (mN), mu0 and tau0 (GPa);
         share_opposing over direction, shift and load; over shift and load contact_area (µm²), contact_area_fraction,
-        contact_count, normal_stiffness (mN/µm), approach (µm), of the half-space its error and load_share_at_hardness,
+        contact_count, normal_stiffness (mN/µm), approach (µm), of the half-space its error, load_share_at_hardness,
+        share_on_largest and share_at_edge (of the load, on the contact that carries most and on those cut by the edge),
         of asperities the figures of `SurfaceValidity`. Of the gap at each shift: rms_gradient, rms_slope along each
         direction, and what `gentle_friction` makes of them. Coordinates x and y (µm) are how far the upper map moved.
         The status is "ok", "self-locked", "no-contact", "not-reached", "below-range", or "not-solved" where the
@@ -217,6 +218,8 @@ _NAMES = {
     "contact_area_fraction": ("1", "true contact area over what lies above each other"),
     "error": ("1", "error of the half-space, in deviations of the gap"),
     "load_share_at_hardness": ("1", "share of the load where the pressure is the hardness"),
+    "share_on_largest": ("1", "share of the load on the contact that carries most"),
+    "share_at_edge": ("1", "share of the load on contacts that reach the edge of the overlap"),
     "rms_gradient": ("1", "root-mean-square gradient of the gap"),
     "rms_slope": ("1", "root-mean-square slope of the gap along the motion"),
     "gentle_friction": ("1", "friction coefficient by the slope of the gap alone"),
@@ -326,7 +329,17 @@ def _half_space(
         values["normal_stiffness"][at] = curve.stiffness
         for name in ("approach", "error", "load_share_at_hardness"):
             values[name][at] = getattr(curve, name)
+        for place, load in enumerate(at):
+            values["share_on_largest"][load], values["share_at_edge"][load] = _shares(curve.contact(place))
     return _completed(values, pair, mu0, tau0, angles, modulus)
+
+
+def _shares(contact: HalfSpaceContact) -> tuple[float, float]:
+    """Of the load, on the contact that carries most and on those that reach the edge of the maps."""
+    carried = np.bincount(contact.patches.ravel(), weights=contact.pressure.ravel())
+    patches = contact.patches
+    edges = np.unique(np.concatenate([patches[0], patches[-1], patches[:, 0], patches[:, -1]]))
+    return float(carried.max() / carried.sum()), float(carried[edges].sum() / carried.sum())
 
 
 def _asperities(
@@ -442,9 +455,9 @@ def pressed_maps_mean(result: xarray.Dataset) -> xarray.Dataset:
 
     Notes
     -----
-    The interval is Student's t over the shifts, NaN for fewer than 3, and not below 0 where no value is. It says how
-    well the mean over all shifts of *these two maps* is known. Shifts have heights in common, and other pieces of the
-    surfaces may be different: of that it knows nothing.
+    The interval is Student's t over the shifts, NaN for fewer than 3, not below 0 where no value is, and of shares not
+    above 1. It says how well the mean over all shifts of *these two maps* is known. Shifts have heights in common, and
+    other pieces of the surfaces may be different: of that it knows nothing.
     """
     import xarray
 
@@ -454,6 +467,8 @@ def pressed_maps_mean(result: xarray.Dataset) -> xarray.Dataset:
             continue
         first = values.transpose("shift", ...)
         statistics = np.stack(intervals.of_sample(first.values), axis=-1)
+        if str(name).startswith("share_"):
+            statistics = np.minimum(statistics, 1.0)
         variables[str(name)] = ((*first.dims[1:], "statistic"), statistics, values.attrs)
     ok = (result["status"] == friction.STATUS_OK).sum("shift")
     coordinates = {name: each for name, each in result.coords.items() if "shift" not in each.dims}

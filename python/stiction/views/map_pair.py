@@ -34,6 +34,12 @@ _AXES = {0.0: "+x", 90.0: "+y", 180.0: "-x", 270.0: "-y"}
 FEW_CONTACTS = 20
 """Below it, on the mean, a coefficient is that of single contacts."""
 
+MERGED = 0.3
+"""Share of the area from which on contacts are few because they are one."""
+
+HIGH_PRESSURE = 0.01
+"""Of E*; metals yield at less."""
+
 OVERLAPPING = 0.1
 """Share of the load on overlapping ellipses from which on asperities are doubted."""
 
@@ -175,22 +181,29 @@ def _doubts_of(result: xarray.Dataset, at: xarray.Dataset) -> list[str]:
             continue
         if name == "half-space":
             lines.append(f"half-space: solved to an error of {float(own['error'].max()):.1g} (of the gap's deviation)")
+            largest, edge = (100 * float(mean[each]) for each in ("share_on_largest", "share_at_edge"))
+            lines.append(
+                f"half-space: one contact carries {largest:.0f} % of the load on the mean, and {edge:.0f} % is on "
+                "contacts that the edge of the overlap cuts"
+            )
             if "hardness_GPa" in result.attrs:
                 share = 100 * float(mean["load_share_at_hardness"])
-                lines.append(f"half-space: {share:.2g} % of the load is where the pressure is the hardness")
+                lines.append(f"half-space: {share:.0f} % of the load is where the pressure is the hardness")
         else:
             overlapping = float(mean["share_overlapping"])
             doubt = ": there contacts would merge, and the true area is larger" if overlapping > OVERLAPPING else ""
-            lines.append(f"asperities: {100 * overlapping:.2g} % of the load is on ellipses that overlap{doubt}")
+            lines.append(f"asperities: {100 * overlapping:.0f} % of the load is on ellipses that overlap{doubt}")
             beyond = float(mean["share_beyond_hertz"])
             if beyond > OVERLAPPING:
-                lines.append(f"asperities: {100 * beyond:.2g} % of the load is beyond Hertz (overlap > R/10)")
+                lines.append(f"asperities: {100 * beyond:.0f} % of the load is beyond Hertz (overlap > R/10)")
         pressure = float(at["load"]) / float(at["nominal_area"]) / float(mean["contact_area_fraction"])
-        softer = "" if "hardness_GPa" in result.attrs else "; if the hardness is near that, give --hardness"
-        lines.append(f"{name}: the pressure in contact is {pressure:.2g} GPa on the mean{softer}")
-        if (count := float(mean["contact_count"])) < FEW_CONTACTS:
+        high = pressure > HIGH_PRESSURE * float(at["effective_modulus"]) and "hardness_GPa" not in result.attrs
+        near = "" if not high else "; a hardness near that limits it (--hardness)"
+        lines.append(f"{name}: the pressure in contact is {pressure:.2g} GPa on the mean{near}")
+        count, fraction = float(mean["contact_count"]), float(mean["contact_area_fraction"])
+        if count < FEW_CONTACTS and fraction < MERGED:
             lines.append(
-                f"{name}: {count:.3g} contacts on the mean are few, so mu_s is that of single contacts; larger maps or "
+                f"{name}: {count:.2g} contacts on the mean are few, so mu_s is that of single contacts; larger maps or "
                 "more load would have more"
             )
     return lines
@@ -370,7 +383,7 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
         axes.set_ylim(bottom=0)
         axes.grid(linewidth=0.3, color="0.8")
         axes.set_rlabel_position(22.5)
-        axes.yaxis.set_major_locator(MaxNLocator(4))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
         ways = ("+x", "45°", "+y", "135°", "-x", "225°", "-y", "315°")
         axes.set_xticks(np.radians(np.arange(0, 360, 45)), [_sign(way) for way in ways])
         axes.set_title(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6, loc="center")

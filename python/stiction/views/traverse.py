@@ -213,7 +213,7 @@ def _count(number: int, what: str) -> str:
 
 
 def _cell(statistics: Any, name: str) -> str:
-    """A mean with as many digits as its interval carries: two of half its width."""
+    """A mean with as many digits as its interval carries, two of half its width, but no more than six of its own."""
     mean, lower, upper = (float(value) for value in statistics)
     if np.isnan(mean):
         return "none"
@@ -222,6 +222,8 @@ def _cell(statistics: Any, name: str) -> str:
     if np.isnan(lower):
         return f"{mean:.3g} no interval"
     digits = 1 - int(np.floor(np.log10((upper - lower) / 2))) if upper > lower else 4
+    if mean != 0:
+        digits = min(digits, 5 - int(np.floor(np.log10(abs(mean)))))
     shown = [f"{round(value, digits):.{max(digits, 0)}f}" for value in (mean, lower, upper)]
     return f"{shown[0]} [{shown[1]}, {shown[2]}]"
 
