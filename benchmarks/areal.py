@@ -14,7 +14,7 @@ from scipy.fft import rfft2
 from stiction import candidates, press, self_affine_surface
 
 SIDE = 16.0  # µm
-DEEPEST = 0.1  # µm, 1.4 rms heights of the gap
+DEEPEST = 0.15  # µm, 2 rms heights of the gap
 APPROACHES = np.linspace(0, DEEPEST, 41)[1:]
 DIRECTIONS = np.arange(0, 360, 10)
 SLIDING = ("opposing", "all")

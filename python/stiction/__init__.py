@@ -24,6 +24,7 @@ from stiction.mechanics.half_space import HalfSpaceContact, HalfSpaceCurve, half
 from stiction.mechanics.law import HertzCylinder, HertzSphere, JacksonGreen, force_and_area
 from stiction.mechanics.loading import approach_at_load
 from stiction.mechanics.model import ContactModel
+from stiction.studies.map_pair import pressed_maps, pressed_maps_mean
 from stiction.studies.maps import area_map, friction_map, stiffness_map
 from stiction.studies.nondimensional import nondimensional
 from stiction.studies.pairs import pair_of
@@ -107,6 +108,8 @@ __all__ = [
     "paired_lines",
     "power_spectrum",
     "press",
+    "pressed_maps",
+    "pressed_maps_mean",
     "random_phases",
     "read_measurement",
     "read_profile",

@@ -143,7 +143,7 @@ def test_lines_on_a_long_profile_lie_all_over_it(where):
 
 def test_columns_stay_apart_and_most_positions_must_have_an_answer(where):
     given = ["--unit", "um", "--spacing", "0.01 um", "--load", "1e-6 nN", "--load", "1 N"]
-    done = stiction_command("pair", "map.npy", "map.npy", *MATERIAL, *given, "-o", "light", cwd=where)
+    done = stiction_command("pair", "map.npy", "map.npy", "--lines", 6, *MATERIAL, *given, "-o", "light", cwd=where)
     assert done.returncode == 0, done.stderr
     for block in done.stdout.split("\n\n")[1:]:
         rows = [line for line in block.splitlines()[2:] if not line.startswith(("wrote", "no mean"))]
@@ -165,8 +165,8 @@ def test_the_spread_of_the_positions_is_told(where, paired):
 
 def test_lines_of_a_map_with_itself(where):
     done = stiction_command(
-        "pair", "map.npy", "map.npy", *MATERIAL, "--unit", "um", "--spacing", "0.01 um", "--load", "1 N", "-o", "self",
-        cwd=where,
+        "pair", "map.npy", "map.npy", "--lines", 6, *MATERIAL, "--unit", "um", "--spacing", "0.01 um", "--load", "1 N",
+        "-o", "self", cwd=where,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "6: 6 pairs of lines, 1 offset (0 µm)" in done.stdout
@@ -339,7 +339,9 @@ def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
 def test_an_afm_map_and_a_surrogate(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
-    done = stiction_command("pair", file, file, *MATERIAL, "--surrogates", "lower", "--along", "y", cwd=tmp_path)
+    done = stiction_command(
+        "pair", file, file, *MATERIAL, "--lines", 128, "--surrogates", "lower", "--along", "y", cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
     assert "128: 128 pairs of lines" in done.stdout
     assert "column 0" in done.stdout

@@ -375,8 +375,8 @@ MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"lower": MAP}, "two Profiles or two Surfaces"),
-        ({"lower": "LINE"}, "two Profiles or two Surfaces"),
+        ({"lower": MAP}, "both be profiles or both surfaces"),
+        ({"lower": "LINE"}, "must be a Profile or a Surface"),
         ({"lower": Profile(np.zeros(9), spacing=1.0)}, "equal shapes"),
         ({"lower": Profile(np.zeros(8), spacing=2.0)}, "equal spacings"),
         ({"loads": [0.0, 1.0]}, "loads must be above 0"),
@@ -392,7 +392,6 @@ MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
         ({"direction": "x"}, "direction"),
         ({"direction": 45.0}, "direction"),
         ({"direction": ["+x"]}, "direction"),
-        ({"direction": None}, "direction"),
         ({"sliding": "some"}, "sliding must be one of"),
         ({"tolerance": 0.0}, "tolerance"),
     ],

@@ -14,8 +14,11 @@ import typer
 from stiction._checks import choice
 from stiction._units import quantity
 from stiction.cli.application import app, say, tell
+from stiction.cli.map_pair import chosen_mechanics, draw_map_pair, prepared, press_areas, show_map_pair
 from stiction.mechanics.closed_forms import effective_modulus as _effective_modulus
 from stiction.mechanics.law import JacksonGreen
+from stiction.studies.map_pair import SHIFTS
+from stiction.studies.map_pair import TITLE as MAP_PAIR
 from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.pairing import LINES
 from stiction.surfaces.preparation import levelled
@@ -222,27 +225,46 @@ def pair(
     ] = None,
     lines: Annotated[
         int | None,
-        typer.Option("--lines", min=1, help="Pairs of lines of surfaces, or of surrogates.", show_default=str(LINES)),
+        typer.Option(
+            "--lines",
+            metavar="N",
+            min=1,
+            help="Press so many pairs of lines of maps instead of their areas; also of surrogates.",
+            show_default=f"{LINES} of surrogates, and of a map and a profile",
+        ),
     ] = None,
     along: Annotated[
         str | None,
         typer.Option("--along", metavar="x|y", help="Direction of the lines of surfaces.", show_default="x"),
     ] = None,
     level: Annotated[
-        str, typer.Option("--level", metavar="mean|line|quadratic|none", help="What is taken off each line.")
-    ] = "line",
+        str | None,
+        typer.Option(
+            "--level",
+            metavar="TREND",
+            help="What is taken off each line: mean, line, quadratic or none; off each map: plane or quadratic.",
+            show_default="line, plane",
+        ),
+    ] = None,
     surrogates: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--surrogates",
             metavar="none|upper|lower|both",
-            help="Replaced by profiles of equal spectrum, new phases.",
+            help="Lines replaced by profiles of equal spectrum, new phases.",
+            show_default="none",
         ),
-    ] = "none",
+    ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Of the surrogates.", show_default="2016")] = None,
     law: Annotated[
-        str, typer.Option("--law", metavar="hertz-sphere|hertz-cylinder|jackson-green", help="Contact law.")
-    ] = "hertz-sphere",
+        str | None,
+        typer.Option(
+            "--law",
+            metavar="hertz-sphere|hertz-cylinder|jackson-green",
+            help="Contact law of lines.",
+            show_default="hertz-sphere",
+        ),
+    ] = None,
     yield_strength: Annotated[
         str | None,
         typer.Option(
@@ -251,14 +273,58 @@ def pair(
     ] = None,
     hardness: Annotated[
         str | None,
-        typer.Option("--hardness", metavar="PRESSURE", help="Instead of it: 2.84 times as much.", show_default=False),
+        typer.Option(
+            "--hardness",
+            metavar="PRESSURE",
+            help="For jackson-green instead of it: 2.84 times as much. Of maps: the most that the pressure can be.",
+            show_default=False,
+        ),
     ] = None,
     detection: Annotated[
-        str, typer.Option("--detection", metavar="gap-minimum|cell", help="How contacts are found.")
-    ] = "gap-minimum",
+        str | None,
+        typer.Option(
+            "--detection",
+            metavar="gap-minimum|cell",
+            help="How contacts of lines are found.",
+            show_default="gap-minimum",
+        ),
+    ] = None,
     curvature: Annotated[
-        str, typer.Option("--curvature", metavar="convex|signed", help="Whether cups count as well.")
-    ] = "convex",
+        str | None,
+        typer.Option(
+            "--curvature",
+            metavar="convex|signed",
+            help="Whether cups of lines count as well.",
+            show_default="convex",
+        ),
+    ] = None,
+    mechanics: Annotated[
+        str | None,
+        typer.Option(
+            "--mechanics",
+            metavar="half-space|asperities",
+            help="How maps are pressed: the exact elastic answer, or a fast one.",
+            show_default="half-space",
+        ),
+    ] = None,
+    check: Annotated[bool, typer.Option("--check", help="Press maps by both mechanics, side by side.")] = False,
+    direction: Annotated[
+        str | None,
+        typer.Option(
+            "--direction",
+            metavar="DEGREES",
+            help='Of maps, where the upper is about to move, from +x towards +y: "0,90".',
+            show_default="the compass in 30",
+        ),
+    ] = None,
+    shifts: Annotated[
+        int | None,
+        typer.Option("--shifts", metavar="N", min=1, help="Relative positions of maps.", show_default=str(SHIFTS)),
+    ] = None,
+    rotate: Annotated[
+        float | None,
+        typer.Option("--rotate", metavar="DEGREES", help="Turn the upper map in its plane.", show_default=False),
+    ] = None,
     unit: Units = None,
     spacing: Spacings = None,
     missing: MissingPoints = "error",
@@ -269,7 +335,8 @@ def pair(
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, in both directions, with intervals.
 
-    Heights of both files point out of the material. A profile is carried over the other; of surfaces, lines are paired.
+    Heights of both files point out of the material. A profile is carried over the other; maps are pressed as areas, or
+    as pairs of lines with --lines.
     """
     from stiction.studies import export as exports
     from stiction.studies import traverse as traverses
@@ -280,13 +347,7 @@ def pair(
     wanted = [_load(each) for each in load]
     coefficients = _numbers("--mu0", mu0)
     strengths = [_quantity("--tau0", each, "pressure") for each in _listed(tau0)]
-    modulus, ratio = _elasticity(effective_modulus, young, poisson, law)
-    contact: Any = {
-        "effective_modulus": modulus,
-        "law": _law(law, yield_strength, hardness, ratio),
-        "detection": detection,
-        "curvature": curvature,
-    }
+    modulus, ratio = _elasticity(effective_modulus, young, poisson, law or "hertz-sphere")
     bodies = [
         _measurement(
             file,
@@ -299,6 +360,38 @@ def pair(
         for index, file in enumerate((upper, lower))
     ]
     surfaces = any(isinstance(body, Surface) for body in bodies)
+    if all(isinstance(body, Surface) for body in bodies) and lines is None:
+        for option, value in (
+            ("--offsets", offsets), ("--travel", travel), ("--along", along), ("--surrogates", surrogates),
+            ("--seed", seed), ("--law", law), ("--yield-strength", yield_strength), ("--detection", detection),
+            ("--curvature", curvature),
+        ):  # fmt: skip
+            _refuse(option, value, "is for lines; give --lines as well", applies=False)
+        by = chosen_mechanics(mechanics, check=check)
+        _refuse("--hardness", hardness, "is for the half-space alone, of maps", by == ("half-space",))
+        maps = prepared(*bodies, level=level, angle=rotate)  # type: ignore[arg-type]
+        _check_directory(output, table, replace=replace)
+        press_areas(
+            *maps, wanted, mechanics=by, mu0=coefficients, tau0=strengths, effective_modulus=modulus,
+            compliance_share=_compliance_share(modulus, young, poisson),
+            hardness=None if hardness is None else _quantity("--hardness", hardness, "pressure"),
+            directions=None if direction is None else _numbers("--direction", direction), shifts=shifts,
+            files=f"{upper.name} on {lower.name}", output=output, table=table, replace=replace,
+        )  # fmt: skip
+        return
+    areal: dict[str, object] = {
+        "--mechanics": mechanics, "--check": check or None, "--direction": direction, "--shifts": shifts,
+        "--rotate": rotate,
+    }  # fmt: skip
+    for option, given in areal.items():
+        _refuse(option, given, "is for the areas of two maps, without --lines", applies=False)
+    contact: Any = {
+        "effective_modulus": modulus,
+        "law": _law(law or "hertz-sphere", yield_strength, hardness, ratio),
+        "detection": detection or "gap-minimum",
+        "curvature": curvature or "convex",
+    }
+    surrogates = "none" if surrogates is None else surrogates
     _refuse(
         "--lines", lines, "is for surfaces and surrogates; two profiles are one pair", surfaces or surrogates != "none"
     )
@@ -307,7 +400,7 @@ def pair(
     uppers, lowers = paired_lines(
         *bodies,
         travel=None if travel is None else _quantity("--travel", travel, "length"),
-        level=None if level == "none" else level,  # type: ignore[arg-type]
+        level=None if level == "none" else level or "line",  # type: ignore[arg-type]
         lines=LINES if lines is None else lines,
         along="x" if along is None else along,  # type: ignore[arg-type]
         surrogates=surrogates,  # type: ignore[arg-type]
@@ -342,6 +435,14 @@ def pair(
         typer.echo(f"wrote {path}")
 
 
+def _compliance_share(modulus: float, young: str | None, poisson: str | None) -> float:
+    """Of the lower body: half unless both are given."""
+    if young is None or poisson is None:
+        return 0.5
+    stiffness, ratio = _quantity("--young", _listed(young)[-1], "pressure"), _numbers("--poisson", poisson)[-1]
+    return float(modulus * (1 - ratio**2) / stiffness)
+
+
 def paired(directory: Path) -> Any:
     """The result that `pair` wrote into a directory, or None."""
     import xarray
@@ -356,13 +457,16 @@ def paired(directory: Path) -> Any:
             result = kept.load()
     except (OSError, ValueError, KeyError) as error:
         raise ValueError(f"{table}: cannot be read: {error}") from None
-    if result.attrs.get("title") != "stiction traverse" or "loads_mN" not in result.attrs:
+    if result.attrs.get("title") not in ("stiction traverse", MAP_PAIR) or "loads_mN" not in result.attrs:
         raise ValueError(f"{table}: is not what stiction pair wrote")
     return result
 
 
 def show_pair(result: Any) -> None:
     """The table of a pair."""
+    if result.attrs["title"] == MAP_PAIR:
+        show_map_pair(result)
+        return
     from stiction.studies.traverse import traverse_mean
     from stiction.views.traverse import traverse_text
 
@@ -371,6 +475,9 @@ def show_pair(result: Any) -> None:
 
 def draw_pair(result: Any, directory: Path) -> None:
     """The figures of a pair that need no profiles."""
+    if result.attrs["title"] == MAP_PAIR:
+        draw_map_pair(result, directory)
+        return
     from stiction.studies.traverse import traverse_mean
     from stiction.views.traverse import save_traverse_figures
 

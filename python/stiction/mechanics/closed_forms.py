@@ -5,16 +5,12 @@ Plain NumPy, independent of the core. Every argument broadcasts.
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
-import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array
-from stiction.mechanics.friction import friction_parameter
-
-Sliding = Literal["opposing", "all"]
+from stiction.mechanics.friction import check_shear_strength, friction_parameter
+from stiction.mechanics.model import Sliding
 
 _BISECTIONS = 64
 """Of the logarithm of an aspect ratio, to the last bit."""
@@ -148,6 +144,8 @@ def hertz_ellipse(
     >>> force.round(12), (area / (first * second)).round(4)
     (np.float64(0.5), np.float64(3.1416))
     """
+    from scipy import special
+
     d, r1, r2, e = np.broadcast_arrays(
         *_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
     )
@@ -158,11 +156,11 @@ def hertz_ellipse(
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         square = np.exp(2 * middle)
-        above = scipy.special.elliprd(0, square, 1) > ratio * scipy.special.elliprd(0, 1, square)
+        above = special.elliprd(0, square, 1) > ratio * special.elliprd(0, 1, square)
         low, high = np.where(above, low, middle), np.where(above, middle, high)
     aspect = np.where(ratio == 1, 1.0, np.exp(0.5 * (low + high)))
-    complete = scipy.special.ellipkm1(aspect**2)
-    major = np.sqrt(2 / 3 * d * larger * scipy.special.elliprd(0, aspect**2, 1) / complete)
+    complete = special.ellipkm1(aspect**2)
+    major = np.sqrt(2 / 3 * d * larger * special.elliprd(0, aspect**2, 1) / complete)
     minor = aspect * major
     first, second = np.where(r1 >= r2, major, minor), np.where(r1 >= r2, minor, major)
     return np.asarray(2 / 3 * np.pi * major * d * e / complete), np.asarray(np.pi * major * minor), (first, second)
@@ -346,6 +344,7 @@ def gentle_friction(
     gradient, modulus, factor = _positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
     slope = gradient / np.sqrt(2) if rms_slope is None else _positive(rms_slope=rms_slope)[0]
     choice("sliding", sliding, Sliding)
+    check_shear_strength(tau, float(np.min(modulus)))
     m = mu + factor * tau / (modulus * gradient)
     mean = slope / (2 * np.sqrt(2 * np.pi))
     if sliding == "all":

@@ -345,6 +345,8 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     """
     if isinstance(upper, Candidates):
         found: Candidates | None = upper
+        if lower is not None and approaches is not None:
+            raise ValueError("candidates are of both bodies: press(candidates, approaches) takes no lower body")
         approaches = lower if approaches is None else approaches
         model = _model_for(upper, contact)
     else:

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from stiction import _core
+import stiction._core as _core
 from stiction._checks import Floats
 
 Singles = NDArray[np.float32]

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, number
 from stiction.mechanics.quantities import SUMS
 
-Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range"]
+Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved"]
 """Whether a point has a coefficient of friction, or why not."""
 
 STATUS_OK: Status = "ok"
@@ -24,6 +24,7 @@ STATUS_SELF_LOCKED: Status = "self-locked"
 STATUS_NO_CONTACT: Status = "no-contact"
 STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
+STATUS_NOT_SOLVED: Status = "not-solved"
 
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in get_args(Status))}")
 """Of arrays of them."""
@@ -53,19 +54,19 @@ class LoadSums(Protocol):
 class Sums:
     """Sums over contacts from which both loads follow for every mu0 and tau0; arrays that are all of one shape.
 
-    n is the contact normal, t the tangent, s the direction in which the upper body is about to move; "opposing"
-    contacts are those whose normal force opposes the motion, s·n < 0.
+    n is the contact normal, t the tangent, s the direction in which the upper body is about to move; "sliding" contacts
+    are those whose normal force opposes the motion, s·n < 0, or all of them, by the sliding rule.
 
     Attributes
     ----------
     contact_count : ndarray of int
     contact_area : ndarray, µm²
     normal_elastic, tangential_elastic : ndarray, mN
-        Σ F n_z over all, -Σ F s·n over opposing contacts.
+        Σ F n_z over all, -Σ F s·n over sliding contacts.
     normal_frictional, tangential_frictional : ndarray, mN per unit mu0
-        Σ F t_z, -Σ F s·t over opposing contacts.
+        Σ F t_z, -Σ F s·t over sliding contacts.
     normal_adhesive, tangential_adhesive : ndarray, mN per GPa of tau0
-        Σ A t_z, -Σ A s·t over opposing contacts.
+        Σ A t_z, -Σ A s·t over sliding contacts.
     overlap_load, load_beyond_hertz, load_below_grid : ndarray, mN
         Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
         `Validity`.

@@ -9,23 +9,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array, number, read_only
 from stiction.mechanics import friction
-from stiction.mechanics.elastic_pressure import Kernel, Solution, Solver, linear_compliance
-from stiction.mechanics.patches import Sliding, labelled, slopes, sums, true_share
+from stiction.mechanics.model import EFFECTIVE_MODULUS, ContactModel, Direction, Sliding, check_pair
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-Boundary = Literal["free", "periodic"]
-Direction = str | float | Sequence[str | float]
+if TYPE_CHECKING:
+    from stiction.mechanics.elastic_pressure import Kernel, Solution
 
-EFFECTIVE_MODULUS = 10.0
-"""GPa, of the paper."""
+# The solver brings SciPy along, which takes longer to import than all else: where it is used.
+
+Boundary = Literal["free", "periodic"]
 
 WIDTH = 1.0
 """µm, of a profile."""
@@ -43,22 +43,27 @@ class HalfSpaceContact:
     patches : ndarray of int
         Number of the patch that a point under pressure belongs to, from 1 on; 0 where there is no pressure. Points
         are connected with all their neighbours, on areas eight, and over the edges where periodic.
+    opposing : ndarray of bool
+        Where a point's patch opposes the motion; a first axis of d directions where they were given.
     """
 
     pressure: Floats
     gap: Floats
     patches: NDArray[np.int64]
+    opposing: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """Gap (µm, its least is 0), kernel and what else belongs to the pair."""
+    """Gap (µm, its least is 0), kernel, slopes of the deformed interface and what else belongs to the pair."""
 
     gap: Floats
     kernel: Kernel
     spacing: tuple[float, ...]
     periodic: bool
     hardness: float | None
+    slope: list[Floats]
+    model: ContactModel
 
     @property
     def cell(self) -> float:
@@ -69,15 +74,6 @@ class _Problem:
     def has_approach(self) -> bool:
         """Whether far points stay: not on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
-
-
-@dataclass(frozen=True)
-class _Interface:
-    """Slopes of the deformed interface along each axis, and the directions (rad) that friction is asked for."""
-
-    slope: list[Floats]
-    angles: Floats
-    several: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,16 +131,6 @@ class HalfSpaceCurve:
     effective_modulus: float
     _problem: _Problem = field(repr=False)
     _pressed: tuple[tuple[NDArray[np.int64], Floats], ...] = field(repr=False)
-    _interface: _Interface = field(repr=False)
-
-    def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
-        """The same contacts under another sliding rule, without solving again."""
-        choice("sliding", sliding, Sliding)
-        rows = [
-            _row_of_sums(self._problem, self._pressure(index), self._interface, sliding)
-            for index in range(self.load.size)
-        ]
-        return replace(self, **_columns(rows, self._interface))
 
     @cached_property
     def stiffness(self) -> Floats:
@@ -152,6 +138,8 @@ class HalfSpaceCurve:
 
         NaN on a free half-plane, and where all pressure is at the hardness. Computed when first asked for.
         """
+        from stiction.mechanics.elastic_pressure import linear_compliance
+
         problem = self._problem
         stiffness = np.full(self.load.size, np.nan)
         for i in range(self.load.size if problem.has_approach else 0):
@@ -167,6 +155,8 @@ class HalfSpaceCurve:
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Pressure, gap and patches at `load[index]`."""
+        from stiction.mechanics.patches import labelled, opposes
+
         if not -self.load.size <= index < self.load.size:
             raise ValueError(f"index must be one of the {self.load.size} loads, got {index!r}")
         problem = self._problem
@@ -177,7 +167,16 @@ class HalfSpaceCurve:
             free &= pressure < problem.hardness
         patches, _ = labelled(pressure > 0, periodic=problem.periodic)
         gap = potential - potential[free].mean()
-        return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches))
+        slope = [along.ravel() for along in problem.slope]
+        each = [opposes(pressure.ravel(), slope, patches.ravel(), way) for way in problem.model.directions()]
+        opposing = np.array(each).reshape(*problem.model.angles().shape, *pressure.shape)
+        return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches), read_only(opposing))
+
+    def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
+        """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""
+        problem = replace(self._problem, model=replace(self._problem.model, sliding=sliding))
+        rows = [_sums(problem, self._pressure(i)) for i in range(self.load.size)]
+        return replace(self, **_columns(rows, problem.model), _problem=problem)
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """F_N in mN, shape of (mu0, tau0) + (k,) or (d, k); mu0 dimensionless, tau0 in GPa, broadcast."""
@@ -223,7 +222,7 @@ def half_space(
     boundary: Boundary = "free",
     compliance_share: float = 0.5,
     hardness: float | None = None,
-    direction: Direction = "+x",
+    direction: Direction | Sequence[Direction] = "+x",
     sliding: Sliding = "opposing",
     tolerance: float = 1e-6,
 ) -> HalfSpaceCurve:
@@ -274,18 +273,26 @@ def half_space(
     >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
     array([0.38])
     """
-    kind = _kind(upper, lower)
+    from stiction.mechanics.elastic_pressure import Solver
+    from stiction.mechanics.patches import slopes
+
+    check_pair(upper, lower)
+    if upper.heights.shape != lower.heights.shape:
+        raise ValueError(
+            f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
+        )
     steps = float_array("loads", loads, ndim=1)
     if not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
         raise ValueError(f"loads must be above 0 mN and strictly increasing, got {loads!r}")
-    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    model = ContactModel(effective_modulus=effective_modulus, direction=direction, sliding=sliding)
+    modulus = float(model.effective_modulus)
+    if isinstance(upper, Profile):
+        model.for_profiles()
     choice("boundary", boundary, Boundary)
-    choice("sliding", sliding, Sliding)
     share = number("compliance_share", compliance_share)
     if not 0 <= share <= 1:
         raise ValueError(f"compliance_share must be from 0 to 1, got {compliance_share!r}")
     tolerance = number("tolerance", tolerance, above=0, below=1)
-    angles, several = _angles(direction, kind)
     periodic = boundary == "periodic"
     spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing
     gap = upper.heights - lower.heights
@@ -293,12 +300,11 @@ def half_space(
     if hardness is not None:
         hardness = number("hardness", hardness, unit="GPa", above=0)
     solver = Solver(gap, spacing, modulus, periodic=periodic, hardness=hardness, tolerance=tolerance)
-    problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness)
+    slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
+    problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness, slope, model)
     most = np.inf if hardness is None else hardness * problem.cell * gap.size
     if not steps[-1] < most:
         raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
-    slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
-    interface = _Interface(slope, angles, several)
     rows = []
     pressed = []
     for load in steps:
@@ -308,87 +314,57 @@ def half_space(
                 f"no solution at {load:g} mN: error {solution.error:.2g} after {solution.iterations} iterations, "
                 f"above the tolerance {tolerance:g}"
             )
-        rows.append(_row(problem, solution, interface, sliding))
+        rows.append(_row(problem, solution) | _sums(problem, solution.pressure))
         points = np.flatnonzero(solution.pressure)
         pressed.append((read_only(points), read_only(solution.pressure.ravel()[points])))
     return HalfSpaceCurve(
         load=read_only(steps.copy()),
-        **_columns(rows, interface),
+        **_columns(rows, model),
         effective_modulus=modulus,
         _problem=problem,
         _pressed=tuple(pressed),
-        _interface=interface,
     )
 
 
-def _columns(rows: list[dict[str, Any]], interface: _Interface) -> dict[str, Any]:
-    """Arrays over the loads of what rows have for each."""
-    columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    for name, column in columns.items():
+def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
+    """(k,) of each quantity, (d, k) of those that depend on the direction if there are several."""
+    columns = {}
+    for name in rows[0]:
+        column = np.array([row[name] for row in rows])
         if column.ndim == 2:
-            column = np.ascontiguousarray(column.T) if interface.several else column[:, 0].copy()
+            column = np.ascontiguousarray(column.T) if model.angles().ndim > 0 else column[:, 0].copy()
         columns[name] = read_only(column)
     return columns
 
 
-def _row(problem: _Problem, solution: Solution, interface: _Interface, sliding: Sliding) -> dict[str, Any]:
-    pressure = solution.pressure[solution.pressure > 0]
+def _row(problem: _Problem, solution: Solution) -> dict[str, Any]:
+    """What one load's solution says without friction."""
+    from stiction.mechanics.patches import labelled
+
+    touching = solution.pressure > 0
+    pressure = solution.pressure[touching]
     capped = pressure == problem.hardness
     return {
         "approach": solution.approach if problem.has_approach else np.nan,
         "error": solution.error,
         "iterations": solution.iterations,
+        "contact_count": labelled(touching, periodic=problem.periodic)[1],
         "load_share_at_hardness": float(pressure[capped].sum() / pressure.sum()),
         "area_share_at_hardness": float(capped.mean()),
-        **_row_of_sums(problem, solution.pressure, interface, sliding),
     }
 
 
-def _row_of_sums(problem: _Problem, pressure: Floats, interface: _Interface, sliding: Sliding) -> dict[str, Any]:
+def _sums(problem: _Problem, pressure: Floats) -> dict[str, Any]:
+    """The sums of `HalfSpaceCurve` at one load."""
+    from stiction.mechanics.patches import labelled, sums, true_share
+
     touching = pressure > 0
-    patches, count = labelled(touching, periodic=problem.periodic)
-    return {
-        "contact_count": count,
-        **sums(
-            pressure[touching] * problem.cell,
-            true_share(touching, periodic=problem.periodic) * problem.cell,
-            [along[touching] for along in interface.slope],
-            patches[touching],
-            interface.angles,
-            sliding,
-        ),
-    }
-
-
-def _kind(upper: Any, lower: Any) -> type[Profile] | type[Surface]:
-    for kind in (Profile, Surface):
-        if isinstance(upper, kind) and isinstance(lower, kind):
-            break
-    else:
-        names = f"{type(upper).__name__} and {type(lower).__name__}"
-        raise ValueError(f"upper and lower must be two Profiles or two Surfaces, got {names}")
-    for name, pair, unit in (
-        ("shapes", (upper.heights.shape, lower.heights.shape), ""),
-        ("spacings", (upper.spacing, lower.spacing), " µm"),
-    ):
-        if pair[0] != pair[1]:
-            raise ValueError(f"upper and lower must have equal {name}, got {pair[0]!r} and {pair[1]!r}{unit}")
-    return kind
-
-
-def _angles(direction: Any, kind: type[Profile] | type[Surface]) -> tuple[Floats, bool]:
-    """Angles in rad, and whether a sequence was given."""
-    several = not isinstance(direction, (str, float, int, np.number))
-    items = list(direction) if several and np.iterable(direction) else [direction]
-    if not items or (several and (kind is Profile or not np.iterable(direction))):
-        raise ValueError(f'direction must be "+x" or "-x", on surfaces also degrees or a sequence, got {direction!r}')
-    angles = []
-    for item in items:
-        if isinstance(item, str) and item in ("+x", "-x"):
-            angles.append(0.0 if item == "+x" else np.pi)
-        elif kind is Profile or isinstance(item, str):
-            allowed = '"+x" or "-x"' + (" or degrees" if kind is Surface else "")
-            raise ValueError(f"direction must be {allowed}, got {item!r}")
-        else:
-            angles.append(np.radians(number("direction", item, unit="degrees")))
-    return np.array(angles), several
+    patches, _ = labelled(touching, periodic=problem.periodic)
+    return sums(
+        pressure[touching] * problem.cell,
+        true_share(touching, periodic=problem.periodic) * problem.cell,
+        [along[touching] for along in problem.slope],
+        patches[touching],
+        problem.model.directions(),
+        problem.model.sliding,
+    )

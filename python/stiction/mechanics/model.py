@@ -85,6 +85,8 @@ class ContactModel:
         if self.direction is not None:
             if self.shear != "+x":
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
+            if _are_many(self.direction):
+                object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
             self.angles()
         number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
         self.core()
@@ -92,7 +94,7 @@ class ContactModel:
     def angles(self) -> Floats:
         """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
         given: Any = self.shear if self.direction is None else self.direction
-        if isinstance(given, str) or np.ndim(given) == 0:
+        if not _are_many(given):
             return np.asarray(_angle(given))
         angles = np.array([_angle(one) for one in given])
         if not angles.size:
@@ -136,6 +138,10 @@ class ContactModel:
         )
 
 
+def _are_many(direction: Any) -> bool:
+    return isinstance(direction, (list, tuple, range)) or (isinstance(direction, np.ndarray) and direction.ndim > 0)
+
+
 def _angle(direction: Any) -> float:
     """Degrees from +x towards +y, from 0 to below 360."""
     if isinstance(direction, str):
@@ -173,6 +179,11 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
         raise ValueError(f"model must be a ContactModel, got {type(model).__name__}")
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
+    # One of the two says where the body moves, and the one that is given replaces the other of the model.
+    if "shear" in changes and changes.get("direction") is None:
+        changes["direction"] = None
+    elif changes.get("direction") is not None and "shear" not in changes:
+        changes["shear"] = "+x"
     return replace(model, **changes) if changes else model
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -12,8 +12,7 @@ import scipy.sparse
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-
-Sliding = Literal["opposing", "all"]
+from stiction.mechanics.model import Sliding
 
 LEVEL = 1e-12
 """Of its load: a patch that pushes along the direction by less is level, to round-off, and does not oppose."""
@@ -103,7 +102,8 @@ def sums(
     """What F_N and F_T need for every mu0 and tau0; those that depend on the direction as (directions,).
 
     Of each point under pressure: its force on the ground plan (mN), its share of the ground plan (µm²), slopes along y
-    and x (or x alone) of the deformed interface, and its patch, from 1 on.
+    and x (or x alone) of the deformed interface, and its patch, from 1 on. Directions are (m, 2) horizontal unit
+    vectors.
     """
     along_x = slope[-1]
     along_y = slope[0] if len(slope) == 2 else np.zeros_like(along_x)
@@ -113,14 +113,9 @@ def sums(
         "normal_elastic": float(force.sum()),
     }
     columns: dict[str, list[float]] = {name: [] for name in _BY_DIRECTION}
-    for angle in directions:
-        rise = along_x * np.cos(angle) + along_y * np.sin(angle)  # -q s·n
-        if sliding == "all":
-            share = np.ones_like(force)
-        else:
-            pushed = np.bincount(patch, weights=rise * force)
-            opposing = pushed > LEVEL * np.bincount(patch, weights=force)
-            share = opposing[patch].astype(np.float64)
+    for way in directions:
+        rise = _rise(slope, way)  # -q s·n
+        share = 1.0 if sliding == "all" else opposes(force, slope, patch, way)
         # n·s = -rise/q, and t = -s + (s·n) n over its length, sqrt(1 - (s·n)²).
         length = np.sqrt(1 - rise**2 / square)
         upward, along = -rise / (square * length), length
@@ -131,6 +126,19 @@ def sums(
         columns["normal_adhesive"].append(float((stuck * upward).sum()))
         columns["tangential_adhesive"].append(float((stuck * along).sum()))
     return results | {name: np.array(values) for name, values in columns.items()}
+
+
+def opposes(force: Floats, slope: list[Floats], patch: NDArray[np.int64], way: Floats) -> NDArray[np.bool_]:
+    """Whether the patch of each point pushes the upper body back; arguments as for `sums`, the direction (x, y)."""
+    pushed = np.bincount(patch, weights=_rise(slope, way) * force)
+    opposing = pushed > LEVEL * np.bincount(patch, weights=force)
+    return np.asarray(opposing[patch])
+
+
+def _rise(slope: list[Floats], way: Floats) -> Floats:
+    """Slope along a direction (x, y)."""
+    along_y = slope[0] * way[1] if len(slope) == 2 else 0.0
+    return np.asarray(slope[-1] * way[0] + along_y)
 
 
 _BY_DIRECTION = (

@@ -92,6 +92,31 @@ def half_width_of(left_out: Floats) -> Floats:
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2) * error)
 
 
+# ---- Over a sample ---------------------------------------------------------------------------------------------------
+
+
+FEWEST_OF_SAMPLE = 3
+
+
+def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
+    """Mean of values (r, ...) over the first axis, without NaN, and its interval by Student's t.
+
+    The interval is NaN for fewer than `FEWEST_OF_SAMPLE` values, and not below 0 where no value is.
+    """
+    from scipy.special import stdtrit
+
+    known = np.isfinite(values)
+    count = known.sum(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.where(known, values, 0.0).sum(axis=0) / count
+        squares = np.where(known, np.square(values - mean), 0.0).sum(axis=0)
+        error = np.sqrt(squares / (count - 1) / count)
+    enough = count >= FEWEST_OF_SAMPLE
+    half_width = np.where(enough, stdtrit(np.maximum(count - 1, 1), 0.5 + CONFIDENCE / 2) * error, np.nan)
+    least = np.where((np.where(known, values, 0.0) < 0).any(axis=0), -np.inf, 0.0)
+    return np.asarray(mean), np.asarray(np.maximum(mean - half_width, least)), np.asarray(mean + half_width)
+
+
 # ---- Over neighbours -------------------------------------------------------------------------------------------------
 
 FEWEST_NEIGHBOURS = 8

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction import _core
+import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import Profile, steps
 

@@ -14,10 +14,9 @@ from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
-from stiction.studies.dataset import step_of
 from stiction.studies.maps import area_map, friction_map
 from stiction.studies.pairs import ProfileGenerator, pair_of
-from stiction.studies.study import Study, study_of
+from stiction.studies.study import Study, step_of, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
 
@@ -323,7 +322,9 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     locked = np.ma.masked_where(status != STATUS_SELF_LOCKED, np.ones(status.shape))
     axes.pcolormesh(*edges, locked, cmap=ListedColormap([_LOCKED_COLOUR]), rasterized=True)
-    mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values), norm=norm, cmap="viridis", rasterized=True)
+    # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
+    shown = np.ma.masked_invalid(np.maximum(values, norm.vmin))
+    mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
     if min(values.shape) > 1:
         for name, style, _ in _VALIDITY_LINES:
             share = np.ma.masked_invalid(panel[name].values)

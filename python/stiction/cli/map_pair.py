@@ -1,0 +1,148 @@
+"""`stiction pair` of two maps: their areas are pressed."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stiction.cli.application import say, tell
+from stiction.mechanics.half_space import half_space
+from stiction.studies.executors import available_cores
+from stiction.studies.map_pair import (
+    COMPASS,
+    SHIFTS,
+    displacements,
+    overlap_area,
+    pressed_maps,
+    pressed_maps_mean,
+    window,
+)
+from stiction.surfaces.preparation import levelled, on_common_grid, rotated, turned_over
+from stiction.surfaces.surface import Surface
+
+MECHANICS = ("half-space", "asperities")
+
+AROUND = 10**0.5
+"""Ratio of a load that is asked for to those that are solved below and above it, for a curve."""
+
+
+def prepared(upper: Surface, lower: Surface, *, level: str | None, angle: float | None) -> tuple[Surface, Surface]:
+    """Two scans as `pressed_maps` takes them."""
+    trend: Any = "plane" if level is None else level
+    if trend not in ("plane", "quadratic"):
+        raise ValueError(f"--level of maps must be plane or quadratic, got {level!r}; every overlap is levelled anyway")
+    above, below = levelled(upper, trend), levelled(lower, trend)
+    if angle is not None:
+        above = rotated(above, angle)
+    return on_common_grid(turned_over(above), below)
+
+
+def chosen_mechanics(mechanics: str | None, *, check: bool) -> tuple[str, ...]:
+    """Which are computed."""
+    if mechanics is not None and mechanics not in MECHANICS:
+        raise ValueError(f"--mechanics must be half-space or asperities, got {mechanics!r}")
+    if check and mechanics is not None:
+        raise ValueError(f"--check presses by both, so --mechanics {mechanics} must not be given beside it")
+    return MECHANICS if check else (mechanics or "half-space",)
+
+
+def press_areas(
+    upper: Surface,
+    lower: Surface,
+    wanted: list[tuple[float, bool]],
+    *,
+    mechanics: tuple[str, ...],
+    mu0: list[float],
+    tau0: list[float],
+    effective_modulus: float,
+    compliance_share: float,
+    hardness: float | None,
+    directions: list[float] | None,
+    shifts: int | None,
+    files: str,
+    output: Path,
+    table: Path,
+    replace: bool,
+) -> None:
+    """Press, print, write and draw."""
+    import xarray
+
+    from stiction.studies import export as exports
+    from stiction.views import map_pair as views
+    from stiction.views import traverse
+
+    area = overlap_area(upper, lower)
+    loads = [amount * (area if per_area else 1.0) for amount, per_area in wanted]
+    if hardness is not None and max(loads) >= hardness * area:
+        raise ValueError(f"--load must be below the hardness times the area, {hardness * area:.4g} mN")
+    count = SHIFTS if shifts is None else shifts
+    around = _loads_around(loads, None if hardness is None else hardness * area)
+    elastic: dict[str, Any] = {"effective_modulus": effective_modulus, "compliance_share": compliance_share}
+    bodies = {"upper": upper, "lower": lower}
+    for sentence in views.map_doubts(bodies, loads, area, mu0=mu0, effective_modulus=effective_modulus):
+        say(sentence)
+    if "half-space" in mechanics:
+        _say_what_it_costs(upper, lower, around[-1], count, len(around), **elastic, hardness=hardness)
+    results = [
+        pressed_maps(
+            upper, lower, around, mu0=mu0, tau0=tau0, shifts=count,
+            directions=COMPASS if directions is None else directions, mechanics=each,  # type: ignore[arg-type]
+            hardness=hardness if each == "half-space" else None, progress=sys.stderr.isatty(), **elastic,
+        )
+        for each in mechanics
+    ]  # fmt: skip
+    result = xarray.concat(results, xarray.Variable("mechanics", list(mechanics)), combine_attrs="override")
+    result.attrs |= {"loads_mN": np.array(loads), "files": files}
+    mean = pressed_maps_mean(result)
+    tell(views.map_pair_text(result, mean, loads))
+    exports.export(result, table, replace=replace)
+    tell(f"wrote {table}")
+    listed = output / traverse.TABLE
+    listed.write_text(views.map_pair_csv(mean, loads), encoding="utf-8")
+    tell(f"wrote {listed}")
+    for path in views.save_map_pair_figures(result, mean, loads, output, bodies=(upper, lower)):
+        tell(f"wrote {path}")
+
+
+def _loads_around(loads: list[float], most: float | None) -> list[float]:
+    """Those that are asked for and, for a curve, one below and one above all of them."""
+    around = [min(loads) / AROUND, *loads, max(loads) * AROUND]
+    return sorted({load for load in around if most is None or load < most})
+
+
+def _say_what_it_costs(upper: Surface, lower: Surface, load: float, shifts: int, loads: int, **elastic: Any) -> None:
+    """How long all solutions take, from one of them."""
+    rows, columns = displacements(upper, lower, shifts)[0]
+    pair = window(upper, lower, (int(rows), int(columns)))
+    points = " x ".join(str(each) for each in pair[0].heights.shape)
+    words = f"half-space: {shifts * loads} solutions of {points} points"
+    started = time.perf_counter()
+    try:
+        curve = half_space(*pair, [load], direction=COMPASS, **elastic)
+        curve.with_sliding("all")
+        np.isfinite(curve.stiffness)  # computed when asked for
+    except RuntimeError:
+        say(f"{words}; the first does not reach its tolerance")
+        return
+    seconds = (time.perf_counter() - started) * shifts * loads / available_cores()
+    say(f"{words}, about {seconds:.2g} s by the first; --mechanics asperities is faster")
+
+
+def show_map_pair(result: Any) -> None:
+    """The table of a pair of maps."""
+    from stiction.views.map_pair import map_pair_text
+
+    tell(map_pair_text(result, pressed_maps_mean(result), np.atleast_1d(result.attrs["loads_mN"])))
+
+
+def draw_map_pair(result: Any, directory: Path) -> None:
+    """The figures of a pair of maps that need no maps."""
+    from stiction.views.map_pair import save_map_pair_figures
+
+    loads = np.atleast_1d(result.attrs["loads_mN"])
+    for path in save_map_pair_figures(result, pressed_maps_mean(result), loads, directory):
+        tell(f"wrote {path}")

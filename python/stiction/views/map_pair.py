@@ -1,0 +1,499 @@
+"""Two maps pressed at several relative positions: a table for the terminal, and figures for print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.studies.map_pair import MapContacts, map_contacts
+from stiction.surfaces.surface import Surface
+from stiction.views.figures import MILLIMETRE, STYLE, WIDTH, save_picture
+from stiction.views.traverse import HIGHEST_MU0, _cell, _count, _material, _materials, _then
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+_OF_CONTACT = {
+    "contact_area_fraction": ("true area A/A0 (%)", 100.0),
+    "contact_count": ("contacts", 1.0),
+    "normal_stiffness": ("normal stiffness (mN/µm)", 1.0),
+    "approach": ("approach (nm)", 1000.0),
+}
+"""What the table says of each load, and the factor to its unit."""
+
+_RULES = {
+    "opposing": "contacts that oppose the motion rub, the others do not (the paper's rule)",
+    "all": "all contacts rub",
+}
+
+_AXES = {0.0: "+x", 90.0: "+y", 180.0: "-x", 270.0: "-y"}
+
+FEW_CONTACTS = 20
+"""Below it, on the mean, a coefficient is that of single contacts."""
+
+OVERLAPPING = 0.1
+"""Share of the load on overlapping ellipses from which on asperities are doubted."""
+
+_COLOURS = {"opposing": "C0", "all": "C1"}
+_LINES = {"half-space": "-", "asperities": "--"}
+
+
+# ---- Text ------------------------------------------------------------------------------------------------------------
+
+
+def map_pair_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> str:
+    """What was pressed and what it says at some of its loads, with 95 % intervals and units.
+
+    Parameters
+    ----------
+    result, mean : xarray.Dataset
+        What `pressed_maps` and `pressed_maps_mean` return, with a dimension mechanics.
+    loads : (l,) array_like of float, mN
+        Of those of the result.
+    """
+    rows, columns = (int(points) for points in result.attrs["shape"])
+    dy, dx = (float(step) for step in result.attrs["spacing_um"])
+    x, y = result["x"].values, result["y"].values
+    area = float(result["nominal_area"])
+    lines = [
+        f"{'upper':<10} {_then(result.attrs['upper'])}",
+        f"{'lower':<10} {_then(result.attrs['lower'])}",
+        f"{'overlap':<10} {_count(x.size, 'shift')}, each {rows} x {columns} points, {rows * dy:.4g} x "
+        f"{columns * dx:.4g} µm, levelled by a plane",
+        f"{'':<10} the upper map moved by {_span(x)} µm along x and {_span(y)} µm along y",
+        f"{'model':<10} E* = {float(result['effective_modulus']):g} GPa, {_material(result)}",
+        *(f"{'':<10} {name}: {_MECHANICS[name]}" for name in _names(result)),
+    ]
+    if "hardness_GPa" in result.attrs:
+        lines.append(f"{'':<10} pressures up to a hardness of {float(result.attrs['hardness_GPa']):g} GPa")
+    last = ""
+    for load in np.atleast_1d(loads):
+        at = mean.sel(load=load, method="nearest")
+        lines += [
+            "",
+            f"at {1000 * load / area:.4g} MPa, {load:.4g} mN on {area:.4g} µm²: means over the shifts, 95 % intervals",
+            *_table(at),
+            *_doubts_of(result.sel(load=load, method="nearest"), at),
+        ]
+        last = _in_one_sentence(at, float(load), area)
+    lines += ["", *_READING, last]
+    return "\n".join(lines) + "\n"
+
+
+_MECHANICS = {
+    "half-space": "the elastic half-space, free at its edges",
+    "asperities": "elliptic Hertz contacts at the minima of the gap, which do not feel each other",
+}
+
+_READING = (
+    "The load is the elastic one, before anything slides; mu_s = F_T/F_N with what friction on slopes adds to F_N.",
+    "Intervals are over shifts of these two maps, which have heights in common; other pieces may differ by more.",
+)
+
+
+def _names(result: xarray.Dataset) -> list[str]:
+    return [str(name) for name in result["mechanics"].values]
+
+
+def _span(values: Any) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
+
+
+def _table(at: xarray.Dataset) -> list[str]:
+    """The lines of one load, a column for each mechanics."""
+    names = _names(at)
+    table = [["", *names]]
+    for name, (title, factor) in _OF_CONTACT.items():
+        table.append([title, *(_cell(factor * at[name].sel(mechanics=each).values, name) for each in names)])
+    shares = at["share_opposing"].isel(direction=0)
+    table.append(
+        [
+            f"load that opposes, {_way(float(at['direction'][0]))} (%)",
+            *(_cell(100 * shares.sel(mechanics=each).values, "share_opposing") for each in names),
+        ]
+    )
+    materials = _materials(at)
+    for material, place in materials:
+        here = at.isel(place)
+        for rule, words in _RULES.items():
+            of = f", {material}" if len(materials) > 1 else ""
+            table.append([f"{words}{of}"])
+            rules = here.sel(sliding=rule)
+            coefficients = {each: rules["friction_coefficient"].sel(mechanics=each) for each in names}
+            for direction in _shown(at["direction"].values):
+                values = [_cell(coefficients[each].sel(direction=direction).values, "mu_s") for each in names]
+                table.append([f"  mu_s {_way(direction)}", *values])
+            if at.sizes["direction"] > 2:
+                for title, choose in (("largest", np.nanargmax), ("smallest", np.nanargmin)):
+                    values = [_extreme(coefficients[each], choose) for each in names]
+                    table.append([f"  {title} around the compass", *values])
+            alone = rules["gentle_friction"].sel(statistic="mean").mean("direction")
+            values = [f"{float(alone.sel(mechanics=each)):.3g}" for each in names]
+            table.append(["  by its slope alone (gentle_friction)", *values])
+    whole = [row for row in table if len(row) > 1]
+    widths = [max(len(row[column]) for row in whole) + 2 for column in range(len(names) + 1)]
+    return ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)).rstrip() for row in table]
+
+
+def _shown(directions: Any) -> list[float]:
+    """Along the axes where these are among many; all of a few."""
+    listed = [float(each) for each in directions]
+    if len(listed) <= 4:
+        return listed
+    return [each for each in (0.0, 90.0) if each in listed] or listed[:2]
+
+
+def _way(direction: float) -> str:
+    return f"to {_AXES[direction]}" if direction in _AXES else f"at {direction:g}°"
+
+
+def _extreme(coefficients: xarray.DataArray, choose: Any) -> str:
+    """The direction with the largest or smallest mean."""
+    means = coefficients.sel(statistic="mean").values
+    if np.isnan(means).all():
+        return "none"
+    place = int(choose(means))
+    return f"{_cell(coefficients.isel(direction=place).values, 'mu_s')} at {float(coefficients['direction'][place]):g}°"
+
+
+def _doubts_of(result: xarray.Dataset, at: xarray.Dataset) -> list[str]:
+    """How far each mechanics is to be trusted at a load, in words."""
+    lines = []
+    gradient = at["rms_gradient"].isel(mechanics=0).values
+    lines.append(f"gap: h' = {_cell(gradient, 'h')}, its root-mean-square gradient")
+    for name in _names(result):
+        own, mean = result.sel(mechanics=name), at.sel(mechanics=name).sel(statistic="mean")
+        kinds, numbers = np.unique(own["status"].isel(sliding=0, direction=0, mu0=0, tau0=0), return_counts=True)
+        missing = [f"{number} {kind}" for kind, number in zip(kinds, numbers, strict=True) if kind != "ok"]
+        if missing:
+            lines.append(f"{name}: shifts without an answer: {', '.join(missing)} of {numbers.sum()}")
+        if len(missing) == kinds.size:
+            continue
+        if name == "half-space":
+            lines.append(f"half-space: solved to an error of {float(own['error'].max()):.1g} (of the gap's deviation)")
+            if "hardness_GPa" in result.attrs:
+                share = 100 * float(mean["load_share_at_hardness"])
+                lines.append(f"half-space: {share:.2g} % of the load is where the pressure is the hardness")
+        else:
+            overlapping = float(mean["share_overlapping"])
+            doubt = ": there contacts would merge, and the true area is larger" if overlapping > OVERLAPPING else ""
+            lines.append(f"asperities: {100 * overlapping:.2g} % of the load is on ellipses that overlap{doubt}")
+            beyond = float(mean["share_beyond_hertz"])
+            if beyond > OVERLAPPING:
+                lines.append(f"asperities: {100 * beyond:.2g} % of the load is beyond Hertz (overlap > R/10)")
+        pressure = float(at["load"]) / float(at["nominal_area"]) / float(mean["contact_area_fraction"])
+        softer = "" if "hardness_GPa" in result.attrs else "; if the hardness is near that, give --hardness"
+        lines.append(f"{name}: the pressure in contact is {pressure:.2g} GPa on the mean{softer}")
+        if (count := float(mean["contact_count"])) < FEW_CONTACTS:
+            lines.append(
+                f"{name}: {count:.3g} contacts on the mean are few, so mu_s is that of single contacts; larger maps or "
+                "more load would have more"
+            )
+    return lines
+
+
+def _in_one_sentence(at: xarray.Dataset, load: float, area: float) -> str:
+    """What may be quoted of the first mechanics and material."""
+    first = at.isel({"mechanics": 0} | _materials(at)[0][1])
+    if np.isnan(first["contact_area_fraction"].sel(statistic="mean")):
+        return f"At {1000 * load / area:.4g} MPa there is no answer."
+    around = first["friction_coefficient"].sel(statistic="mean").mean("direction")
+    alone = first["gentle_friction"].sel(statistic="mean").mean("direction")
+    opposing, every = (
+        f"{float(around.sel(sliding=rule)):.3g} (by slope alone {float(alone.sel(sliding=rule)):.3g})"
+        for rule in _RULES
+    )
+    percent = 100 * float(first["contact_area_fraction"].sel(statistic="mean"))
+    return (
+        f"In short: at {1000 * load / area:.4g} MPa {percent:.3g} % of the area touches; around the compass mu_s is\n"
+        f"{opposing} if only opposing contacts rub, {every} if all rub."
+    )
+
+
+def map_pair_csv(mean: xarray.Dataset, loads: Any) -> str:
+    """Means and intervals as CSV: a row for each load, mechanics, rule, mu0, tau0 and direction, units in the header.
+
+    Parameters
+    ----------
+    mean : xarray.Dataset
+        What `pressed_maps_mean` returns, with a dimension mechanics.
+    loads : (l,) array_like of float, mN
+        Of those of the result.
+    """
+    columns = {
+        "friction_coefficient": ("mu_s", 1.0),
+        "normal_load": ("normal load with friction (mN)", 1.0),
+        "gentle_friction": ("mu_s by slope alone", 1.0),
+        "share_opposing": ("load that opposes (%)", 100.0),
+        **_OF_CONTACT,
+    }
+    header = ["load (mN)", "mechanics", "rubbing contacts", "mu0", "tau0 (MPa)", "direction (degrees)", "shifts"]
+    header += ["shifts with an answer"]
+    for title, _ in columns.values():
+        header += [title, f"{title}: lower", f"{title}: upper"]
+    rows = [header]
+    for load in np.atleast_1d(loads):
+        for name in _names(mean):
+            for rule in _RULES:
+                for _, place in _materials(mean):
+                    here = mean.isel(place).sel(load=load, method="nearest").sel(mechanics=name, sliding=rule)
+                    for direction in mean["direction"].values:
+                        at = here.sel(direction=direction)
+                        numbers = [factor * value for key, (_, factor) in columns.items() for value in at[key].values]
+                        head = [
+                            f"{load:.12g}", name, rule, f"{float(at['mu0']):.12g}", f"{1000 * float(at['tau0']):.12g}",
+                            f"{direction:.12g}", str(int(at["shifts"])), str(int(at["ok"])),
+                        ]  # fmt: skip
+                        rows.append([*head, *("" if np.isnan(value) else f"{value:.9g}" for value in numbers)])
+    return "".join(",".join(row) + "\n" for row in rows)
+
+
+def map_doubts(bodies: dict[str, Surface], loads: Any, area: float, *, mu0: Any, effective_modulus: float) -> list[str]:
+    """A sentence on each thing that is seldom meant."""
+    sentences = [
+        f"{name}: heights span {np.ptp(body.heights):.3g} µm over {min(body.extent):.3g} µm; is their unit right?"
+        for name, body in bodies.items()
+        if np.ptp(body.heights) > min(body.extent) / 2
+    ]
+    if max(mu0) > HIGHEST_MU0:
+        sentences.append(f"mu0 = {max(mu0):g} is more than any pair of materials has; is it in percent?")
+    sentences += [
+        f"{load:.4g} mN is {1000 * load / area:.3g} MPa on {area:.4g} µm², more than a tenth of E*; is it the load of "
+        "a whole part?"
+        for load in loads
+        if load / area > 0.1 * effective_modulus
+    ]
+    return sentences
+
+
+# ---- Figures ---------------------------------------------------------------------------------------------------------
+
+
+def save_map_pair_figures(
+    result: xarray.Dataset,
+    mean: xarray.Dataset,
+    loads: Any,
+    directory: Path,
+    *,
+    bodies: tuple[Surface, Surface] | None = None,
+) -> list[Path]:
+    """Draw a pair of maps into a directory and return the paths; of several loads, mu0 and tau0 the first.
+
+    ``compass.png``: `compass_figure`. ``friction.png``: `map_load_figure`. ``contacts.png``: `contacts_figure` in the
+    first direction at the shift whose number of contacts is in the middle, if the bodies, as `pressed_maps` takes them,
+    are given.
+    """
+    load = float(np.atleast_1d(loads)[0])
+    mean = mean.isel(_materials(mean)[0][1])
+    figures = {"compass.png": compass_figure(mean, load), "friction.png": map_load_figure(mean, loads)}
+    if bodies is not None:
+        name, direction, shift = _names(result)[0], float(result["direction"][0]), _typical(result, load)
+        hardness = result.attrs.get("hardness_GPa")
+        found = map_contacts(
+            *bodies, load, shift=shift, direction=direction, mechanics=name,  # type: ignore[arg-type]
+            effective_modulus=float(result["effective_modulus"]),
+            compliance_share=float(result.attrs["compliance_share"]),
+            hardness=None if hardness is None else float(hardness),
+        )  # fmt: skip
+        if found is not None:
+            words = f"{name}, upper body {_sign(_way(direction))}, shift {shift + 1} of {result.sizes['shift']}"
+            figures["contacts.png"] = contacts_figure(found, f"{_head(mean, load)}\n{words}")
+    paths = [directory / name for name in figures]
+    for path, figure in zip(paths, figures.values(), strict=True):
+        save_picture(figure, path)
+    return paths
+
+
+def _typical(result: xarray.Dataset, load: float) -> int:
+    """The shift of which the number of contacts is in the middle."""
+    counts = result["contact_count"].isel(mechanics=0).sel(load=load, method="nearest").values
+    known = np.flatnonzero(np.isfinite(counts))
+    return int(known[np.argsort(counts[known], kind="stable")[known.size // 2]]) if known.size else 0
+
+
+def _sign(words: str) -> str:
+    """With the minus of numbers."""
+    return words.replace("-", "\N{MINUS SIGN}")
+
+
+def _head(mean: xarray.Dataset, load: float | None = None) -> str:
+    """Whose figure it is."""
+    files = str(mean.attrs.get("files", "two maps"))
+    if load is None:
+        return files
+    pressure = 1000 * load / float(mean["nominal_area"])
+    return f"{files}, {pressure:.4g} MPa ({load:.4g} mN)"
+
+
+def _material_title(mean: xarray.Dataset) -> str:
+    return (
+        rf"$E^*$ = {float(mean['effective_modulus']):g} GPa, $\mu_0$ = {float(mean['mu0']):g}, "
+        rf"$\tau_0$ = {1000 * float(mean['tau0']):g} MPa"
+    )
+
+
+def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
+    """Friction coefficient against the direction of the upper body's motion, by both sliding rules; 80 mm wide."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    at = mean.sel(load=load, method="nearest").sortby("direction")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 100 * MILLIMETRE), layout="constrained")
+        axes: Any = figure.add_subplot(projection="polar")
+        around = np.radians(np.append(at["direction"].values, at["direction"].values[0] + 360))
+        closed = at.sizes["direction"] > 2
+        for number, name in enumerate(_names(at)):
+            for rule, colour in _COLOURS.items():
+                values = at["friction_coefficient"].sel(mechanics=name, sliding=rule).transpose("statistic", ...).values
+                rounded = np.concatenate([values, values[:, :1]], axis=1)
+                label = f"{name}: {'opposing contacts rub' if rule == 'opposing' else 'all contacts rub'}"
+                if closed:
+                    axes.plot(around, rounded[0], _LINES[name], color=colour, linewidth=1, label=label)
+                else:
+                    axes.plot(around[:-1], values[0], "o" if number == 0 else "x", color=colour, label=label)
+                if number == 0 and np.isfinite(values[1:]).all():
+                    if closed:
+                        axes.fill_between(around, rounded[1], rounded[2], color=colour, alpha=0.2, linewidth=0)
+                    else:
+                        axes.vlines(around[:-1], values[1], values[2], color=colour, linewidth=0.8)
+        if closed:
+            for rule in _COLOURS:
+                alone = at["gentle_friction"].isel(mechanics=0).sel(sliding=rule, statistic="mean").values
+                words = "by the slope of the gap alone" if rule == "opposing" else "_"  # once in the legend
+                axes.plot(around, np.append(alone, alone[0]), ":", color="0.2", linewidth=0.8, label=words)
+        axes.set_ylim(bottom=0)
+        axes.grid(linewidth=0.3, color="0.8")
+        axes.set_rlabel_position(22.5)
+        axes.yaxis.set_major_locator(MaxNLocator(4))
+        ways = ("+x", "45°", "+y", "135°", "-x", "225°", "-y", "315°")
+        axes.set_xticks(np.radians(np.arange(0, 360, 45)), [_sign(way) for way in ways])
+        axes.set_title(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6, loc="center")
+        handles, labels = axes.get_legend_handles_labels()
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=1, title="upper body to; shaded: 95 % over the shifts",
+        )  # fmt: skip
+        figure.draw_without_rendering()
+    return figure
+
+
+def map_load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
+    """Friction coefficient in the first direction and share of the area against pressure; 80 mm wide."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    area = float(mean["nominal_area"])
+    pressure = 1000 * mean["load"].values / area
+    direction = float(mean["direction"][0])
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 92 * MILLIMETRE), layout="constrained")
+        top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.2, 1])
+        for name in _names(mean):
+            style = {"linestyle": _LINES[name], "linewidth": 0.9, "marker": "o", "markersize": 2.5}
+            for rule, colour in _COLOURS.items():
+                at = mean["friction_coefficient"].sel(mechanics=name, sliding=rule, direction=direction)
+                values = at.transpose("statistic", "load").values
+                top.fill_between(pressure, values[1], values[2], color=colour, alpha=0.15, linewidth=0)
+                label = f"{name}: {'opposing contacts rub' if rule == 'opposing' else 'all contacts rub'}"
+                top.plot(pressure, values[0], color=colour, label=label, **style)
+            values = 100 * mean["contact_area_fraction"].sel(mechanics=name).transpose("statistic", "load").values
+            bottom.fill_between(pressure, values[1], values[2], color="C2", alpha=0.15, linewidth=0)
+            bottom.plot(pressure, values[0], color="C2", **style)
+        if np.nanmax(values, initial=0.0) > 0:
+            bottom.set_yscale("log")
+        for axes in (top, bottom):
+            axes.set_xscale("log")
+            _plain(axes.xaxis)
+            for load in np.atleast_1d(loads):
+                axes.axvline(1000 * load / area, color="0.5", linewidth=0.5, linestyle=":")
+        if bottom.get_yscale() == "log":
+            _plain(bottom.yaxis)
+        top.set_ylim(bottom=0)
+        top.set_ylabel(rf"$\mu_s$, upper body {_sign(_way(direction))}")
+        bottom.set_ylabel("true area $A/A_0$ (%)")
+        bottom.set_xlabel("load over the area of the overlap (MPa)")
+        top.set_title(f"{_head(mean)}\n{_material_title(mean)}", loc="left", fontsize=6, pad=3)
+        figure.legend(
+            *top.get_legend_handles_labels(), title="shaded: 95 % over the shifts", loc="outside lower center"
+        )
+        figure.draw_without_rendering()
+    return figure
+
+
+def _plain(axis: Any) -> None:
+    """Numbers without powers of ten on a logarithmic axis of about a decade."""
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(lambda value, _: f"{value:g}")
+    axis.set_minor_locator(NullLocator())
+
+
+def contacts_figure(found: MapContacts, title: str) -> Figure:
+    """Contacts over the height map of the lower body, and the pressure around the one that carries most; 80 mm wide."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    lower = found.lower
+    extent_y, extent_x = lower.extent
+    fine = np.ptp(lower.heights) < _FINE
+    with mpl.rc_context(STYLE):
+        zoomed = found.pressure is not None
+        figure = Figure(figsize=(WIDTH, (142 if zoomed else 86) * MILLIMETRE), layout="constrained")
+        drawn = figure.subplots(2 if zoomed else 1, 1, squeeze=False)[:, 0]
+        axes = drawn[0]
+        box = (0.0, extent_x, 0.0, extent_y)
+        low, high = np.quantile(lower.heights, [0.01, 0.99]) * (1000 if fine else 1)
+        image = axes.imshow(
+            lower.heights * (1000 if fine else 1), extent=box, origin="lower", cmap="gray", vmin=low, vmax=high,
+        )  # fmt: skip
+        figure.colorbar(image, ax=axes, label="lower body " + ("(nm)" if fine else "(µm)"), extend="both", shrink=0.8)
+        sizes = 60 * found.force / found.force.max()
+        for opposing, colour, words in (
+            (True, "C3", "opposes the motion"), (False, "C0", "does not"),
+        ):  # fmt: skip
+            which = found.opposing == opposing
+            share = 100 * found.force[which].sum() / found.force.sum()
+            axes.scatter(
+                found.x[which], found.y[which], s=np.maximum(sizes[which], 1.0), facecolors="none", edgecolors=colour,
+                linewidths=0.7, label=f"{_count(int(which.sum()), 'contact')} with {share:.0f} % of the load: {words}",
+            )  # fmt: skip
+        axes.set_title(title, loc="left", fontsize=6, pad=3)
+        axes.set_xlabel("$x$ (µm)")
+        axes.set_ylabel("$y$ (µm)")
+        if zoomed:
+            _pressure_panel(figure, drawn[1], found)
+        figure.legend(
+            *axes.get_legend_handles_labels(), loc="outside lower center",
+            title="circles grow with the load of a contact, and are larger than it",
+        )  # fmt: skip
+        figure.draw_without_rendering()
+    return figure
+
+
+def _pressure_panel(figure: Figure, axes: Any, found: MapContacts) -> None:
+    """Pressure on an eighth of the map around the contact that carries most."""
+    assert found.pressure is not None
+    (rows, columns), (dy, dx) = found.lower.heights.shape, found.lower.spacing
+    most = int(found.force.argmax())
+    height, width = max(rows // 8, 16), max(columns // 8, 16)
+    top = int(np.clip(found.y[most] / dy - height / 2, 0, max(rows - height, 0)))
+    left = int(np.clip(found.x[most] / dx - width / 2, 0, max(columns - width, 0)))
+    piece = found.pressure[top : top + height, left : left + width]
+    beneath = found.lower.heights[top : top + height, left : left + width]
+    box = (left * dx, (left + piece.shape[1]) * dx, top * dy, (top + piece.shape[0]) * dy)
+    axes.imshow(beneath, extent=box, origin="lower", cmap="gray", alpha=0.6)
+    image = axes.imshow(np.where(piece > 0, piece, np.nan), extent=box, origin="lower", cmap="inferno", vmin=0)
+    figure.colorbar(image, ax=axes, label="pressure (GPa)", shrink=0.8)
+    axes.set_title("around the contact that carries most", loc="left", pad=3)
+    axes.set_xlabel("$x$ (µm)")
+    axes.set_ylabel("$y$ (µm)")
+
+
+_FINE = 0.5
+"""µm."""
