@@ -18,11 +18,10 @@ from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, app, say, tell
 from stiction.cli.measured import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
-from stiction.studies.dataset import step_of
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
 from stiction.studies.runner import run
-from stiction.studies.study import Study, StudyError, differences, study_names, toml
+from stiction.studies.study import Study, StudyError, differences, step_of, study_names, toml
 
 RESULT = "result.zarr"
 

@@ -21,11 +21,6 @@ NAMES = tuple(dict.fromkeys((*SUMS, *AREAL_SUMS, *HALF_SPACE_SUMS, *COORDINATES)
 """All that is in any result."""
 
 
-def step_of(dataset: xarray.Dataset) -> str:
-    """The dimension along which a pair of a result is pressed together: "approach", or "load" by the half-space."""
-    return "load" if "load" in dataset.dims else "approach"
-
-
 def empty_dataset(study: Study, repetitions: Sequence[int] | None = None) -> xarray.Dataset:
     """The dataset of a study, or of some of its repetitions: zeros, with units, names and attributes in place."""
     import xarray

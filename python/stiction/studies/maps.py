@@ -20,7 +20,7 @@ from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.crossing import Crossing
-from stiction.studies.dataset import step_of
+from stiction.studies.study import step_of
 
 if TYPE_CHECKING:
     import xarray

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
-from stiction.studies.dataset import empty_dataset
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
 from stiction.studies.pressed import pressed
@@ -42,6 +41,8 @@ FAMILY_MEMORY = 64_000_000
 
 def repetition_sums(study: Study, repetition: int) -> Sums:
     """The sums of one repetition: each variable of a result as an array, without the dimension of repetitions."""
+    from stiction.studies.dataset import empty_dataset
+
     variables = empty_dataset(study, [repetition]).data_vars
     sums: Sums = {str(name): np.empty_like(variable.values[:, :, 0]) for name, variable in variables.items()}
     pairs = _profiles(study, repetition) if study.surfaces.kind == "profile" else _surfaces(study, repetition)
@@ -149,6 +150,7 @@ def run(
         If the study cannot be computed, or the store cannot be written, is another study's, is damaged, is being
         written by somebody else, or lacks repetitions and was begun by another version of stiction.
     """
+    from stiction.studies.dataset import empty_dataset
     from stiction.studies.store import opened
 
     with contextlib.ExitStack() as stack:

@@ -809,6 +809,11 @@ def study_of(dataset: xarray.Dataset) -> Study:
     return study_from_text(dataset.attrs["study"], "the dataset's study")
 
 
+def step_of(dataset: xarray.Dataset) -> str:
+    """The dimension along which a pair of a result is pressed together: "approach", or "load" by the half-space."""
+    return "load" if "load" in dataset.dims else "approach"
+
+
 def differences(one: Study, other: Study) -> list[tuple[str, str, str]]:
     """Every value that differs, in the order of a study file: its dotted key, and what it is in either, as TOML."""
     return list(_differences(one, other, ""))

@@ -14,10 +14,9 @@ from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
-from stiction.studies.dataset import step_of
 from stiction.studies.maps import area_map, friction_map
 from stiction.studies.pairs import ProfileGenerator, pair_of
-from stiction.studies.study import Study, study_of
+from stiction.studies.study import Study, step_of, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
 
