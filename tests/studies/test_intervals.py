@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import scipy.stats
 from reference.neighbours import judged, of_quantity, traverses
-from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours
+from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours, of_sample
 
 TRIALS = 500
 """The share that covers scatters by 1 %."""
@@ -100,7 +100,7 @@ def test_few_values_and_equal_ones_have_no_interval():
 
 def test_the_interval_of_a_sample_covers_the_mean_as_often_as_it_says():
     generator = np.random.default_rng(11)
-    mean, lower, upper = intervals.of_sample(5 + generator.normal(size=(8, 4000)))
+    mean, lower, upper = of_sample(5 + generator.normal(size=(8, 4000)))
     # 0.95 within three deviations of a count of 4000.
     assert abs(float(((lower <= 5) & (upper >= 5)).mean()) - 0.95) < 3 * (0.95 * 0.05 / 4000) ** 0.5
     assert mean.mean() == pytest.approx(5, abs=0.05)
@@ -108,7 +108,7 @@ def test_the_interval_of_a_sample_covers_the_mean_as_often_as_it_says():
 
 def test_the_interval_of_a_sample_knows_what_is_missing():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
-    mean, lower, upper = intervals.of_sample(values)
+    mean, lower, upper = of_sample(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
     assert (lower[0], upper[0]) == pytest.approx((2 - 4.302652730 / 3**0.5, 2 + 4.302652730 / 3**0.5))  # t of 2
     assert lower[1] == 0  # nothing is below
