@@ -232,7 +232,8 @@ Steps steps_of(const ArealCandidate& candidate, Values approaches) {
 
 // For each candidate, the first of the approaches at which its ellipse overlaps another: as many as there are for none.
 // Ellipses grow with the approach about their centres, so once overlapping they are so for ever.
-std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches) {
+std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
+                                        const Checkpoint& checkpoint) {
   struct Seen {
     std::size_t index;
     Steps steps;
@@ -255,6 +256,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.left < b.left; });
   std::vector<std::size_t> first(all.size(), approaches.size());
   for (std::size_t i = 0; i < seen.size(); ++i) {
+    checkpoint();
     const Seen& one = seen[i];
     const ArealCandidate& a = all[one.index];
     for (std::size_t j = i + 1; j < seen.size() && seen[j].left <= one.right; ++j) {
@@ -292,13 +294,15 @@ double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
+// Laws of spheres take the one of the mean radius, unless they say better.
+template <class AnyLaw>
+ForceArea carried(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
+  return law(overlap, candidate.radii);
+}
+
 ForceArea carried(const HertzSphere& law, const ArealCandidate& candidate, double overlap) {
   return {4.0 / 3.0 * law.effective_modulus * std::sqrt(candidate.ellipse.stiff * overlap) * overlap,
           elastic_area(candidate.ellipse, overlap)};
-}
-
-ForceArea carried(const JacksonGreen& law, const ArealCandidate& candidate, double overlap) {
-  return law(overlap, candidate.radii);
 }
 
 [[noreturn]] ForceArea carried(const HertzCylinder&, const ArealCandidate&, double) {
@@ -529,8 +533,7 @@ std::vector<Contact> contacts(const ArealCandidates& found, double approach, con
 }
 
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const Law& law,
-                             std::span<const Vector2> directions, Sliding sliding) {
-  constexpr double hertz_limit = 0.1;  // overlap / R
+                             std::span<const Vector2> directions, Sliding sliding, const Checkpoint& checkpoint) {
   check(found, approaches, law);
   if (directions.empty()) {
     fail("direction is empty, at least one is needed");
@@ -540,13 +543,14 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
   }
   const std::size_t steps = approaches.size();
   const double widest = found.spacing.maxCoeff();
-  const std::vector<std::size_t> overlapping = first_overlaps(found.all, approaches);
+  const std::vector<std::size_t> overlapping = first_overlaps(found.all, approaches, checkpoint);
   std::vector<ArealSums> common(steps);  // what all directions share
   std::vector<double> sums(directions.size() * (of_force + of_area) * steps, 0.0);
   std::vector<double> force(steps);
   std::vector<double> area(steps);
   const auto with = [&](const auto& one_law) {
     for (std::size_t i = 0; i < found.all.size(); ++i) {
+      checkpoint();
       const ArealCandidate& one = found.all[i];
       const auto [begin, end] = steps_of(one, approaches);
       const double radius = one.radii.mean();
@@ -608,8 +612,7 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
 
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,
                              const Checkpoint& checkpoint) {
-  checkpoint();
-  return press(found, approaches, model.law, std::span(&model.direction, 1), model.sliding);
+  return press(found, approaches, model.law, std::span(&model.direction, 1), model.sliding, checkpoint);
 }
 
 }  // namespace stiction

@@ -102,9 +102,10 @@ void bind_areal(py::module_& module) {
       [](const ArealCandidates& found, const Array& approaches, const ContactModel& model, const Array& directions) {
         const Values steps = view(approaches);
         const std::vector<Vector2> all = directions_of(directions);
+        const Checkpoint checkpoint = until_interrupted();
         const auto rows = [&] {
           const py::gil_scoped_release release;
-          return press(found, steps, model.law, all, model.sliding);
+          return press(found, steps, model.law, all, model.sliding, checkpoint);
         }();
         return areal_table_of(rows);
       },

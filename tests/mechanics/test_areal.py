@@ -643,3 +643,40 @@ class TestGentleSurfaces:
         # Without adhesion the second rule has mu0 for each pair.
         every = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
         assert abs(every.friction_coefficient(mu0=mu0).mean() - mu0) < slope
+
+
+def test_grooves_are_refused_instead_of_carrying_nothing():
+    along = 0.01 * np.cos(np.linspace(0, 12, 40))
+    grooves = [Surface(np.tile(sign * along, (30, 1)), spacing=0.1) for sign in (1.0, -0.5)]
+    with pytest.raises(ValueError, match="does not change along y"):
+        press(*grooves, [0.005])
+    with pytest.raises(ValueError, match="does not change along x"):
+        press(*(Surface(each.heights.T.copy(), spacing=0.1) for each in grooves), [0.005])
+
+
+@pytest.mark.parametrize(
+    ("model", "given", "angle"),
+    [
+        ({"direction": 90.0}, {"shear": "+x"}, 0.0),
+        ({"direction": 90.0}, {"shear": "-x"}, 180.0),
+        ({"shear": "-x"}, {"direction": 90.0}, 90.0),
+        ({"shear": "-x"}, {}, 180.0),
+    ],
+)
+def test_keywords_of_where_it_slides_take_precedence_over_the_model(model, given, angle):
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    curve = press(upper, lower, [0.02], model=ContactModel(**model), **given)
+    assert float(curve.direction) == angle
+
+
+def test_candidates_are_of_both_bodies():
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    found = candidates(upper, lower, deepest=0.02)
+    with pytest.raises(ValueError, match="takes no lower body"):
+        press(found, lower, [0.01])

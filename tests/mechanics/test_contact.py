@@ -73,7 +73,7 @@ class TestAgainstReference:
         rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
         assert len(table) == len(rows) > 10
         assert np.array_equal(table.index, rows[:, 0])
-        ours = np.column_stack([table.normal, table.overlap, table.radius, table.force, table.area])
+        ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
         assert np.allclose(ours, rows[:, 1:], rtol=INDEPENDENT["cell"], atol=0)
 
     def test_height_offsets_and_their_size_do_not_matter(self, rough_pair):

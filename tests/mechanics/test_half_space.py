@@ -415,3 +415,26 @@ def test_results_are_read_only_and_indices_are_checked():
         curve.load[0] = 2.0
     with pytest.raises(ValueError, match="index"):
         curve.contact(1)
+
+
+@pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
+def test_a_ball_on_a_flat_opposes_in_no_direction(load):
+    # Its one patch is level; what the solver leaves of asymmetry must not decide.
+    x = (np.arange(65) - 32) * 0.05
+    ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
+    flat = Surface(np.zeros((65, 65)), spacing=0.05)
+    curve = half_space(flat, ball, [load], direction=[0, 90, 180, 270])
+    assert (curve.friction_coefficient(mu0=0.4) == 0).all()
+    every = curve.with_sliding("all")
+    assert np.allclose(every.friction_coefficient(mu0=0.4), 0.4, rtol=1e-2)
+    assert (curve.sliding, every.sliding) == ("opposing", "all")
+    assert np.array_equal(curve.direction, [0, 90, 180, 270])
+
+
+def test_where_all_pressure_is_at_the_hardness_the_gap_is_that_of_the_approach():
+    x = (np.arange(33) - 16) * 0.05
+    ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
+    curve = half_space(Surface(np.zeros((33, 33)), spacing=0.05), ball, [1e-4], hardness=1e-3)
+    assert curve.load_share_at_hardness[0] > 0.5
+    contact = curve.contact(0)
+    assert contact.gap[contact.pressure > 0].max() <= 1e-6

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import (
+    ContactModel,
     Profile,
     Surface,
     approach_at_load,
@@ -406,3 +407,40 @@ def test_bad_arguments_of_pairs_are_named(arguments, words):
         paired_lines(maps(), maps(), **arguments)
     with pytest.raises(ValueError, match="upper must be a Profile or a Surface"):
         paired_lines([1, 2], maps())
+
+
+def two_rough_profiles():
+    return tuple(
+        self_affine(4, hurst_exponent=0.8, rms=0.03, points=2000, spacing=0.01, shortest_wavelength=0.2, side=side)
+        for side in ("upper", "lower")
+    )
+
+
+@pytest.mark.parametrize("sliding", ["opposing", "all"])
+def test_the_share_that_opposes_is_that_of_the_contacts_by_either_rule(sliding):
+    upper, lower = two_rough_profiles()
+    slider = cropped(upper, 0, 15)
+    result = traverse(slider, lower, [0.3], mu0=0.3, offsets=[1.0], sliding=sliding)
+    assert result.attrs["sliding"] == sliding
+    for shear in ("+x", "-x"):
+        at = result.sel(shear=shear, line=0, offset=1.0, load=0.3)
+        found = contacts(slider, cropped(lower, 1, 16), float(at["approach"]), detection="gap-minimum", shear=shear)
+        load = found.force * found.normal[:, 2]
+        share = load[found.opposing].sum() / load.sum()
+        assert 0.05 < share < 0.95
+        assert np.isclose(float(at["share_opposing"]), share, rtol=1e-6)
+
+
+def test_a_model_that_leaves_the_detection_open_does_not_change_it():
+    upper, lower = two_rough_profiles()
+    results = [
+        traverse(cropped(upper, 0, 15), lower, [0.02], mu0=0.3, **given) for given in ({}, {"model": ContactModel()})
+    ]
+    assert [result.attrs["detection"] for result in results] == ["gap-minimum", "gap-minimum"]
+    assert results[0].equals(results[1])
+
+
+def test_a_direction_is_not_for_a_traverse_of_profiles():
+    upper, lower = two_rough_profiles()
+    with pytest.raises(ValueError, match="direction must not be given"):
+        traverse(upper, lower, [0.02], mu0=0.3, direction="-x")

@@ -106,10 +106,11 @@ inline constexpr std::array areal_quantities{
 std::vector<Contact> contacts(const ArealCandidates& found, double approach, const Law& law, const Vector2& direction);
 
 /// The sums for every direction and, in it, every approach [µm] >= 0 and strictly increasing: (directions, approaches),
-/// row by row. Directions are horizontal unit vectors. A law of spheres is taken on the ellipse for HertzSphere, and on
-/// the sphere of the mean radius for JacksonGreen; HertzCylinder is refused. Throws std::invalid_argument.
+/// row by row. Directions are horizontal unit vectors. HertzSphere is taken on the ellipse, other laws of spheres
+/// on the sphere of the mean radius; HertzCylinder is refused. Throws std::invalid_argument.
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const Law& law,
-                             std::span<const Vector2> directions, Sliding sliding);
+                             std::span<const Vector2> directions, Sliding sliding,
+                             const Checkpoint& checkpoint = {});
 
 /// The same in the one direction of a model, of which it takes the law and the sliding rule as well.
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,

@@ -101,9 +101,11 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   return (along * normal - Vector3(direction.x(), direction.y(), 0.0)).normalized();
 }
 
+/// Overlap over radius up to which Hertz is trusted: he assumes a << R.
+inline constexpr double hertz_limit = 0.1;
+
 inline void Sums::add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction,
                       Sliding sliding, double spacing) {
-  constexpr double hertz_limit = 0.1;  // overlap / R
   const auto [force, area] = carried;
   const double radius = radii.mean();
   const double load = force * touch.normal.z();

@@ -18,12 +18,16 @@ from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, app, say, tell
 from stiction.cli.measured import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
+from stiction.studies.dataset import step_of
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
 from stiction.studies.runner import run
 from stiction.studies.study import Study, StudyError, differences, study_names, toml
 
 RESULT = "result.zarr"
+
+PAPERS_FIGURES = ("figure2", "figure3", "figure5", "figure6", "figure7", "figure8")
+"""Studies of the paper's."""
 
 Workers = Annotated[
     int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
@@ -77,7 +81,7 @@ def claims_command(
         claims.check(claims.variant_study(name).with_changes(replaced))
     others = {}
     with _executor(workers, None, None) as executor:
-        for name in (name for name in study_names() if name.startswith("figure")):
+        for name in PAPERS_FIGURES:
             dataset = _result(Study.named(name).with_changes(replaced), output / name, executor)
             _draw(dataset, output / name)
             if Study.named(name) == claims.claims_study():
@@ -160,13 +164,19 @@ def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a 
 
 def _show_validity(dataset: Any) -> None:
     """Of the mean over the repetitions: from the least to the most over fractal dimensions and amplitudes."""
-    figures = vars(Validity.of(Sums.of(dataset.mean("repetition"))))
-    approaches = dataset["approach"].values
-    shown = sorted({0, approaches.size // 2, approaches.size - 1})
-    titles = [f"at {1000 * approaches[index]:.3g} nm" for index in shown]
+    means = dataset.mean("repetition")
+    step = step_of(dataset)
+    if step == "load":
+        figures = {name: means[f"{name}_share_at_hardness"] for name in ("load", "area")}
+        figures = {f"{name}_at_hardness": figure for name, figure in figures.items()}
+    else:
+        figures = vars(Validity.of(Sums.of(means)))
+    steps = dataset[step].values
+    shown = sorted({0, steps.size // 2, steps.size - 1})
+    titles = [f"at {steps[index]:.3g} mN" if step == "load" else f"at {1000 * steps[index]:.3g} nm" for index in shown]
     tell(f"{'validity':<24}" + "".join(f"{title:>18}" for title in titles))
     for name, figure in figures.items():
-        columns = (figure.isel(approach=index).values for index in shown)
+        columns = (figure.isel({step: index}).values for index in shown)
         ranges = "".join(f"{_range(column[~np.isnan(column)]):>18}" for column in columns)
         tell(f"  {name.replace('_', ' '):<22}{ranges}")
 

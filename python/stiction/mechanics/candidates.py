@@ -14,6 +14,9 @@ from stiction.mechanics.model import Curvature, check_pair
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
+_GROOVED = 1e-9
+"""Of its depth: a gap that changes by less along x or y is one of grooves."""
+
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
@@ -114,4 +117,17 @@ def candidates(
         deepest=number("deepest", deepest, unit="µm"),
         curvature=curvature,
     )
+    if isinstance(upper, Surface) and len(core) == 0:
+        _refuse_grooves(upper.heights - lower.heights)
     return Candidates(core, curvature)
+
+
+def _refuse_grooves(gap: Floats) -> None:
+    """A gap that does not change along x or y has valleys for minima, of which none is a point."""
+    depth = float(np.ptp(gap))
+    for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
+        if float(np.ptp(gap, axis=axis).max()) < _GROOVED * depth:
+            raise ValueError(
+                f"the gap between upper and lower does not change along {along}, so that its minima are lines and not "
+                f"points: press {across} of both as profiles, or use half_space"
+            )

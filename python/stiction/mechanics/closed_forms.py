@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array
-from stiction.mechanics.friction import friction_parameter
+from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.model import Sliding
 
 _BISECTIONS = 64
@@ -344,6 +344,7 @@ def gentle_friction(
     gradient, modulus, factor = _positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
     slope = gradient / np.sqrt(2) if rms_slope is None else _positive(rms_slope=rms_slope)[0]
     choice("sliding", sliding, Sliding)
+    check_shear_strength(tau, float(np.min(modulus)))
     m = mu + factor * tau / (modulus * gradient)
     mean = slope / (2 * np.sqrt(2 * np.pi))
     if sliding == "all":

@@ -15,6 +15,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums, Validity
 from stiction.mechanics.model import ContactKeywords, ContactModel, Sliding, model_for_pair, model_of
+from stiction.mechanics.quantities import DIRECTED
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -210,12 +211,6 @@ class SurfaceLoadCurve(LoadCurve):
         return np.asarray(self.lateral_elastic + mu0 * self.lateral_frictional + tau0 * self.lateral_adhesive)
 
 
-_DIRECTED = frozenset(
-    f"{load}_{part}" for load in ("tangential", "lateral") for part in ("elastic", "frictional", "adhesive")
-) | {"normal_frictional", "normal_adhesive"}
-"""Sums that depend on the direction."""
-
-
 @overload
 def contacts(
     upper: Profile | Surface, lower: Profile | Surface, approach: float, **contact: Unpack[ContactKeywords]
@@ -350,6 +345,8 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     """
     if isinstance(upper, Candidates):
         found: Candidates | None = upper
+        if lower is not None and approaches is not None:
+            raise ValueError("candidates are of both bodies: press(candidates, approaches) takes no lower body")
         approaches = lower if approaches is None else approaches
         model = _model_for(upper, contact)
     else:
@@ -382,7 +379,7 @@ def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, mode
     arrays = {}
     for name, column in columns.items():
         table = column.reshape(len(directions), steps.size)
-        arrays[name] = read_only(table if name in _DIRECTED and angles.ndim > 0 else table[0])
+        arrays[name] = read_only(table if name in DIRECTED and angles.ndim > 0 else table[0])
     return SurfaceLoadCurve(
         **arrays,
         approach=read_only(steps.copy()),

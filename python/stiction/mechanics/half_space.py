@@ -163,14 +163,26 @@ class HalfSpaceCurve:
         pressure = self._pressure(index)
         potential = problem.kernel.displacement(pressure) + problem.gap
         free = pressure > 0
-        if problem.hardness is not None and (free & (pressure < problem.hardness)).any():
+        if problem.hardness is not None:
             free &= pressure < problem.hardness
         patches, _ = labelled(pressure > 0, periodic=problem.periodic)
-        gap = potential - potential[free].mean()
+        # Where all pressure is at the hardness, the last point to yield just touches.
+        zero = potential[free].mean() if free.any() else potential[pressure > 0].max()
+        gap = potential - zero
         slope = [along.ravel() for along in problem.slope]
         each = [opposes(pressure.ravel(), slope, patches.ravel(), way) for way in problem.model.directions()]
         opposing = np.array(each).reshape(*problem.model.angles().shape, *pressure.shape)
         return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches), read_only(opposing))
+
+    @property
+    def direction(self) -> Floats:
+        """Degrees from +x towards +y, () or (d,): where the upper body is about to move."""
+        return self._problem.model.angles()
+
+    @property
+    def sliding(self) -> Sliding:
+        """Which patches rub: "opposing" or "all"."""
+        return self._problem.model.sliding
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
         """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""

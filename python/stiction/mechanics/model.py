@@ -179,6 +179,11 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
         raise ValueError(f"model must be a ContactModel, got {type(model).__name__}")
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
+    # One of the two says where the body moves, and the one that is given replaces the other of the model.
+    if "shear" in changes and changes.get("direction") is None:
+        changes["direction"] = None
+    elif changes.get("direction") is not None and "shear" not in changes:
+        changes["shear"] = "+x"
     return replace(model, **changes) if changes else model
 
 

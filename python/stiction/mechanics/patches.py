@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
-LEVEL = 1e-12
-"""Of its load: a patch that pushes along the direction by less is level, to round-off, and does not oppose."""
+LEVEL = 1e-6
+"""Of the root-mean-square slope in contact: a patch whose mean slope along the direction is less is level, and does not
+oppose. The pressures of a level patch, as of a ball on a flat, lean by 1e-9 of it at a tolerance of 1e-6."""
 
 AREA_BEYOND_EDGE = {1: 0.19, 2: (np.pi - 1 + np.log(2)) / 24}
 """Of a cell, by which the points under pressure reach beyond the contact at each open side, by number of dimensions.
@@ -131,7 +132,8 @@ def sums(
 def opposes(force: Floats, slope: list[Floats], patch: NDArray[np.int64], way: Floats) -> NDArray[np.bool_]:
     """Whether the patch of each point pushes the upper body back; arguments as for `sums`, the direction (x, y)."""
     pushed = np.bincount(patch, weights=_rise(slope, way) * force)
-    opposing = pushed > LEVEL * np.bincount(patch, weights=force)
+    steepness = np.sqrt(sum(np.square(along) @ force for along in slope) / force.sum())
+    opposing = pushed > LEVEL * steepness * np.bincount(patch, weights=force)
     return np.asarray(opposing[patch])
 
 

@@ -24,6 +24,19 @@ SUMS: tuple[str, ...] = tuple(_OF_THE_CORE)
 AREAL_SUMS: tuple[str, ...] = tuple(_OF_AREAS)
 """What a SurfaceLoadCurve holds besides."""
 
+DIRECTED: frozenset[str] = frozenset(
+    f"{load}_{part}" for load in ("tangential", "lateral") for part in ("elastic", "frictional", "adhesive")
+) | {"normal_frictional", "normal_adhesive"}
+"""Sums that depend on the direction and on the sliding rule."""
+
+HALF_SPACE_SUMS: tuple[str, ...] = (
+    *(name for name in SUMS if name not in ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count")),
+    "approach",
+    "load_share_at_hardness",
+    "area_share_at_hardness",
+)
+"""What a result by the half-space holds of each pair at each load."""
+
 AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_unanswered")
 """The members that `SurfaceValidity` has besides those of `Validity`."""
 
@@ -46,8 +59,11 @@ QUANTITIES: dict[str, Quantity] = (
         "share_crossed": Quantity("1", "share of would-be contacts refused because their sphere centres had crossed"),
         "share_overlapping": Quantity("1", "share of the load on contacts whose ellipse overlaps another one"),
         "share_unanswered": Quantity("1", "share of the grid's minima beside which the spline has none"),
+        "load_share_at_hardness": Quantity("1", "share of the load where the pressure is the hardness"),
+        "area_share_at_hardness": Quantity("1", "share of the points under pressure where that is the hardness"),
         "lateral_load": Quantity("mN", "lateral load that keeps the upper body on its way"),
         "direction": Quantity("degree", "where the upper body is about to move, from +x towards +y"),
+        "sliding": Quantity("", "which contacts rub and push: those that oppose the motion, or all"),
         "fractal_dimension": Quantity("1", "fractal dimension"),
         "amplitude": Quantity("um", "amplitude"),
         "repetition": Quantity("1", "repetition"),

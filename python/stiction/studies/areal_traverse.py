@@ -35,6 +35,9 @@ _QUANTITIES = (
     *VALIDITY, *AREAL_VALIDITY,
 )  # fmt: skip
 
+_WORDS = {"share_crossed": {"long_name": "share of would-be contacts refused because their ellipse leaves the map"}}
+"""What is called as on profiles and is something else."""
+
 _DIMS = ("direction", "offset", "load")
 
 
@@ -55,7 +58,7 @@ def traverse_surfaces(
 
     check_pair(upper, lower)
     model = model_of(contact)
-    if model.direction is None and "shear" not in contact:
+    if model.direction is None and model.shear == "+x" and "shear" not in contact:
         model = replace(model, direction=DIRECTIONS)
     model = model.for_surfaces()
     angles = np.atleast_1d(model.angles())
@@ -88,7 +91,7 @@ def traverse_surfaces(
         "effective_modulus": ((), float(model.effective_modulus), attributes_of("effective_modulus")),
     }  # fmt: skip
     return xarray.Dataset(
-        {name: (_DIMS, arrays[name], attributes_of(name)) for name in (*_QUANTITIES, "status")},
+        {name: (_DIMS, arrays[name], attributes_of(name) | _WORDS.get(name, {})) for name in (*_QUANTITIES, "status")},
         coordinates,
         {
             "title": "stiction traverse of surfaces",

@@ -67,6 +67,8 @@ class ClaimsError(ValueError):
 
 def check(study: Study) -> None:
     """Raise a `ClaimsError`, before anything is computed, if claims cannot be judged on a study's result."""
+    if study.surfaces.kind != "profile" or study.contact.mechanics != "asperities" or study.motions():
+        raise ClaimsError("claims are judged on profiles that touch at asperities, by one sliding rule")
     if study.ensemble.repetitions < FEWEST_REPETITIONS:
         raise ClaimsError(
             f"claims need at least {FEWEST_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"

@@ -54,6 +54,8 @@ def layout(dataset: xarray.Dataset, attributes: Mapping[str, Any] | None = None)
     repetitions = dataset.sizes["repetition"]
     complete = xarray.Variable("repetition", np.zeros(repetitions, np.bool_), {"long_name": "whether it is finished"})
     for name, variable in {**dataset.variables, COMPLETE: complete}.items():
+        if variable.dtype.kind == "U":  # words, which the study says and Zarr 3 has no settled format for
+            continue
         chunks = {"repetition": _REPETITIONS_IN_CHUNK} if name == "repetition" else {"repetition": 1}
         array = group.create_array(
             str(name),
@@ -80,9 +82,9 @@ def checksum(attributes: Mapping[str, Any]) -> str:
     return f"{zlib.crc32(json.dumps(said).encode()):08x}"
 
 
-def chunk(repetition: int) -> str:
-    """File of a repetition in the directory of a variable."""
-    return f"c.0.0.{repetition}.0"
+def chunk(repetition: int, dimensions: int = 4) -> str:
+    """File of a repetition in the directory of a variable, whose third dimension they are."""
+    return f"c.0.0.{repetition}" + (dimensions - 3) * ".0"
 
 
 def is_known(name: str) -> bool:
@@ -95,7 +97,7 @@ def is_left_behind(name: str) -> bool:
     return bool(HALF_WRITTEN.fullmatch(name) or _LEFT.fullmatch(name))
 
 
-_CHUNK = re.compile(r"c(\.[0-9]{1,18}){1,4}")
+_CHUNK = re.compile(r"c(\.[0-9]{1,18}){1,6}")
 _LEFT = re.compile(r"(c(\.[0-9]{1,18}){1,4}|zarr\.json)\.partial")  # by versions that named it so
 
 

@@ -1,7 +1,7 @@
-"""Ensemble means at a load: read off along the approach, with an interval from the repetitions.
+"""Ensemble means at a load: read off along approaches or elastic loads, with an interval from the repetitions.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios; repetitions without contact
-count as zeros. The load is reached where mean(F_N), linear between approaches, first crosses it upwards; nothing is
+count as zeros. The load is reached where mean(F_N), linear between the steps, first crosses it upwards; nothing is
 extrapolated.
 """
 
@@ -20,12 +20,17 @@ from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.crossing import Crossing
+from stiction.studies.dataset import step_of
 
 if TYPE_CHECKING:
     import xarray
 
 
-_DIMS = ("fractal_dimension", "amplitude", "repetition", "approach")
+_DIMS = ("fractal_dimension", "amplitude", "repetition")
+"""And the steps of `step_of`."""
+
+_MOTIONS = ("sliding", "direction")
+"""Dimensions of results for several sliding rules and directions."""
 
 
 def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, Crossing]:
@@ -59,7 +64,8 @@ def friction_map(
     -------
     xarray.Dataset
         friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition), status
-        and the figures of `Validity`, over fractal_dimension, amplitude, load (mN), mu0 and tau0 (GPa). The status is
+        and the figures of `Validity`, over fractal_dimension, amplitude, load (mN), mu0 and tau0 (GPa), and before them
+        sliding and direction if the result has these. By the half-space there is no such validity: NaN. The status is
         "ok", "no-contact", "self-locked" (mean(F_N) is zero or below at the largest approach), "not-reached" (no
         approach carries as much) or "below-range" (the smallest approach carries more); the coefficient is NaN unless
         it is "ok".
@@ -93,15 +99,20 @@ def stiffness_map(
     """Normal stiffness of the ensemble, d mean(F_N) / dδ (mN/µm), at given normal loads; otherwise as `friction_map`.
 
     The derivative along the approach δ is that of the parabola through an approach and its two neighbours, so it is as
-    fine as the approaches are; it can be negative, because load is not monotone in approach.
+    fine as the approaches are; it can be negative, because load is not monotone in approach. By the half-space, whose
+    steps are loads, it is the mean of the pairs' own derivatives at equal elastic load.
 
     Raises
     ------
     ValueError
-        As `friction_map`, and with fewer than three approaches.
+        As `friction_map`, with fewer than three approaches or loads, and of free half-planes, which have no approach.
     """
-    if dataset.sizes.get("approach", 0) < 3:
-        raise ValueError(f"a stiffness needs at least 3 approaches, got {dataset.sizes.get('approach', 0)}")
+    step = step_of(dataset)
+    if dataset.sizes.get(step, 0) < 3:
+        kind = "approaches" if step == "approach" else "loads"
+        raise ValueError(f"a stiffness needs at least 3 {kind}, got {dataset.sizes.get(step, 0)}")
+    if step == "load" and "approach" in dataset and dataset["approach"].isnull().any():
+        raise ValueError("a free half-plane has no approach, so there is no stiffness of it")
     return _map(dataset, loads, mu0, tau0, "normal_stiffness")
 
 
@@ -110,14 +121,20 @@ def _map(
 ) -> xarray.Dataset:
     import xarray
 
+    for motion in _MOTIONS:
+        if motion in dataset.dims:
+            each = [_map(dataset.isel({motion: i}), loads, mu0, tau0, what) for i in range(dataset.sizes[motion])]
+            whole = xarray.concat(each, dim=motion, coords="minimal", compat="override", join="override")
+            return whole.assign_coords({motion: dataset[motion].variable})
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     mu0_values, tau0_values = _parameters(dataset, mu0, tau0)
-    missing = [name for name in _DIMS if not dataset.sizes.get(name)]
+    step = step_of(dataset)
+    missing = [name for name in (*_DIMS, step) if not dataset.sizes.get(name)]
     if missing:
         raise ValueError(f"the dataset has nothing along {missing[0]!r}")
-    data = dataset.transpose(*_DIMS, ...)
+    data = dataset.transpose(*_DIMS, step)
     shape = (
         data.sizes["fractal_dimension"], data.sizes["amplitude"], load_values.size, mu0_values.size, tau0_values.size,
     )  # fmt: skip
@@ -135,7 +152,10 @@ def _map(
                 case "contact_area":
                     values = pair.contact_area
                 case "normal_stiffness":
-                    values = np.gradient(normal, data["approach"].values, axis=1, edge_order=2)
+                    values = np.gradient(normal, data[step].values, axis=1, edge_order=2)
+                    if step == "load":
+                        own = data["approach"].values[d, a]
+                        values = values / np.gradient(own, data[step].values, axis=1, edge_order=2)
                 case _:
                     values = friction.tangential_load(pair, mu0_values[m], tau0_values[t])
             here = (d, a, slice(None), m, t)
@@ -155,6 +175,7 @@ def _map(
         "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
     }
     dims = tuple(coordinates)
+    coordinates |= {motion: data[motion].variable for motion in _MOTIONS if motion in data.coords}
     units, long_name = QUANTITIES[what]
     return xarray.Dataset(
         {

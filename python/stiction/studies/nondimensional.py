@@ -30,7 +30,8 @@ def nondimensional(
     result : xarray.Dataset
         Of `run`, `friction_map`, `area_map`, `stiffness_map`, `traverse` or `traverse_mean`.
     length : float, µm, optional
-        L; by default the length scale of the result's study. A traverse has none, so it must be given.
+        L; by default the length scale of the result's study, or the longest wavelength of self-affine surfaces. A
+        traverse has none, so it must be given.
     effective_modulus : float, GPa, optional
         E*; by default that of the result.
 
@@ -63,7 +64,7 @@ def nondimensional(
         from stiction.studies.study import study_of
 
         study = study_of(result)
-        length = float(study.surfaces.length_scale) if length is None else length
+        length = study.surfaces.longest() if length is None else length
         own_modulus: Any = float(study.contact.effective_modulus)
     else:
         own_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None
@@ -77,7 +78,7 @@ def nondimensional(
 
     def scaled(name: str, variable: xarray.Variable) -> xarray.Variable:
         units = variable.attrs.get("units", "1")
-        if units == "1":
+        if units in ("1", "degree"):
             return variable
         if units not in _SCALES:
             raise ValueError(f"{name} has the unit {units!r}, which is none of a result")

@@ -1,15 +1,25 @@
-"""The pairs of profiles that a study is of."""
+"""The pairs of bodies that a study is of."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from stiction._checks import Floats, read_only
 from stiction.studies.study import Study
-from stiction.surfaces.fractal import BandLimit, Convention, fill_family, random_phases
-from stiction.surfaces.profile import Profile, Side, scaled_profile
+from stiction.surfaces.fractal import (
+    BandLimit,
+    Convention,
+    fill_family,
+    hurst_exponent,
+    random_phases,
+    weierstrass_mandelbrot_surface,
+)
+from stiction.surfaces.profile import AmplitudeMeasure, Profile, Side, scaled_profile
+from stiction.surfaces.self_affine_surface import self_affine_surface
+from stiction.surfaces.surface import Surface, SurfaceAmplitude
 
 
 @dataclass(frozen=True)
@@ -73,7 +83,49 @@ class ProfileGenerator:
         return read_only(family[0])
 
 
-def pair_of(study: Study, repetition: int, *, fractal_dimension: float, amplitude: float) -> tuple[Profile, Profile]:
+def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
+    """One body of a study of surfaces at a fractal dimension, whatever its amplitude."""
+    surfaces = study.surfaces
+    if surfaces.generator == "self-affine":
+        longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
+        return self_affine_surface(
+            study.ensemble.seed,
+            hurst_exponent=hurst_exponent(dimension, convention="classical"),
+            rms=1.0,
+            shape=surfaces.shape,
+            spacing=surfaces.spacings(),
+            longest_wavelength=None if longest is None else float(longest),
+            shortest_wavelength=None if shortest is None else float(shortest),
+            repetition=repetition,
+            side=side,
+        )
+    phases = random_phases(
+        study.ensemble.seed,
+        repetition=repetition,
+        side=side,
+        directions=surfaces.directions,
+        frequencies=surfaces.frequencies,
+    )
+    return weierstrass_mandelbrot_surface(
+        phases,
+        dimension,
+        shape=surfaces.shape,
+        extent=surfaces.extents(),
+        length_scale=float(surfaces.length_scale),
+        gamma=surfaces.gamma,
+        convention=surfaces.convention,
+        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
+    )
+
+
+def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
+    """A surface at one of the amplitudes of its study."""
+    return surface.with_amplitude(amplitude, cast("SurfaceAmplitude", study.surfaces.amplitude_measure))
+
+
+def pair_of(
+    study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
+) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
     """One pair of a study, as `run` presses it together.
 
     Parameters
@@ -88,7 +140,8 @@ def pair_of(study: Study, repetition: int, *, fractal_dimension: float, amplitud
 
     Returns
     -------
-    upper, lower : Profile
+    upper, lower : Profile or Surface
+        As `surfaces.kind` says.
 
     Raises
     ------
@@ -103,10 +156,16 @@ def pair_of(study: Study, repetition: int, *, fractal_dimension: float, amplitud
     >>> press(upper, lower, [0.01, 0.02]).contact_count.shape
     (2,)
     """
-    generator = ProfileGenerator.of(study)
-    measure = study.surfaces.amplitude_measure
-    bodies = []
     sides: tuple[Side, Side] = ("upper", "lower")
+    if study.surfaces.kind == "surface":
+        one, other = (
+            scaled_surface(study, unscaled_surface(study, repetition, side, fractal_dimension), amplitude)
+            for side in sides
+        )
+        return one, other
+    generator = ProfileGenerator.of(study)
+    measure = cast("AmplitudeMeasure", study.surfaces.amplitude_measure)
+    bodies = []
     for side in sides:
         heights = generator.heights(fractal_dimension, repetition, side)
         bodies.append(scaled_profile(heights, generator.spacing, amplitude, measure, np.empty_like(heights)))

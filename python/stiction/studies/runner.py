@@ -8,27 +8,30 @@ import itertools
 import queue
 import socket
 import threading
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from concurrent.futures import Executor, Future
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
-from stiction.mechanics.contact import press
-from stiction.mechanics.quantities import SUMS
+from stiction.studies.dataset import empty_dataset
 from stiction.studies.executors import given_or_threads, progress_bar
-from stiction.studies.pairs import ProfileGenerator
+from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
+from stiction.studies.pressed import pressed
 from stiction.studies.study import Study, StudyError, study_from_text
-from stiction.surfaces.profile import scaled_profile
+from stiction.surfaces.profile import AmplitudeMeasure, Profile, Side, scaled_profile
+from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
 
 Sums = dict[str, NDArray[Any]]
+
+SIDES: tuple[Side, Side] = ("upper", "lower")
 
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time."""
@@ -38,16 +41,31 @@ FAMILY_MEMORY = 64_000_000
 
 
 def repetition_sums(study: Study, repetition: int) -> Sums:
-    """The sums of one repetition: each variable of `SUMS` as an array (fractal dimension, amplitude, approach)."""
+    """The sums of one repetition: each variable of a result as an array, without the dimension of repetitions."""
+    variables = empty_dataset(study, [repetition]).data_vars
+    sums: Sums = {str(name): np.empty_like(variable.values[:, :, 0]) for name, variable in variables.items()}
+    pairs = _profiles(study, repetition) if study.surfaces.kind == "profile" else _surfaces(study, repetition)
+    for place, upper, lower in pairs:
+        for name, values in pressed(study, upper, lower).items():
+            sums[name][place] = values.reshape(sums[name][place].shape)
+    return sums
+
+
+def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Surface, Surface]]:
+    """Each pair with its place (fractal dimension, amplitude)."""
+    for d, dimension in enumerate(study.surfaces.fractal_dimensions()):
+        upper, lower = (unscaled_surface(study, repetition, side, dimension) for side in SIDES)
+        for a, amplitude in enumerate(study.surfaces.amplitudes()):
+            yield (d, a), scaled_surface(study, upper, amplitude), scaled_surface(study, lower, amplitude)
+
+
+def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Profile, Profile]]:
+    """Each pair with its place (fractal dimension, amplitude); it is gone when the next one comes."""
     dimensions = study.surfaces.fractal_dimensions()
     amplitudes = study.surfaces.amplitudes()
-    approaches = study.contact.approaches()
-    model = study.contact.model()
     generator = ProfileGenerator.of(study)
     spacing = generator.spacing
-    measure = study.surfaces.amplitude_measure
-    shape = (dimensions.size, amplitudes.size, approaches.size)
-    sums: Sums = {name: np.empty(shape, np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
+    measure = cast("AmplitudeMeasure", study.surfaces.amplitude_measure)
     members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * study.surfaces.points)))
     memory = _memory((2, members + 1, study.surfaces.points))
     scratch = memory[:, -1]
@@ -58,15 +76,11 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
         generator.fill(lowers, family, repetition, "lower")
         for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
             for a, amplitude in enumerate(amplitudes):
-                curve = press(
+                yield (
+                    (d, a),
                     scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
                     scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
-                    approaches,
-                    model=model,
                 )
-                for name in SUMS:
-                    sums[name][d, a] = getattr(curve, name)
-    return sums
 
 
 def task(version: str, study: str, repetition: int) -> Sums:
@@ -125,7 +139,9 @@ def run(
     -------
     xarray.Dataset
         The variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach (µm), with their
-        units, the study's text and the version of stiction as attributes.
+        units, the study's text and the version of stiction as attributes. Of surfaces those of `SurfaceLoadCurve`; by
+        the half-space those of `HalfSpaceCurve` over load (mN) in place of approach. A list of sliding rules or of
+        directions is one more dimension, sliding or direction (degrees), of what depends on it.
 
     Raises
     ------
@@ -133,7 +149,6 @@ def run(
         If the study cannot be computed, or the store cannot be written, is another study's, is damaged, is being
         written by somebody else, or lacks repetitions and was begun by another version of stiction.
     """
-    from stiction.studies.dataset import empty_dataset
     from stiction.studies.store import opened
 
     with contextlib.ExitStack() as stack:
@@ -147,7 +162,7 @@ def run(
             if kept is not None:
                 kept.save(repetition, sums)
             for name, values in sums.items():
-                result[name].values[:, :, repetition, :] = values
+                result[name].values[:, :, repetition] = values
             advance()
     return result
 

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason, replace
 from stiction._text import named, printable
-from stiction.mechanics.quantities import SUMS
-from stiction.studies.dataset import empty_dataset
+from stiction.studies.dataset import NAMES, empty_dataset
 from stiction.studies.layout import (
     COMPLETE,
     METADATA,
@@ -172,8 +171,8 @@ class _Root:
 
 
 def _folders() -> list[str]:
-    """Directories of a store."""
-    return [*map(str, empty_dataset(Study(), []).variables), COMPLETE]
+    """Directories that a store may have."""
+    return [*NAMES, COMPLETE]
 
 
 def _check_kinds(path: Path, shown: Path) -> None:
@@ -230,14 +229,14 @@ def _loaded(
     dataset = empty_dataset(root.study, repetitions)
     dataset.attrs["stiction_version"] = root.version
     for name, coordinate in dataset.coords.items():
-        if name != "repetition":
+        if name not in ("repetition", "sliding"):
             stored = _coordinate(path, str(name), coordinate.variable)
             dataset[name] = coordinate.copy(data=stored)
-    arrays = {name: dataset[name].values for name in SUMS}
+    arrays = {str(name): dataset[name].values for name in dataset.data_vars}
     for index, repetition in enumerate(repetitions):
         if repetition in finished:
             for name, array in arrays.items():
-                file = f"{name}/{chunk(repetition)}"
+                file = f"{name}/{chunk(repetition, array.ndim)}"
                 try:
                     array[:, :, index] = decoded(path / file, array.dtype, array[:, :, index].shape)
                 except (OSError, DecodingError) as error:
@@ -285,7 +284,7 @@ class Store:
         self._identity = path.stat()
 
     def save(self, repetition: int, sums: Mapping[str, NDArray[Any]]) -> None:
-        """Store a repetition for good: each variable of `SUMS` as an array (fractal dimension, amplitude, approach).
+        """Store a repetition for good: each variable of the result, without the dimension of repetitions.
 
         Raises
         ------
@@ -294,9 +293,9 @@ class Store:
         """
         self.check_is_there()
         try:
-            for name in SUMS:
-                file = self._path / name / chunk(repetition)
-                replace(file, encoded(file, sums[name]))
+            for name, values in sums.items():
+                file = self._path / name / chunk(repetition, values.ndim + 1)
+                replace(file, encoded(file, values))
             flag = self._path / COMPLETE / f"c.{repetition}"
             replace(flag, encoded(flag, np.ones(1, np.bool_)))
         except OSError as error:

@@ -6,12 +6,13 @@ import dataclasses
 import difflib
 import itertools
 import json
+import math
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, cast, get_args
 
 import numpy as np
 from pydantic import (
@@ -28,17 +29,20 @@ from pydantic import (
     create_model,
     model_validator,
 )
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from stiction._checks import Floats
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, LONGEST_WORD, named, printable
 from stiction._units import Quantity, quantity, shortened
+from stiction.mechanics.half_space import WIDTH, Boundary
 from stiction.mechanics.law import LAWS, NAMED, Law, LawName
-from stiction.mechanics.model import ContactModel, Curvature, Detection, Shear
-from stiction.mechanics.quantities import SUMS
+from stiction.mechanics.model import ContactModel, Curvature, Detection, Direction, Shear, Sliding
+from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
 from stiction.surfaces.fractal import Convention
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
+from stiction.surfaces.spectrum import ROUND_UP
+from stiction.surfaces.surface import SurfaceAmplitude
 
 if TYPE_CHECKING:
     import xarray
@@ -92,6 +96,9 @@ Length = Annotated[Quantity, _reader("length", zero=False), _as_text]
 LengthOrZero = Annotated[Quantity, _reader("length", zero=True), _as_text]
 Modulus = Annotated[Quantity, _reader("pressure", zero=False), _as_text]
 Strength = Annotated[Quantity, _reader("pressure", zero=True), _as_text]
+Force = Annotated[Quantity, _reader("force", zero=False), _as_text]
+Share = Annotated[float, Field(ge=0, le=1)]
+Side = Annotated[int, Field(ge=FEWEST_POINTS, le=MOST_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
 Coefficient = Annotated[float, Field(ge=0)]
 
@@ -101,8 +108,81 @@ _values = (_as_tuple, Field(min_length=1, max_length=MOST_VALUES), AfterValidato
 Dimensions = Annotated[tuple[Dimension, ...], *_values]
 Lengths = Annotated[tuple[Length, ...], *_values]
 Approaches = Annotated[tuple[LengthOrZero, ...], *_values]
+Loads = Annotated[tuple[Force, ...], *_values]
 Strengths = Annotated[tuple[Strength, ...], *_values]
 Coefficients = Annotated[tuple[Coefficient, ...], *_values]
+
+
+def _several(values: tuple[Any, ...], name: str, same: Any) -> tuple[Any, ...]:
+    if not 1 <= len(values) <= MOST_VALUES:
+        raise ValueError(f"must have from 1 to {MOST_VALUES} {name}s, got {len(values)}")
+    if len({same(value) for value in values}) < len(values):
+        raise ValueError(f"must have each {name} once, got {shortened(list(values))}")
+    return values
+
+
+def _read_extent(value: object) -> Quantity | tuple[Quantity, Quantity]:
+    """A length, or two, along y and x."""
+    one: Any = _reader("length", zero=False).func
+    if not isinstance(value, (list, tuple)):
+        return one(value)  # type: ignore[no-any-return]
+    if len(value) != 2:
+        raise ValueError(f"must be a length, or of surfaces two, along y and x, got {shortened(value)}")
+    return one(value[0]), one(value[1])
+
+
+def _read_direction(value: object) -> Any:
+    """One direction, or a tuple of some."""
+
+    def one(item: object) -> str | float:
+        if isinstance(item, str) and item in ("+x", "-x"):
+            return item
+        if isinstance(item, (int, float)) and not isinstance(item, bool) and abs(item) <= MOST_DEGREES:
+            return float(item)
+        raise ValueError(
+            f'must be "+x", "-x" or degrees from {-MOST_DEGREES} to {MOST_DEGREES}, or a list of these, '
+            f"got {shortened(item)}"
+        )
+
+    if not isinstance(value, (list, tuple)):
+        return None if value is None else one(value)
+    return _several(tuple(one(item) for item in value), "direction", _degrees)
+
+
+MOST_DEGREES = 360
+"""Of a direction, to either side."""
+
+
+def _degrees(direction: Direction) -> float:
+    return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
+
+
+def _read_sliding(value: object) -> Any:
+    """One sliding rule, or a tuple of some."""
+
+    def one(item: object) -> str:
+        if item not in ("opposing", "all"):
+            raise ValueError(f'must be "opposing" or "all", or a list of both, got {shortened(item)}')
+        return str(item)
+
+    if not isinstance(value, (list, tuple)):
+        return one(value)
+    return _several(tuple(one(item) for item in value), "rule", str)
+
+
+# For the type checker an extent is one length, which those of surfaces are not: `Surfaces.extents` is for them.
+if TYPE_CHECKING:
+    Extent = Quantity
+    Directions = Direction | tuple[Direction, ...] | None
+    Rules = Sliding | tuple[Sliding, ...]
+else:
+    Extent = Annotated[
+        Any,
+        PlainValidator(_read_extent),
+        PlainSerializer(lambda value: list(map(_text, value)) if isinstance(value, tuple) else _text(value)),
+    ]
+    Directions = Annotated[Any, PlainValidator(_read_direction)]
+    Rules = Annotated[Any, PlainValidator(_read_sliding)]
 
 
 class _Table(BaseModel):
@@ -154,6 +234,25 @@ class ApproachRange(_Table):
         return np.asarray(space(float(self.start), float(self.stop), self.count), dtype=np.float64)
 
 
+class LoadRange(_Table):
+    """Normal loads, both ends included, in equal steps (linear) or ratios (geometric)."""
+
+    start: Force
+    stop: Force
+    count: int = Field(ge=1, le=MOST_VALUES)
+    spacing: Literal["linear", "geometric"] = "geometric"
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> LoadRange:
+        _check_range(self)
+        return self
+
+    def values(self) -> Floats:
+        """(count,) array, mN."""
+        space = np.geomspace if self.spacing == "geometric" else np.linspace
+        return np.asarray(space(float(self.start), float(self.stop), self.count), dtype=np.float64)
+
+
 # Which of a range or a list a value is, told before it is read, so that its faults are those of one kind.
 _RANGE, _LIST, _NAME = "a range", "a list", "a name"
 _TAGS = (_RANGE, _LIST, _NAME, *(law.name for law in LAWS))
@@ -172,29 +271,155 @@ _either = Discriminator(
 )
 
 
-def _array(values: DimensionRange | ApproachRange | tuple[float, ...]) -> Floats:
+def _array(values: DimensionRange | ApproachRange | LoadRange | tuple[float, ...]) -> Floats:
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
 # ---- Tables ---------------------------------------------------------------------------------------------------------
 
 
-class Surfaces(_Table):
-    """Pairs of fractal profiles."""
+_WM, _SELF_AFFINE = "weierstrass-mandelbrot", "self-affine"
 
+_WORDS = {
+    "profile": "profiles",
+    _WM: "Weierstrass-Mandelbrot surfaces",
+    _SELF_AFFINE: "self-affine surfaces",
+    "asperities": "asperities",
+    "half-space": "the half-space",
+}
+"""The cases that a table may be of."""
+
+_KEYS = {
+    "points": ("profile",),
+    "generator": (_WM, _SELF_AFFINE),
+    "shape": (_WM, _SELF_AFFINE),
+    "length_scale": ("profile", _WM),
+    "gamma": ("profile", _WM),
+    "directions": ("profile", _WM),
+    "frequencies": ("profile", _WM),
+    "band_limit": ("profile", _WM),
+    "longest_wavelength": (_SELF_AFFINE,),
+    "shortest_wavelength": (_SELF_AFFINE,),
+    "law": ("asperities",),
+    "detection": ("asperities",),
+    "curvature": ("asperities",),
+    "approach": ("asperities",),
+    "load": ("half-space",),
+    "boundary": ("half-space",),
+    "hardness": ("half-space",),
+    "compliance_share": ("half-space",),
+}
+"""Keys that belong to some cases only."""
+
+_LATER = {"kind": "profile", "mechanics": "asperities", "sliding": "opposing"}
+"""Keys that came later, with what studies are that do not have them: they are left out of such texts."""
+
+
+def _belongs(key: str, case: str) -> bool:
+    return case in _KEYS.get(key, (case,))
+
+
+def _check_keys(given: Mapping[str, Any], case: str) -> None:
+    for key, value in given.items():
+        if value is not None and case in _WORDS and not _belongs(key, case):
+            owners = " and ".join(_WORDS[each] for each in _KEYS[key])
+            raise PydanticCustomError("key", "belongs to {owners}, not to {case}", {
+                "key": key, "owners": owners, "case": _WORDS[case],
+            })  # fmt: skip
+
+
+def _fault_at(key: str, message: str) -> PydanticCustomError:
+    return PydanticCustomError("key", "{message}", {"key": key, "message": message})
+
+
+class Surfaces(_Table):
+    """Pairs of fractal profiles, or of surfaces."""
+
+    kind: Literal["profile", "surface"] = "profile"
+    generator: Literal["weierstrass-mandelbrot", "self-affine"] = "weierstrass-mandelbrot"
     fractal_dimension: Annotated[
         Annotated[DimensionRange, Tag(_RANGE)] | Annotated[Dimensions, Tag(_LIST)], _either
     ] = DimensionRange(start=1.0, stop=1.7, count=50)
     amplitude: Lengths = (quantity("0.1 um", "length"),)
-    amplitude_measure: AmplitudeMeasure = "height"
+    amplitude_measure: AmplitudeMeasure | SurfaceAmplitude = "height"
     length_scale: Length = quantity("1 um", "length")
-    extent: Length = quantity("40 um", "length")
+    longest_wavelength: Length | None = None
+    shortest_wavelength: Length | None = None
+    extent: Extent = quantity("40 um", "length")
     points: int = Field(default=150_000, ge=FEWEST_POINTS, le=MOST_POINTS)
+    shape: Annotated[tuple[Side, Side], _as_tuple] = (512, 512)
     gamma: float = Field(default=1.5, gt=1)
     directions: int = Field(default=40, ge=1, le=MOST_VALUES)
     frequencies: int = Field(default=40, ge=1, le=MOST_VALUES)
     convention: Convention = "paper"
     band_limit: Literal["none", "nyquist"] = "none"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_defaults_of_its_kind(cls, given: Any) -> Any:
+        if not isinstance(given, Mapping):
+            return given
+        case = _case_of(given)
+        _check_keys(given, case)
+        defaults: dict[str, Any] = {}
+        if case in (_WM, _SELF_AFFINE):
+            defaults["extent"] = ["10 um", "10 um"]
+        if case == _SELF_AFFINE:
+            defaults["convention"] = "classical"
+        return defaults | dict(given)
+
+    @model_validator(mode="after")
+    def _is_of_its_kind(self) -> Surfaces:
+        measures = AmplitudeMeasure if self.kind == "profile" else SurfaceAmplitude
+        if self.amplitude_measure not in get_args(measures):
+            allowed = ", ".join(f'"{each}"' for each in get_args(measures))
+            raise _fault_at("amplitude_measure", f'must be one of {allowed}, got "{self.amplitude_measure}"')
+        pair = isinstance(self.extent, tuple)
+        if pair != (self.kind == "surface"):
+            wanted = "one length" if pair else 'two lengths, along y and x, as in ["10 um", "10 um"]'
+            raise _fault_at("extent", f"of {_WORDS[self.case]} must be {wanted}")
+        if self.kind == "surface" and self.shape[0] * self.shape[1] > MOST_POINTS:
+            raise _fault_at("shape", f"must hold at most {MOST_POINTS} points, got {list(self.shape)}")
+        if self.case == _SELF_AFFINE:
+            if self.convention != "classical":
+                raise _fault_at(
+                    "convention", f'of self-affine surfaces must be "classical": H = 2 - D, got "{self.convention}"'
+                )
+            self._check_wavelengths()
+        return self
+
+    def _check_wavelengths(self) -> None:
+        longer, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
+        shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
+        if longest > longer * ROUND_UP:
+            raise _fault_at("longest_wavelength", f"must be at most the longer side, {longer:g} um, got {longest:g} um")
+        if shortest * ROUND_UP < finest:
+            raise _fault_at(
+                "shortest_wavelength", f"must be at least twice the larger spacing, {finest:g} um, got {shortest:g} um"
+            )
+        if not shortest < longest:
+            raise _fault_at("shortest_wavelength", f"must be below the longest, {longest:g} um, got {shortest:g} um")
+
+    @property
+    def case(self) -> str:
+        """What the surfaces are, of the three that there are."""
+        return _case_of(vars(self))
+
+    def longest(self) -> float:
+        """The longest wavelength, µm: that of Eq. 1, or of self-affine surfaces."""
+        if self.case != _SELF_AFFINE:
+            return float(self.length_scale)
+        return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
+
+    def extents(self) -> tuple[float, float]:
+        """Lengths of surfaces along y and x, µm."""
+        along_y, along_x = cast("tuple[float, float]", self.extent)
+        return float(along_y), float(along_x)
+
+    def spacings(self) -> tuple[float, float]:
+        """Distances between rows and between columns of surfaces, µm."""
+        (along_y, along_x), (rows, columns) = self.extents(), self.shape
+        return along_y / rows, along_x / columns
 
     def fractal_dimensions(self) -> Floats:
         """All values of the fractal dimension."""
@@ -203,6 +428,13 @@ class Surfaces(_Table):
     def amplitudes(self) -> Floats:
         """All amplitudes, µm."""
         return _array(self.amplitude)
+
+
+def _case_of(given: Mapping[str, Any]) -> str:
+    """What surfaces are that a table says."""
+    if given.get("kind", "profile") == "profile":
+        return "profile"
+    return str(given.get("generator", _WM))
 
 
 class LawTable(_Table):
@@ -259,24 +491,71 @@ else:
 class Contact(_Table):
     """How a pair is pressed together."""
 
+    mechanics: Literal["asperities", "half-space"] = "asperities"
     effective_modulus: Modulus = quantity("10 GPa", "pressure")
     law: LawEntry = "hertz-sphere"
     detection: Detection = "cell"
     curvature: Curvature = "convex"
     shear: Shear = "+x"
+    direction: Directions = None
+    sliding: Rules = "opposing"
     approach: Annotated[Annotated[ApproachRange, Tag(_RANGE)] | Annotated[Approaches, Tag(_LIST)], _either] = (
         ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40)
     )
 
-    def model(self) -> ContactModel:
-        """What `press` takes."""
+    load: Annotated[Annotated[LoadRange, Tag(_RANGE)] | Annotated[Loads, Tag(_LIST)], _either] = LoadRange(
+        start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8
+    )
+    boundary: Boundary = "free"
+    hardness: Modulus | None = None
+    compliance_share: Share = 0.5
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_keys_of_its_mechanics(cls, given: Any) -> Any:
+        if isinstance(given, Mapping):
+            _check_keys(given, str(given.get("mechanics", "asperities")))
+        return given
+
+    @model_validator(mode="after")
+    def _has_one_direction_of_motion(self) -> Contact:
+        if self.direction is not None and self.shear != "+x":
+            raise _fault_at("direction", f'must not be given beside shear, got "{self.shear}" for that')
+        return self
+
+    def model(self, sliding: Sliding | None = None) -> ContactModel:
+        """What `press` takes, under one of the sliding rules, by default the first."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(),
             detection=self.detection,
             curvature=self.curvature,
             shear=self.shear,
+            direction=self.direction,
+            sliding=sliding or self.rules()[0],
         )
+
+    def rules(self) -> tuple[Sliding, ...]:
+        """Every sliding rule."""
+        return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
+
+    def ways(self) -> tuple[Direction, ...]:
+        """Every direction, whichever key says it."""
+        given = self.shear if self.direction is None else self.direction
+        return given if isinstance(given, tuple) else (given,)
+
+    def degrees(self) -> Floats:
+        """Every direction, from +x towards +y."""
+        return np.array([_degrees(way) for way in self.ways()])
+
+    @property
+    def step(self) -> str:
+        """What a pair is pressed to, one after the other: "approach" or "load"."""
+        return "approach" if self.mechanics == "asperities" else "load"
+
+    def steps(self) -> Floats:
+        """All approaches (µm) or loads (mN)."""
+        return _array(self.approach if self.mechanics == "asperities" else self.load)
 
     def approaches(self) -> Floats:
         """All approaches, µm."""
@@ -317,7 +596,8 @@ class Study(_Table):
     """A study: which pairs of surfaces, how they are pressed, over which parameters.
 
     Tables left out, and keys left out of tables, take the values of the paper's Fig. 6. Quantities are
-    "number unit" in files and plain numbers in core units (µm, GPa) inside.
+    "number unit" in files and plain numbers in core units (µm, GPa, mN) inside. Keys belong to a kind of surfaces or
+    of mechanics; those of another kind are refused.
 
     Examples
     --------
@@ -333,6 +613,42 @@ class Study(_Table):
     ensemble: Ensemble = Ensemble()
     figures: Figures = Figures()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _with_defaults_of_its_surfaces(cls, given: Any) -> Any:
+        """On surfaces contacts are gap minima, and whatever is relatively convex touches."""
+        if not isinstance(given, Mapping):
+            return given
+        surfaces, contact = given.get("surfaces", {}), given.get("contact", {})
+        if isinstance(contact, Contact):
+            contact = {name: getattr(contact, name) for name in contact.model_fields_set}
+        kind = getattr(surfaces, "kind", None) or (surfaces.get("kind") if isinstance(surfaces, Mapping) else None)
+        if kind != "surface" or not isinstance(contact, Mapping) or contact.get("mechanics") == "half-space":
+            return given
+        return {**given, "contact": {"detection": "gap-minimum", "curvature": "signed"} | dict(contact)}
+
+    @model_validator(mode="after")
+    def _goes_together(self) -> Study:
+        contact, on_profiles = self.contact, self.surfaces.kind == "profile"
+        if on_profiles and not (contact.direction is None or contact.direction in ("+x", "-x")):
+            raise ValueError(
+                f'contact.direction: must be "+x" or "-x" on profiles, got {shortened(_plain(contact.direction))}'
+            )
+        if not on_profiles:
+            if drawn := [name for name in self.figures.draw if name not in ("friction", "area")]:
+                raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')
+            if contact.mechanics == "asperities":
+                try:
+                    contact.model().for_surfaces()
+                except ValueError as error:
+                    raise ValueError(f"contact.{error}") from None
+        if contact.hardness is not None:
+            area = float(self.surfaces.extent) * WIDTH if on_profiles else float(np.prod(self.surfaces.extents()))
+            most = float(contact.hardness) * area
+            if not contact.steps()[-1] < most:
+                raise ValueError(f"contact.load: must be below hardness times area, {most:g} mN")
+        return self
+
     @model_validator(mode="after")
     def _fits(self) -> Study:
         harmonics = self.surfaces.directions * self.surfaces.frequencies
@@ -341,13 +657,29 @@ class Study(_Table):
                 f"surfaces.directions times surfaces.frequencies must be at most {MOST_HARMONICS}, got {harmonics}"
             )
         pairs = self.surfaces.fractal_dimensions().size * self.surfaces.amplitudes().size * self.ensemble.repetitions
-        size = 8 * len(SUMS) * pairs * self.contact.approaches().size
+        curves = sum(math.prod(map(len, self.motions().values())) if name in DIRECTED else 1 for name in self.sums())
+        size = 8 * curves * pairs * self.contact.steps().size
         if size > MOST_MEMORY:
             raise ValueError(
                 f"the result would take {size / 2**30:.0f} GiB, more than {MOST_MEMORY / 2**30:.0f}: take fewer "
-                "ensemble.repetitions, contact.approach, surfaces.fractal_dimension or surfaces.amplitude"
+                f"ensemble.repetitions, contact.{self.contact.step}, surfaces.fractal_dimension or surfaces.amplitude"
             )
         return self
+
+    def sums(self) -> tuple[str, ...]:
+        """Names of what a result of the study has of each pair at each approach or load."""
+        if self.contact.mechanics == "half-space":
+            return HALF_SPACE_SUMS
+        return SUMS if self.surfaces.kind == "profile" else SUMS + AREAL_SUMS
+
+    def motions(self) -> dict[str, list[Any]]:
+        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
+        lists: dict[str, list[Any]] = {}
+        if isinstance(self.contact.sliding, tuple):
+            lists["sliding"] = list(self.contact.sliding)
+        if isinstance(self.contact.direction, tuple):
+            lists["direction"] = self.contact.degrees().tolist()
+        return lists
 
     @classmethod
     def named(cls, name: str) -> Study:
@@ -394,7 +726,9 @@ class Study(_Table):
         StudyError
             If a key is unknown or a value impossible.
         """
-        data = self.model_dump()
+        data = self._written()
+        if changes.keys() & {"surfaces.kind", "surfaces.generator", "contact.mechanics"}:
+            data = self._of_another_kind(changes)
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
@@ -408,12 +742,48 @@ class Study(_Table):
         return _validated(data, "changes")
 
     def to_toml(self) -> str:
-        """The whole study as TOML, every key written out; `Study.from_toml` reads it back equal."""
+        """The whole study as TOML, with every key that it has; `Study.from_toml` reads it back equal."""
         tables = []
-        for name, table in self.model_dump().items():
+        for name, table in self._written().items():
             lines = [f"{key} = {_toml(value)}" for key, value in table.items()]
             tables.append("\n".join([f"[{name}]", *lines]) + "\n")
         return "\n".join(tables)
+
+    def _of_another_kind(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """All keys with the defaults of the new kind, but for what differs from those of the old one and belongs."""
+        old: dict[str, dict[str, Any]] = {
+            "surfaces": {"kind": self.surfaces.kind, "generator": self.surfaces.generator},
+            "contact": {"mechanics": self.contact.mechanics},
+        }
+        new = {
+            section: {key: changes.get(f"{section}.{key}", value) for key, value in table.items()}
+            for section, table in old.items()
+        }
+        for tables in (old, new):
+            if tables["surfaces"]["kind"] == "profile":
+                del tables["surfaces"]["generator"]
+        before, fresh = (_validated(tables, "changes") for tables in (old, new))
+        cases = {"surfaces": fresh.surfaces.case, "contact": fresh.contact.mechanics}
+        was, written = before._written(), fresh._written()
+        for section, table in self._written().items():
+            for key, value in table.items():
+                if was[section].get(key) != value and _belongs(key, cases.get(section, "")):
+                    written[section][key] = value
+        return written
+
+    def _written(self) -> dict[str, dict[str, Any]]:
+        """Every key of each table but those of other kinds, those that are not given, and those that came later."""
+        cases = {"surfaces": self.surfaces.case, "contact": self.contact.mechanics}
+        return {
+            name: {
+                key: value
+                for key, value in table.items()
+                if value is not None
+                and _belongs(key, cases.get(name, ""))
+                and (key not in _LATER or value != _LATER[key])
+            }
+            for name, table in self.model_dump().items()
+        }
 
 
 _LIBRARY = resources.files("stiction.studies") / "library"
@@ -461,6 +831,8 @@ def _differences(one: _Table, other: _Table, prefix: str) -> Iterator[tuple[str,
 
 def _toml(value: Any) -> str:
     match value:
+        case None:
+            return "none"
         case str():
             return json.dumps(value, ensure_ascii=False)
         case int():
@@ -521,6 +893,8 @@ def _validated(data: Mapping[str, Any], source: str) -> Study:
 def _fault(fault: ErrorDetails) -> str:
     location = [part for part in fault["loc"] if part not in _TAGS]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
+    if fault["type"] == "key":
+        key += f".{fault['ctx']['key']}"
     key = printable(key)
     if fault["type"] == "extra_forbidden":
         return f"{key}: unknown key{_suggestion(location)}"
@@ -529,9 +903,13 @@ def _fault(fault: ErrorDetails) -> str:
         message = "must be a table"
     if fault["type"] == "tuple_type":
         message = "must be a list"
-    if fault["type"] not in ("value_error", "missing", "range_or_list", "law", "too_short", "too_long"):
+    if fault["type"] not in ("value_error", "missing", "range_or_list", "law", "key", "too_short", "too_long"):
         message = f"{message[0].lower()}{message[1:]}, got {shortened(fault['input'])}"
     return f"{key}: {message}" if key else message
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _suggestion(location: list[int | str]) -> str:

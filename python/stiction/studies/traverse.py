@@ -92,7 +92,7 @@ def traverse(
     **contact
         effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
         given, because contacts of a single position must not depend on the grid. `shear` is both. Of surfaces also
-        `direction`, by default 0, 90, 180 and 270 degrees.
+        `direction`, by default 0, 90, 180 and 270 degrees, and a single mu0 and tau0.
 
     Returns
     -------
@@ -140,9 +140,11 @@ def traverse(
         raise ValueError(f"upper and lower must be as many profiles, got {len(uppers)} and {len(lowers)}")
     if len({(len(each), each.spacing) for each in uppers}) > 1:
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
-    if "shear" in contact:
-        raise ValueError("shear must not be given: a traverse has both directions")
-    model = model_of(contact, ContactModel(detection="gap-minimum")).for_profiles()
+    for name in ("shear", "direction"):
+        if name in contact:
+            raise ValueError(f"{name} must not be given: a traverse of profiles has both directions")
+    model = model_of(contact)
+    model = replace(model, detection=model.detection or "gap-minimum").for_profiles()
     load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
@@ -209,6 +211,7 @@ def traverse(
             "detection": model.detection,
             "law": str(model.law),
             "curvature": model.curvature,
+            "sliding": model.sliding,
             "upper": "\n".join(uppers[0].history),
             "lower": "\n".join(lowers[0].history),
             "stiction_version": __version__,
@@ -246,7 +249,10 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0
         low, before, behind, high = place.reshape(len(shares), ok.size)
         curve = bodies.pressed(steps, directed)
         normal = friction.normal_load(curve, *material)
-        at = _across(curve, before, behind, (loads[ok] - normal[before], normal[behind] - normal[before]))
+        rise = loads[ok] - normal[before], normal[behind] - normal[before]
+        at = rubbing = _across(curve, before, behind, rise)
+        if model.sliding != "opposing":
+            rubbing = _across(bodies.pressed(steps, replace(directed, sliding="opposing")), before, behind, rise)
         tangential = friction.tangential_load(at, *material)
         row_values = {
             "friction_coefficient": tangential / loads[ok],
@@ -256,7 +262,7 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0
             "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
             "approach": there,
             # t_x of an opposing contact is -σ n_z, so this sum per unit mu0 is their F n_z.
-            "share_opposing": at.tangential_frictional / at.normal_elastic,
+            "share_opposing": rubbing.tangential_frictional / rubbing.normal_elastic,
             **vars(Validity.of(at)),
         }
         for name, value in row_values.items():
@@ -277,7 +283,7 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     Parameters
     ----------
     result : xarray.Dataset
-        What `traverse` returns.
+        What `traverse` returns of profiles.
 
     Returns
     -------
@@ -301,6 +307,8 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     import xarray
 
     others = tuple(name for name in ("mu0", "tau0") if name in result.dims)
+    if "direction" in result.dims:
+        raise ValueError("result must be a traverse of profiles, got one of surfaces")
     data = result.transpose("shear", "load", *others, "line", "offset")
     shape = tuple(data.sizes[name] for name in ("shear", "load", *others))
     ok = data["status"].values == friction.STATUS_OK

@@ -115,8 +115,8 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
     >>> from stiction import Surface, surface_parameters
     >>> grooves = np.sin(2 * np.pi * np.arange(100) / 20) + np.zeros((50, 1))  # that run along y
     >>> found = surface_parameters(Surface(grooves, spacing=0.5))
-    >>> round(found.Sq, 6), found.Std, round(found.Smr1 + found.Smr2, 6)
-    (0.707107, 1.0, 1.0)
+    >>> round(found.Sq, 6), found.Std, round(found.Sku, 6)
+    (0.707107, 0.0, 1.5)
     """
     choice("derivative", derivative, Derivative)
     refuse_flat(surface)
@@ -263,9 +263,9 @@ def _bilinear(correlation: Floats, y: Floats, x: Floats) -> Floats:
 def _texture_direction(surface: Surface) -> float:
     q, angle, density = surface_spectrum(surface).waves()
     kept = q > 2.5 * 2 * math.pi / max(surface.extent)
-    sector = (angle[kept] * _SECTORS / 180).astype(np.intp) % _SECTORS
+    sector = np.rint(angle[kept] * _SECTORS / 180).astype(np.intp) % _SECTORS
     power = np.bincount(sector, density[kept], minlength=_SECTORS)
-    return float((int(np.argmax(power)) + 0.5) * 180 / _SECTORS)
+    return float(int(np.argmax(power)) * 180 / _SECTORS)
 
 
 def _core_line(deviation: Floats) -> tuple[float, float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction.mechanics.friction import STATUS_SELF_LOCKED
+from stiction.studies.dataset import step_of
 from stiction.studies.maps import area_map, friction_map
 from stiction.studies.pairs import ProfileGenerator, pair_of
 from stiction.studies.study import Study, study_of
@@ -61,7 +63,8 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
 
     ``profiles.png``: profiles of several fractal dimensions. ``length_scales.png``: profiles and areal surfaces of
     three length scales. ``friction_mu0_*.png``: the friction coefficient over fractal dimension and load, a file for
-    each mu0. ``area.png``: the true contact area against load.
+    each mu0. ``area.png``: the true contact area against load. Of several sliding rules or directions each has files
+    of its own, as in ``friction_mu0_0.4_all_90.png``.
     """
     import matplotlib as mpl
 
@@ -77,11 +80,14 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
                     paths.append(_save(length_scales_figure(study), directory / "length_scales.png"))
                 case "friction":
                     paths += [
-                        _save(friction_figure(dataset, mu0), directory / f"friction_mu0_{mu0:.12g}.png")
+                        _save(friction_figure(one, mu0), directory / f"friction_mu0_{mu0:.12g}{suffix}.png")
+                        for suffix, one in _motions(dataset)
                         for mu0 in study.friction.mu0
                     ]
                 case "area":
-                    paths.append(_save(area_figure(dataset), directory / "area.png"))
+                    paths += [
+                        _save(area_figure(one), directory / f"area{suffix}.png") for suffix, one in _motions(dataset)
+                    ]
     return paths
 
 
@@ -108,22 +114,46 @@ def _save(figure: Figure, path: Path) -> Path:
     return path
 
 
-def _say_if_unfinished(figure: Figure, dataset: xarray.Dataset, study: Study) -> None:
+def _motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
+    """The result of each sliding rule and direction, and what its files are called by."""
+    dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
+    for place in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
+        one = dataset.isel(dict(zip(dims, place, strict=True)))
+        names = [f"{one[dim].item():g}" if dim == "direction" else str(one[dim].item()) for dim in dims]
+        yield "".join(f"_{name}" for name in names), one
+
+
+def _title(figure: Figure, dataset: xarray.Dataset, study: Study) -> None:
+    """Above a figure: how the bodies move, unless they are profiles as the paper has them; and what is missing."""
+    contact = study.contact
+    rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
+    angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
+    lines = []
+    if study.surfaces.kind == "surface" or contact.mechanics == "half-space" or rule != "opposing":
+        mechanics = "half-space, " if contact.mechanics == "half-space" else ""
+        lines.append(f"{mechanics}sliding: {rule}, along {_way(angle)}")
     done, total = dataset.sizes["repetition"], study.ensemble.repetitions
     if done < total:
-        figure.suptitle(f"unfinished: {done} of {total} repetitions", fontsize=8)
+        lines.append(f"unfinished: {done} of {total} repetitions")
+    if lines:
+        figure.suptitle("\n".join(lines), fontsize=8)
+
+
+def _way(angle: float) -> str:
+    return {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}.get(angle, f"{angle:g}° from $+x$")
 
 
 def reached_loads(dataset: xarray.Dataset, steps: int = LOAD_STEPS) -> Floats:
     """Loads in equal ratios (mN), from what the lightest approach carries to the most that any ensemble reaches.
 
-    The lower end is the largest of the ensembles' loads at the first approach, so that none of them starts above it.
+    The lower end is the largest of the ensembles' loads at the first approach (or load, by the half-space), so that
+    none of them starts above it.
     """
     elastic = dataset["normal_elastic"].mean("repetition")
     highest = float(elastic.max())
     if not highest > 0:
         raise ValueError("no pair of this result touches within its approaches, so there is nothing to draw")
-    lowest = float(elastic.isel(approach=0).max())
+    lowest = float(elastic.isel({step_of(dataset): 0}).max())
     if not 1e-6 * highest < lowest < 0.5 * highest:
         lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
     return np.geomspace(lowest, highest, steps)
@@ -253,8 +283,12 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     ticks = _ticks(norm)
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
-    _say_if_unfinished(figure, dataset, study)
-    _friction_legend(figure, locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()))
+    _title(figure, dataset, study)
+    _friction_legend(
+        figure,
+        locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()),
+        asperities=study.contact.mechanics == "asperities",
+    )
     return figure
 
 
@@ -289,7 +323,9 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     locked = np.ma.masked_where(status != STATUS_SELF_LOCKED, np.ones(status.shape))
     axes.pcolormesh(*edges, locked, cmap=ListedColormap([_LOCKED_COLOUR]), rasterized=True)
-    mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values), norm=norm, cmap="viridis", rasterized=True)
+    # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
+    shown = np.ma.masked_invalid(np.maximum(values, norm.vmin))
+    mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
     if min(values.shape) > 1:
         for name, style, _ in _VALIDITY_LINES:
             share = np.ma.masked_invalid(panel[name].values)
@@ -313,16 +349,18 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
-def _friction_legend(figure: Figure, *, locked: bool) -> None:
+def _friction_legend(figure: Figure, *, locked: bool, asperities: bool) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles = [_not_reached_patch((0, 0), 1, 1, label="load not reached")]
     if locked:
         handles.append(Patch(facecolor=_LOCKED_COLOUR, label=r"self-locked: $F_N \leq 0$"))
-    handles += [
-        Line2D([], [], color="0.4", linestyle=style, linewidth=1, label=label) for _, style, label in _VALIDITY_LINES
-    ]
+    if asperities:
+        handles += [
+            Line2D([], [], color="0.4", linestyle=style, linewidth=1, label=label)
+            for _, style, label in _VALIDITY_LINES
+        ]
     figure.legend(handles=handles, loc="outside lower center")
 
 
@@ -346,6 +384,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     shown = _some(dataset.sizes["fractal_dimension"], MOST_CURVES)
     areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=float(tau0))
     areas = areas.isel(mu0=0, tau0=0)
+    exact = study.contact.mechanics == "half-space"
     amplitudes = areas["amplitude"].values
     figure = Figure(figsize=(WIDTH, 102 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, amplitudes.size, squeeze=False, sharex=True, sharey="row")
@@ -355,7 +394,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
             line = areas.isel(amplitude=column, fractal_dimension=curve)
             load = line["load"].values
             label = f"{float(line['fractal_dimension']):.2f}"
-            trusted = line["share_beyond_hertz"].values <= SHARE_LIMIT
+            trusted = exact | (line["share_beyond_hertz"].values <= SHARE_LIMIT)
             for ax, scale in zip(axes[:, column], (1.0, 1 / load), strict=True):
                 area = scale * line["contact_area"].values
                 ax.plot(load, area, ":", color=colour, linewidth=0.8)
@@ -373,11 +412,11 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     axes[0, 0].set_ylabel("true contact area $A$ (µm²)")
     axes[1, 0].set_ylabel("$A / F_N$ (µm²/mN)")
     axes[1, amplitudes.size // 2].set_xlabel("normal load $F_N$ (mN)")
-    _say_if_unfinished(figure, dataset, study)
+    _title(figure, dataset, study)
     figure.legend(
         *axes[0, 0].get_legend_handles_labels(),
-        title=f"{_dimension_label(dataset)}, at $\\mu_0$ = {mu0:g}, $\\tau_0$ = {tau0.text}; shaded: 95 %;\n"
-        "dotted: more than half of the load on overlaps $> R/10$",
+        title=f"{_dimension_label(dataset)}, at $\\mu_0$ = {mu0:g}, $\\tau_0$ = {tau0.text}; shaded: 95 %"
+        + ("" if exact else "\ndotted: more than half of the load on overlaps $> R/10$"),
         loc="outside lower center",
         ncols=4,
     )

@@ -45,6 +45,10 @@ _RULE = """\
 Contacts that do not oppose the motion rub nothing (the paper's rule). Without adhesion and steep slopes the coefficient
 is mu0 times the share of the load that opposes: about half, so about mu0/2."""
 
+_LEVEL = """\
+No load opposes the motion: the contacts are level, as those of a rough body on a flat are, and by the paper's rule
+level contacts carry no friction. What rubs on a flat is mu0 + tau0 A/F_N."""
+
 HIGHEST_MU0 = 2.0
 """Above it a molecular friction coefficient is a slip: clean metals in vacuum come near."""
 
@@ -91,8 +95,8 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
             continue
         lines += _table(there, at, positions)
         told = True
-    if told:
-        lines += ["", _RULE]
+    if told and result.attrs["sliding"] == "opposing":
+        lines += ["", _RULE if float(result["share_opposing"].max()) > 0 else _LEVEL]
     return "\n".join(lines) + "\n"
 
 

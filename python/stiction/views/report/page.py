@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from importlib import metadata, resources
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -126,6 +126,15 @@ def report_page(dataset: xarray.Dataset) -> str:
     """
     plotly = _plotly()
     study = study_of(dataset)
+    if (
+        study.surfaces.kind != "profile"
+        or study.contact.mechanics != "asperities"
+        or study.contact.sliding != "opposing"
+    ):
+        raise ReportError(
+            "a page is of profiles that touch at asperities by the sliding rule 'opposing', and this study is not: "
+            "`stiction plot` draws its figures"
+        )
     data = _checked(dataset)
     has_intervals = data.sizes["repetition"] > 1 and data["normal_elastic"].size * len(PER_REPETITION) <= MOST_SUMS
     example = _Example.of(data, study)
@@ -241,7 +250,7 @@ def _facts(data: xarray.Dataset, study: Study, has_intervals: bool) -> dict[str,
         "mu0Most": max(1.0, mu0[-1]),
         "tau0Most": max(tau0[-1], 20 * modulus),  # MPa: a fiftieth of the modulus
         "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * modulus,
-        "shear": 1 if study.contact.shear == "+x" else -1,
+        "shear": 1 if study.contact.ways() == ("+x",) else -1,
     }
 
 
@@ -318,7 +327,8 @@ def _windows(study: Study, dimensions: Floats, amplitude: float) -> Iterator[tup
     Scaled to another amplitude they touch at the same point.
     """
     for dimension in dimensions:
-        upper, lower = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
+        pair = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
+        upper, lower = cast("tuple[Profile, Profile]", pair)
         touch = int(np.argmin(upper.heights - lower.heights))
         start = max(0, min(touch - WINDOW // 2, len(lower) - WINDOW))
         crop = max(0, start - MARGIN)

@@ -1,0 +1,69 @@
+"""One pair of a study pressed together, to every approach or load, along every direction, by every sliding rule."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.mechanics.candidates import candidates
+from stiction.mechanics.contact import LoadCurve, press
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space
+from stiction.mechanics.quantities import DIRECTED
+from stiction.studies.study import Study
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+
+def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> dict[str, NDArray[Any]]:
+    """Each sum of a study as an array (steps,), or of those that depend on the motion ([rules], [directions], steps).
+
+    Raises
+    ------
+    ValueError
+        If a load has no solution by the half-space.
+    """
+    curves = list(_curves(study, upper, lower))
+    return {
+        name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
+        for name in study.sums()
+    }
+
+
+def _curves(
+    study: Study, upper: Profile | Surface, lower: Profile | Surface
+) -> Iterator[LoadCurve] | Iterator[HalfSpaceCurve]:
+    """One for each sliding rule."""
+    contact = study.contact
+    if contact.mechanics == "half-space":
+        return _half_spaces(study, upper, lower)
+    models = (contact.model(rule) for rule in contact.rules())
+    if isinstance(upper, Surface) or isinstance(lower, Surface):
+        deepest = float(contact.steps()[-1])
+        found = candidates(upper, lower, deepest=deepest, curvature=contact.curvature)
+        return (press(found, contact.steps(), model=model) for model in models)
+    return (press(upper, lower, contact.steps(), model=model) for model in models)
+
+
+def _half_spaces(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Iterator[HalfSpaceCurve]:
+    contact = study.contact
+    rules = contact.rules()
+    try:
+        curve = half_space(
+            upper,
+            lower,
+            contact.steps(),
+            effective_modulus=float(contact.effective_modulus),
+            boundary=contact.boundary,
+            compliance_share=contact.compliance_share,
+            hardness=None if contact.hardness is None else float(contact.hardness),
+            direction=contact.ways() if isinstance(contact.direction, tuple) else contact.ways()[0],
+            sliding=rules[0],
+        )
+    except RuntimeError as error:
+        raise ValueError(f"the half-space has {error}") from None
+    yield curve
+    for rule in rules[1:]:
+        yield curve.with_sliding(rule)
