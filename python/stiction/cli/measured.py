@@ -16,7 +16,7 @@ from stiction._units import quantity
 from stiction.cli.application import app, say, tell
 from stiction.cli.map_pair import chosen_mechanics, draw_map_pair, prepared, press_areas, show_map_pair
 from stiction.mechanics.closed_forms import effective_modulus as _effective_modulus
-from stiction.mechanics.law import JacksonGreen
+from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.map_pair import SHIFTS
 from stiction.studies.map_pair import TITLE as MAP_PAIR
 from stiction.surfaces.measured.reading import read_measurement
@@ -554,7 +554,10 @@ def _elasticity(modulus: str | None, young: str | None, poisson: str | None, law
 
 def _law(law: str, yield_strength: str | None, hardness: str | None, ratio: float | None) -> Any:
     """A contact law by its name and the options that it needs."""
-    yields = law == "jackson-green"
+    names = [*NAMED, JacksonGreen.name]
+    if law not in names:
+        raise ValueError(f"--law must be one of {', '.join(names)}, got {law!r}")
+    yields = law == JacksonGreen.name
     _refuse("--yield-strength", yield_strength, "is for --law jackson-green", yields)
     _refuse("--hardness", hardness, "is for --law jackson-green", yields)
     if not yields:

@@ -267,7 +267,7 @@ def half_space(
     ValueError
         If the grids differ or an argument is outside its range.
     RuntimeError
-        If a load's error does not reach the tolerance: below about 1e-12 round-off does not let it.
+        If a load's error does not reach the tolerance.
 
     Notes
     -----
