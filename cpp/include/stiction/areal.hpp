@@ -109,8 +109,7 @@ std::vector<Contact> contacts(const ArealCandidates& found, double approach, con
 /// row by row. Directions are horizontal unit vectors. HertzSphere is taken on the ellipse, other laws of spheres
 /// on the sphere of the mean radius; HertzCylinder is refused. Throws std::invalid_argument.
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const Law& law,
-                             std::span<const Vector2> directions, Sliding sliding,
-                             const Checkpoint& checkpoint = {});
+                             std::span<const Vector2> directions, Sliding sliding, const Checkpoint& checkpoint = {});
 
 /// The same in the one direction of a model, of which it takes the law and the sliding rule as well.
 std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,
