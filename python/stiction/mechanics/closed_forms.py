@@ -276,7 +276,7 @@ def westergaard_gap(
 
     Notes
     -----
-    With s = |sin(πx/λ)| and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its slope,
+    With s the magnitude of sin(πx/λ) and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its slope,
     4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
     """
     sine, _, p, full, d = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)

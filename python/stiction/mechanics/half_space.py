@@ -271,7 +271,8 @@ def half_space(
 
     Notes
     -----
-    Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0, p g = 0 and û(k) = 2/(E* |k|) p̂(k) (Johnson, Contact Mechanics,
+    Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0, p g = 0 and, k being the length of
+    a wave vector, û = 2/(E* k) p̂ (Johnson, Contact Mechanics,
     1985, sections 2.3, 3.2 and 13.2). `scipy.fft.set_workers` says how many threads the transforms of areas use.
 
     Examples

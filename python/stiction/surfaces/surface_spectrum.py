@@ -24,7 +24,7 @@ class RadialSpectrum:
     Attributes
     ----------
     wave_number : (n,) ndarray of float, 1/µm
-        |q| = 2π / wavelength, rising; the geometric mean of those in a bin.
+        Their lengths, 2π / wavelength, rising; the geometric mean of those in a bin.
     density : (n,) ndarray of float, µm⁴
         C2D, the mean over the bin.
     count : (n,) ndarray of float
