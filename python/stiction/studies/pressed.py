@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import LoadCurve, press
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
+from stiction.mechanics.model import ContactModel
 from stiction.mechanics.quantities import DIRECTED
-from stiction.studies.study import Study
+from stiction.studies.study import Contact, Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -39,12 +42,24 @@ def _curves(
     contact = study.contact
     if contact.mechanics == "half-space":
         return _half_spaces(study, upper, lower)
-    models = (contact.model(rule) for rule in contact.rules())
+    models, steps = _models(contact), _steps(contact)
     if isinstance(upper, Surface) or isinstance(lower, Surface):
-        deepest = float(contact.steps()[-1])
-        found = candidates(upper, lower, deepest=deepest, curvature=contact.curvature)
-        return (press(found, contact.steps(), model=model) for model in models)
-    return (press(upper, lower, contact.steps(), model=model) for model in models)
+        found = candidates(upper, lower, deepest=float(steps[-1]), curvature=contact.curvature)
+        return (press(found, steps, model=model) for model in models)
+    return (press(upper, lower, steps, model=model) for model in models)
+
+
+# A study presses thousands of pairs alike, and to make these takes as long as a tenth of a pair.
+
+
+@functools.lru_cache(maxsize=4)
+def _models(contact: Contact) -> tuple[ContactModel, ...]:
+    return tuple(contact.model(rule) for rule in contact.rules())
+
+
+@functools.lru_cache(maxsize=4)
+def _steps(contact: Contact) -> Floats:
+    return read_only(contact.steps())
 
 
 def _half_spaces(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Iterator[HalfSpaceCurve]:
