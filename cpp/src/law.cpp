@@ -14,11 +14,6 @@ namespace stiction {
 
 using std::numbers::pi;
 
-ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
-  const double radius = radii.mean();
-  return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, pi * radius * overlap};
-}
-
 Vector2 HertzSphere::semi_axes(double overlap, const Radii& radii) const {
   return Vector2::Constant(std::sqrt(radii.mean() * overlap));
 }

@@ -8,8 +8,10 @@
 #include "stiction/encounter.hpp"
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -91,5 +93,11 @@ Law law(std::string_view name, const std::map<std::string, double>& parameters);
 
 /// Throws std::invalid_argument naming a parameter that is out of its range.
 void check(const Law& law);
+
+// Here, because it is called at every contact and every approach: out of line it costs 6 % of all.
+inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
+  const double radius = radii.mean();
+  return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};
+}
 
 }  // namespace stiction
