@@ -24,7 +24,8 @@ from stiction.mechanics.half_space import half_space
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
 from stiction.studies import store
 from stiction.studies.claims import ClaimsError, check
-from stiction.studies.study import StudyError, study_from_text
+from stiction.studies.study import study_from_text
+from stiction.studies.study_text import StudyError
 from stiction.views.figures import save_figures
 from stiction.views.report.page import ReportError, report_page
 

@@ -7,7 +7,7 @@ from stiction import Study, run
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import cluster, runner
 from stiction.studies.cluster import ClusterError
-from stiction.studies.study import StudyError
+from stiction.studies.study_text import StudyError
 
 distributed = pytest.importorskip("distributed")
 # distributed leaves sockets and loops to the collector.

@@ -11,7 +11,7 @@ from stiction import Study, run
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import runner
 from stiction.studies.processes import MOST_DEATHS, WorkerError, processes
-from stiction.studies.study import StudyError
+from stiction.studies.study_text import StudyError
 
 STUDY = Study().with_changes(
     {

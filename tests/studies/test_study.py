@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, study_names
 from stiction._units import quantity
-from stiction.studies.study import StudyError
+from stiction.studies.study_text import StudyError
 
 
 class TestQuantities:

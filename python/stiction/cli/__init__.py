@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from stiction.cli import measured, studies  # noqa: F401, each adds its commands
+from stiction.cli import characterise, pair, studies  # noqa: F401, each adds its commands
 from stiction.cli.application import start
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from stiction.cli.application import say, tell
+from stiction.cli.options import check_directory
 from stiction.mechanics.half_space import half_space
 from stiction.studies.executors import available_cores
 from stiction.studies.map_pair import (
     COMPASS,
-    SHIFTS,
     displacements,
     overlap_area,
     pressed_maps,
@@ -23,8 +23,6 @@ from stiction.studies.map_pair import (
 )
 from stiction.surfaces.preparation import levelled, on_common_grid, rotated, turned_over
 from stiction.surfaces.surface import Surface
-
-MECHANICS = ("half-space", "asperities")
 
 AROUND = 10**0.5
 """Ratio of a load that is asked for to those that are solved below and above it, for a curve."""
@@ -41,15 +39,6 @@ def prepared(upper: Surface, lower: Surface, *, level: str | None, angle: float 
     return on_common_grid(turned_over(above), below)
 
 
-def chosen_mechanics(mechanics: str | None, *, check: bool) -> tuple[str, ...]:
-    """Which are computed."""
-    if mechanics is not None and mechanics not in MECHANICS:
-        raise ValueError(f"--mechanics must be half-space or asperities, got {mechanics!r}")
-    if check and mechanics is not None:
-        raise ValueError(f"--check presses by both, so --mechanics {mechanics} must not be given beside it")
-    return MECHANICS if check else (mechanics or "half-space",)
-
-
 def press_areas(
     upper: Surface,
     lower: Surface,
@@ -62,7 +51,7 @@ def press_areas(
     compliance_share: float,
     hardness: float | None,
     directions: list[float] | None,
-    shifts: int | None,
+    shifts: int,
     files: str,
     output: Path,
     table: Path,
@@ -79,17 +68,17 @@ def press_areas(
     loads = [amount * (area if per_area else 1.0) for amount, per_area in wanted]
     if hardness is not None and max(loads) >= hardness * area:
         raise ValueError(f"--load must be below the hardness times the area, {hardness * area:.4g} mN")
-    count = SHIFTS if shifts is None else shifts
+    check_directory(output, table, replace=replace)
     around = _loads_around(loads, None if hardness is None else hardness * area)
     elastic: dict[str, Any] = {"effective_modulus": effective_modulus, "compliance_share": compliance_share}
     bodies = {"upper": upper, "lower": lower}
     for sentence in views.map_doubts(bodies, loads, area, mu0=mu0, effective_modulus=effective_modulus):
         say(sentence)
     if "half-space" in mechanics:
-        _say_what_it_costs(upper, lower, around[-1], count, len(around), **elastic, hardness=hardness)
+        _say_what_it_costs(upper, lower, around[-1], shifts, len(around), **elastic, hardness=hardness)
     results = [
         pressed_maps(
-            upper, lower, around, mu0=mu0, tau0=tau0, shifts=count,
+            upper, lower, around, mu0=mu0, tau0=tau0, shifts=shifts,
             directions=COMPASS if directions is None else directions, mechanics=each,  # type: ignore[arg-type]
             hardness=hardness if each == "half-space" else None, progress=sys.stderr.isatty(), **elastic,
         )

@@ -16,12 +16,13 @@ from stiction._core import __version__
 from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, app, say, tell
-from stiction.cli.measured import draw_pair, paired, show_pair
+from stiction.cli.pair import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
 from stiction.studies.runner import run
-from stiction.studies.study import Study, StudyError, differences, step_of, study_names, toml
+from stiction.studies.study import Study, differences, step_of, study_names
+from stiction.studies.study_text import StudyError, toml
 
 RESULT = "result.zarr"
 

@@ -15,7 +15,8 @@ from stiction.mechanics.contact import LoadCurve, press
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.quantities import DIRECTED
-from stiction.studies.study import Contact, Study
+from stiction.studies.study import Study
+from stiction.studies.study_tables import Contact
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 

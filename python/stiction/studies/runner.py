@@ -21,7 +21,8 @@ from stiction._core import __version__
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
 from stiction.studies.pressed import pressed
-from stiction.studies.study import Study, StudyError, study_from_text
+from stiction.studies.study import Study, study_from_text
+from stiction.studies.study_text import StudyError
 from stiction.surfaces.profile import AmplitudeMeasure, Profile, Side, scaled_profile
 from stiction.surfaces.surface import Surface
 

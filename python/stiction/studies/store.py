@@ -42,7 +42,8 @@ from stiction.studies.layout import (
     metadata,
 )
 from stiction.studies.lock import locked, locked_directory
-from stiction.studies.study import Study, StudyError, differences, study_of
+from stiction.studies.study import Study, differences, study_of
+from stiction.studies.study_text import StudyError
 
 _CHECKED = ("data_type", "chunk_grid", "chunk_key_encoding", "fill_value", "dimension_names", "attributes")
 """Of an array's metadata; codecs may be spelt differently by other versions of Zarr, and the shape may have grown."""

@@ -1,0 +1,99 @@
+"""`stiction pair` of profiles, and of lines of surfaces: one is carried over the other."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stiction.cli.application import say, tell
+from stiction.cli.options import check_directory
+from stiction.surfaces.pairing import paired_lines
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+OFFSETS = 64
+"""Positions of one pair by default: some seconds of computing, and enough for an interval."""
+
+
+def press_lines(
+    upper: Profile | Surface,
+    lower: Profile | Surface,
+    wanted: list[tuple[float, bool]],
+    *,
+    mu0: list[float],
+    tau0: list[float],
+    effective_modulus: float,
+    law: Any,
+    detection: str,
+    curvature: str,
+    offsets: int | None,
+    travel: float | None,
+    level: str | None,
+    lines: int,
+    along: str,
+    surrogates: str,
+    seed: int,
+    output: Path,
+    table: Path,
+    replace: bool,
+) -> None:
+    """Press, print, write and draw."""
+    from stiction.studies import export as exports
+    from stiction.studies import traverse as traverses
+    from stiction.views import traverse as views
+
+    contact: dict[str, Any] = {
+        "effective_modulus": effective_modulus, "law": law, "detection": detection, "curvature": curvature,
+    }  # fmt: skip
+    uppers, lowers = paired_lines(
+        upper, lower, travel=travel, level=level, lines=lines, along=along, surrogates=surrogates, seed=seed,  # type: ignore[arg-type]
+    )  # fmt: skip
+    room = lowers[0].extent - uppers[0].extent
+    positions = offsets if offsets is not None else 1 if len(uppers) > 1 else OFFSETS
+    if positions > 1 and not room > 0:
+        raise ValueError(f"--offsets {positions} needs a --travel LENGTH, for which the slider is shortened")
+    area = uppers[0].extent * traverses.THICKNESS
+    loads = [amount * (area if per_area else 1.0) for amount, per_area in wanted]
+    for sentence in views.doubts(uppers, lowers, loads, mu0=mu0, **contact):
+        say(sentence)
+    check_directory(output, table, replace=replace)
+    result = traverses.traverse(
+        uppers, lowers, traverses.loads_around(loads),
+        mu0=mu0 if len(mu0) > 1 else mu0[0],
+        tau0=tau0 if len(tau0) > 1 else tau0[0],
+        # One line on itself is no pair at 0; several are not on themselves.
+        offsets=0.0 if len(uppers) > 1 and positions == 1 and travel is None
+        else room * np.arange(1, positions + 1) / positions,
+        progress=sys.stderr.isatty(), **contact,
+    )  # fmt: skip
+    result.attrs["loads_mN"] = np.array(loads)
+    mean = traverses.traverse_mean(result)
+    tell(views.traverse_text(result, mean, loads))
+    exports.export(result, table, replace=replace)
+    tell(f"wrote {table}")
+    listed = output / views.TABLE
+    listed.write_text(views.traverse_csv(mean, loads), encoding="utf-8")
+    tell(f"wrote {listed}")
+    for path in views.save_traverse_figures(result, mean, loads, output, bodies=(uppers, lowers), **contact):
+        tell(f"wrote {path}")
+
+
+def show_line_pair(result: Any) -> None:
+    """The table of a pair of lines."""
+    from stiction.studies.traverse import traverse_mean
+    from stiction.views.traverse import traverse_text
+
+    tell(traverse_text(result, traverse_mean(result), np.atleast_1d(result.attrs["loads_mN"])))
+
+
+def draw_line_pair(result: Any, directory: Path) -> None:
+    """The figures of a pair of lines that need no profiles."""
+    from stiction.studies.traverse import traverse_mean
+    from stiction.views.traverse import save_traverse_figures
+
+    loads = np.atleast_1d(result.attrs["loads_mN"])
+    for path in save_traverse_figures(result, traverse_mean(result), loads, directory):
+        tell(f"wrote {path}")

@@ -1,0 +1,138 @@
+"""Options that several commands take, each declared once, and what their texts mean."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from stiction._units import quantity
+from stiction.surfaces.measured.reading import read_measurement
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+_unit = typer.Option(
+    "--unit",
+    metavar="UNIT",
+    help='Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
+    show_default=False,
+)
+_spacing = typer.Option(
+    "--spacing",
+    metavar="LENGTH",
+    help='Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
+    show_default=False,
+)
+_channel = typer.Option(
+    "--channel",
+    metavar="NAME|NUMBER",
+    help="What to read of a file of several channels or sheets, numbers from 0 on.",
+    show_default="the first of heights",
+)
+_columns = typer.Option(
+    "--columns",
+    metavar="X,Z|Z",
+    help="Of a table, names or numbers from 0 on, of positions and heights or of heights.",
+    show_default=False,
+)
+
+Unit = Annotated[str | None, _unit]
+Spacing = Annotated[str | None, _spacing]
+Channel = Annotated[str | None, _channel]
+Columns = Annotated[str | None, _columns]
+
+# Of a command that reads two files: given once for both, or for one after the other.
+Units = Annotated[list[str] | None, _unit]
+Spacings = Annotated[list[str] | None, _spacing]
+Channels = Annotated[list[str] | None, _channel]
+ColumnsOfEach = Annotated[list[str] | None, _columns]
+
+MissingPoints = Annotated[
+    str, typer.Option("--missing", metavar="error|interpolate", help="What to do about points without a height.")
+]
+
+
+def listed(text: str) -> list[str]:
+    """Parts between commas."""
+    return [part.strip() for part in text.split(",")]
+
+
+def numbers(option: str, text: str) -> list[float]:
+    """Numbers between commas."""
+    try:
+        return [float(part) for part in listed(text)]
+    except ValueError:
+        raise ValueError(f'{option} must be a number or several, as in "0.3,0.4", got {text!r}') from None
+
+
+def load_of(text: str) -> tuple[float, bool]:
+    """A load in mN, or in GPa of the slider's area, and whether it is that."""
+    try:
+        return float(quantity(text, "pressure")), True
+    except ValueError:
+        return quantity_of("--load", text, "force"), False
+
+
+def quantity_of(option: str, text: str, kind: str) -> float:
+    """A quantity in core units; errors call it by the name of its option."""
+    try:
+        return float(quantity(text, kind))
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from None
+
+
+def measurement(
+    file: Path, unit: str | None, spacing: str | None, missing: str, channel: str | None, columns: str | None
+) -> Profile | Surface:
+    """What a file holds, by the options that every command takes for it."""
+    return read_measurement(
+        file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
+        channel=channel, columns=_one_or_pair(columns),
+    )  # fmt: skip
+
+
+def _one_or_pair(text: str | None) -> Any:
+    return text if text is None or "," not in text else tuple(part.strip() for part in text.split(","))
+
+
+def of_each(values: list[str] | None, index: int, option: str) -> str | None:
+    """An option that is given once for both files, or for each of them."""
+    if not values:
+        return None
+    if len(values) > 2:
+        raise ValueError(f"{option} is for both files, or given twice for one after the other, got {len(values)}")
+    return values[index] if len(values) == 2 else values[0]
+
+
+def given(context: typer.Context, name: str) -> bool:
+    """Whether an option is there, with whatever value."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
+
+
+def refuse(context: typer.Context, why: str, *names: str) -> None:
+    """Options that are given where they do not apply."""
+    for name in names:
+        if given(context, name):
+            option = f"--{name.replace('_', '-')}"
+            raise ValueError(f"{option} {why}, got {option} {context.params[name]}")
+
+
+_FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip")
+
+
+def check_directory(output: Path, table: Path, *, replace: bool) -> None:
+    """Whatever would keep results from being written is said before anything is computed."""
+    if output.suffix.lower() in _FILES and not output.is_dir():
+        raise ValueError(f"--output {output}: is the name of a file; results go into a directory")
+    if table.exists() and not replace:
+        raise ValueError(f"{table}: exists already; --replace writes over it, --output DIR puts the results elsewhere")
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=output):
+            pass
+    except OSError as error:
+        raise ValueError(f"{output}: cannot be written: {os.strerror(error.errno or 0)}") from None
