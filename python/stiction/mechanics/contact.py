@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
 from stiction._checks import Floats, float_array, number, read_only
-from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
-from stiction.mechanics.friction import Sums, Validity
+from stiction.mechanics.friction import Curve, Sums, Validity
 from stiction.mechanics.model import ContactKeywords, ContactModel, Sliding, model_for_pair, model_of
 from stiction.mechanics.quantities import DIRECTED
 from stiction.surfaces.profile import Profile
@@ -69,7 +68,7 @@ class Contacts:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LoadCurve(Sums):
+class LoadCurve(Curve, Sums):
     """Load and area of a pair against approach, for every mu0 and tau0 at once; all arrays are read-only.
 
     Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
@@ -106,36 +105,6 @@ class LoadCurve(Sums):
     def validity(self) -> Validity:
         """How far the model is to be trusted at each approach, (k,) each."""
         return Validity.of(self)
-
-    def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """F_N in mN, shape of (mu0, tau0) + (k,); mu0 dimensionless, tau0 in GPa, broadcast against each other."""
-        return friction.normal_load(self, *self._parameters(mu0, tau0))
-
-    def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """F_T in mN that starts the sliding; shape and arguments as for `normal_load`."""
-        return friction.tangential_load(self, *self._parameters(mu0, tau0))
-
-    def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """F_T / F_N, NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
-        parameters = self._parameters(mu0, tau0)
-        normal = friction.normal_load(self, *parameters)
-        tangential = friction.tangential_load(self, *parameters)
-        ok = friction.status_at(self.contact_count, normal) == friction.STATUS_OK
-        coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=ok)
-        return coefficient
-
-    def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Either "ok", "self-locked" (F_N <= 0) or "no-contact"; shape and arguments as for `normal_load`."""
-        normal = friction.normal_load(self, *self._parameters(mu0, tau0))
-        return friction.status_at(self.contact_count, normal)
-
-    def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
-        strengths = friction.friction_parameter("tau0", tau0)
-        friction.check_shear_strength(strengths, self.effective_modulus)
-        both = np.broadcast_arrays(friction.friction_parameter("mu0", mu0), strengths)
-        # Before the axes of the sums, which are approaches or directions and approaches.
-        axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
-        return both[0][axes], both[1][axes]
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,6 +140,52 @@ def tangential_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -
     return np.asarray(sums.tangential_elastic + mu0 * sums.tangential_frictional + tau0 * sums.tangential_adhesive)
 
 
+class Curve:
+    """Loads of a pair at each step, approaches or loads, of which there are sums."""
+
+    contact_count: NDArray[Any]
+    normal_elastic: Floats
+    tangential_elastic: Floats
+    normal_frictional: Floats
+    tangential_frictional: Floats
+    normal_adhesive: Floats
+    tangential_adhesive: Floats
+    effective_modulus: float
+
+    def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_N in mN; mu0 dimensionless, tau0 in GPa, broadcast against each other.
+
+        The shape is that of (mu0, tau0) + (k,) of k steps, or + (m, k) of m directions.
+        """
+        return normal_load(self, *self._parameters(mu0, tau0))
+
+    def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_T in mN that starts the sliding; shape and arguments as for `normal_load`."""
+        return tangential_load(self, *self._parameters(mu0, tau0))
+
+    def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
+        """F_T / F_N, NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
+        parameters = self._parameters(mu0, tau0)
+        normal = normal_load(self, *parameters)
+        tangential = tangential_load(self, *parameters)
+        ok = status_at(self.contact_count, normal) == STATUS_OK
+        coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=ok)
+        return coefficient
+
+    def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
+        """Either "ok", "self-locked" (F_N <= 0) or "no-contact"; shape and arguments as for `normal_load`."""
+        normal = normal_load(self, *self._parameters(mu0, tau0))
+        return status_at(self.contact_count, normal)
+
+    def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
+        strengths = friction_parameter("tau0", tau0)
+        check_shear_strength(strengths, self.effective_modulus)
+        both = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
+        # Before the axes of the sums, which are steps or directions and steps.
+        axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
+        return both[0][axes], both[1][axes]
+
+
 def status_of(*, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False) -> NDArray[Any]:
     """The one ladder of statuses, for curves, ensembles and traverses; booleans that broadcast.
 

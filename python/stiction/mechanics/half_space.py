@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array, number, read_only
-from stiction.mechanics import friction
+from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import EFFECTIVE_MODULUS, ContactModel, Direction, Sliding, check_pair
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -77,7 +77,7 @@ class _Problem:
 
 
 @dataclass(frozen=True, eq=False)
-class HalfSpaceCurve:
+class HalfSpaceCurve(Curve):
     """Contact of two bodies as an elastic half-space at each load, for every mu0 and tau0; all arrays are read-only.
 
     Sums over points under pressure, as `LoadCurve` has them over asperities: n is the normal of the deformed interface
@@ -189,34 +189,6 @@ class HalfSpaceCurve:
         problem = replace(self._problem, model=replace(self._problem.model, sliding=sliding))
         rows = [_sums(problem, self._pressure(i)) for i in range(self.load.size)]
         return replace(self, **_columns(rows, problem.model), _problem=problem)
-
-    def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """F_N in mN, shape of (mu0, tau0) + (k,) or (d, k); mu0 dimensionless, tau0 in GPa, broadcast."""
-        return np.asarray(friction.normal_load(self, *self._parameters(mu0, tau0)))
-
-    def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """F_T in mN that starts the sliding; shape and arguments as for `normal_load`."""
-        return np.asarray(friction.tangential_load(self, *self._parameters(mu0, tau0)))
-
-    def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """F_T / F_N, NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
-        parameters = self._parameters(mu0, tau0)
-        normal = np.asarray(friction.normal_load(self, *parameters))
-        tangential = np.asarray(friction.tangential_load(self, *parameters))
-        coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=normal > 0)
-        return coefficient
-
-    def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Either "ok" or "self-locked" (F_N <= 0); shape and arguments as for `normal_load`."""
-        normal = np.asarray(friction.normal_load(self, *self._parameters(mu0, tau0)))
-        return np.where(normal > 0, friction.STATUS_OK, friction.STATUS_SELF_LOCKED)
-
-    def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
-        strengths = friction.friction_parameter("tau0", tau0)
-        friction.check_shear_strength(strengths, self.effective_modulus)
-        both = np.broadcast_arrays(friction.friction_parameter("mu0", mu0), strengths)
-        axes = (...,) + (np.newaxis,) * self.tangential_elastic.ndim
-        return both[0][axes], both[1][axes]
 
     def _pressure(self, index: int) -> Floats:
         points, values = self._pressed[index]

@@ -109,24 +109,29 @@ def sums(
     along_x = slope[-1]
     along_y = slope[0] if len(slope) == 2 else np.zeros_like(along_x)
     square = 1 + along_x**2 + along_y**2  # q²
-    results: dict[str, Any] = {
-        "contact_area": float((area * np.sqrt(square)).sum()),
-        "normal_elastic": float(force.sum()),
-    }
-    columns: dict[str, list[float]] = {name: [] for name in _BY_DIRECTION}
-    for way in directions:
+    pushing, rubbing = force * np.sqrt(square), area * np.sqrt(square)
+
+    def along(way: Floats) -> dict[str, float]:
         rise = _rise(slope, way)  # -q s·n
         share = 1.0 if sliding == "all" else opposes(force, slope, patch, way)
         # n·s = -rise/q, and t = -s + (s·n) n over its length, sqrt(1 - (s·n)²).
-        length = np.sqrt(1 - rise**2 / square)
-        upward, along = -rise / (square * length), length
-        rubbed, stuck = force * np.sqrt(square) * share, area * np.sqrt(square) * share
-        columns["tangential_elastic"].append(float((rise * force * share).sum()))
-        columns["normal_frictional"].append(float((rubbed * upward).sum()))
-        columns["tangential_frictional"].append(float((rubbed * along).sum()))
-        columns["normal_adhesive"].append(float((stuck * upward).sum()))
-        columns["tangential_adhesive"].append(float((stuck * along).sum()))
-    return results | {name: np.array(values) for name, values in columns.items()}
+        forward = np.sqrt(1 - rise**2 / square)
+        upward = -rise / (square * forward)
+        rubbed, stuck = pushing * share, rubbing * share
+        return {
+            "tangential_elastic": float((rise * force * share).sum()),
+            "normal_frictional": float((rubbed * upward).sum()),
+            "tangential_frictional": float((rubbed * forward).sum()),
+            "normal_adhesive": float((stuck * upward).sum()),
+            "tangential_adhesive": float((stuck * forward).sum()),
+        }
+
+    each = [along(way) for way in directions]
+    return {
+        "contact_area": float(rubbing.sum()),
+        "normal_elastic": float(force.sum()),
+        **{name: np.array([one[name] for one in each]) for name in each[0]},
+    }
 
 
 def opposes(force: Floats, slope: list[Floats], patch: NDArray[np.int64], way: Floats) -> NDArray[np.bool_]:
@@ -141,12 +146,3 @@ def _rise(slope: list[Floats], way: Floats) -> Floats:
     """Slope along a direction (x, y)."""
     along_y = slope[0] * way[1] if len(slope) == 2 else 0.0
     return np.asarray(slope[-1] * way[0] + along_y)
-
-
-_BY_DIRECTION = (
-    "tangential_elastic",
-    "normal_frictional",
-    "tangential_frictional",
-    "normal_adhesive",
-    "tangential_adhesive",
-)
