@@ -1,12 +1,14 @@
 """Which part of the package may know which: a value goes from surfaces to the command, and nothing points back."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import stiction
+from stiction.cli import application
 
 PACKAGE = Path(stiction.__file__).parent
 ROOMS = ("surfaces", "mechanics", "studies", "views", "cli")
@@ -16,7 +18,10 @@ LOADED = {
     "numpy",
     "pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection",
 }  # fmt: skip
-"""What `import stiction` loads of others; it takes a moment, and plots, files and clusters would take seconds."""
+"""What all of its public names load of others; plots, files and clusters would take seconds."""
+
+LOADED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
+"""What `stiction --help` loads: no numbers, so that it answers at once."""
 
 SOURCES = sorted(path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.py"))
 
@@ -55,8 +60,39 @@ def test_nothing_goes_through_the_face_of_the_package(source):
             assert node.module != "stiction", f"{source}, line {node.lineno}: import it from where it is made"
 
 
+def loaded_of_others(code):
+    code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
+    said = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
+    loaded = {name.split(".")[0] for name in said.split()}
+    return {name for name in loaded - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
+
+
 def test_import_is_light():
-    code = "import sys; before = set(sys.modules); import stiction; print(*(set(sys.modules) - before))"
-    loaded = {name.split(".")[0] for name in subprocess.check_output([sys.executable, "-c", code], text=True).split()}
-    others = {name for name in loaded - set(sys.stdlib_module_names) if not name.startswith("_")}
-    assert others - {"stiction"} <= LOADED
+    assert loaded_of_others("import stiction") == set()
+    assert loaded_of_others("from stiction import *") <= LOADED
+
+
+def test_help_and_version_load_none_of_what_computes():
+    for option in ("--help", "--version"):
+        assert loaded_of_others(
+            f"sys.argv[1:] = ['{option}']; from stiction.cli.application import start; start()"
+        ) <= (LOADED_BY_HELP)
+
+
+def test_the_stub_of_the_face_says_where_its_names_are_made():
+    """Type checkers read the stub, Python the module."""
+    tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
+    said = {name.asname: node.module for node in tree.body for name in node.names}
+    assert sorted(said) == stiction.__all__
+    for name in set(said) - {"__version__"}:
+        assert getattr(stiction, name).__module__ == said[name]
+
+
+def test_help_lists_every_command_with_the_module_that_adds_it():
+    listed = {name: module for group in application.COMMANDS.values() for name, (module, _) in group.items()}
+    for module in set(listed.values()):
+        importlib.import_module(f"stiction.cli.{module}")
+    added = {
+        each.name or each.callback.__name__: each.callback.__module__ for each in application.app.registered_commands
+    }
+    assert added == {name: f"stiction.cli.{module}" for name, module in listed.items()}

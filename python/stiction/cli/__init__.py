@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 
-from stiction.cli import characterise, pair, studies  # noqa: F401, each adds its commands
 from stiction.cli.application import start
 
 

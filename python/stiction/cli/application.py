@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
@@ -44,8 +45,41 @@ def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     say(str(message), "warning: ")
 
 
+COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
+    "Studies": {
+        "run": ("studies", "Compute a study, or what is missing of it, and draw it."),
+        "plot": ("studies", "Draw the figures of a study or a pair again."),
+        "report": ("studies", "Make one interactive page, for any browser."),
+        "info": ("studies", "Show what a study is, how far it has come, how far to trust it."),
+        "export": ("studies", "Write the results to one netCDF file."),
+        "studies": ("studies", "List the built-in studies, or print one as a study file."),
+        "claims": ("studies", "Judge what the paper claims by its own studies."),
+    },
+    "Measured surfaces": {
+        "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
+        "pair": ("pair", "Static friction of two measured surfaces at given loads."),
+    },
+}
+"""Of each group the commands, the module that adds each, and a line of help, which is printed without the modules."""
+
+
+def _add_commands() -> None:
+    """Import the module of the command that is asked for, or all where that is none: what they use takes a moment."""
+    modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
+    asked = next((each for each in sys.argv[1:] if not each.startswith("-")), None)
+    if asked is None and sys.argv[1:]:
+        return  # --help, --version
+    for module in {modules[asked]} if asked in modules else sorted(set(modules.values())):
+        import_module(f"stiction.cli.{module}")
+
+
 class _Commands(TyperGroup):
-    """Says that it was interrupted, of which typer makes an exit status without a word."""
+    """Lists commands that are not imported, and says that it was interrupted, of which typer makes a bare status."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        for title, group in COMMANDS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name, sentence) for name, (_, sentence) in group.items()])
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -61,6 +95,7 @@ app = typer.Typer(
     help="The coefficient of static friction of rough surfaces, from their shape.",
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode=None,  # loading what it takes would be half of the time that help takes
     pretty_exceptions_enable=False,
 )
 
@@ -70,6 +105,7 @@ def start() -> int:
     _open_streams()
     warnings.showwarning = show_warning
     try:
+        _add_commands()
         return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":

@@ -16,7 +16,6 @@ from stiction._core import __version__
 from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, app, say, tell
-from stiction.cli.pair import draw_pair, paired, show_pair
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
@@ -109,6 +108,7 @@ def plot(
     ] = None,
 ) -> None:
     """Draw the results of a study again, or what is finished of them; or those of a pair."""
+    from stiction.cli.pair import draw_pair, paired
     from stiction.studies import store
 
     result = paired(directory)
@@ -145,6 +145,7 @@ def report(
 @app.command()
 def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
     """Show what a study is, how far it has come, and how far its results are to be trusted; or the table of a pair."""
+    from stiction.cli.pair import paired, show_pair
     from stiction.studies import store
 
     if (result := paired(directory)) is not None:
@@ -191,6 +192,7 @@ def export(
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="The file to write; it must not exist yet.")],
 ) -> None:
     """Write the results of a study or a pair, or what is finished of them, to one netCDF file."""
+    from stiction.cli.pair import paired
     from stiction.studies import export as exports
     from stiction.studies import store
 

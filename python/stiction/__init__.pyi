@@ -1,0 +1,96 @@
+from stiction._core import __version__ as __version__
+from stiction.mechanics.asperity import Asperities as Asperities, asperities as asperities
+from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
+from stiction.mechanics.closed_forms import (
+    effective_modulus as effective_modulus,
+    gentle_friction as gentle_friction,
+    hertz_cylinder as hertz_cylinder,
+    hertz_ellipse as hertz_ellipse,
+    hertz_line as hertz_line,
+    hertz_sphere as hertz_sphere,
+    slope_friction as slope_friction,
+    westergaard_contact_fraction as westergaard_contact_fraction,
+    westergaard_gap as westergaard_gap,
+    westergaard_pressure as westergaard_pressure,
+)
+from stiction.mechanics.contact import (
+    Contacts as Contacts,
+    LoadCurve as LoadCurve,
+    SurfaceLoadCurve as SurfaceLoadCurve,
+    SurfaceValidity as SurfaceValidity,
+    contacts as contacts,
+    press as press,
+)
+from stiction.mechanics.friction import Validity as Validity
+from stiction.mechanics.half_space import (
+    HalfSpaceContact as HalfSpaceContact,
+    HalfSpaceCurve as HalfSpaceCurve,
+    half_space as half_space,
+)
+from stiction.mechanics.law import (
+    HertzCylinder as HertzCylinder,
+    HertzSphere as HertzSphere,
+    JacksonGreen as JacksonGreen,
+    force_and_area as force_and_area,
+)
+from stiction.mechanics.loading import approach_at_load as approach_at_load
+from stiction.mechanics.model import ContactModel as ContactModel
+from stiction.studies.map_pair import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
+from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
+from stiction.studies.nondimensional import nondimensional as nondimensional
+from stiction.studies.pairs import pair_of as pair_of
+from stiction.studies.runner import run as run
+from stiction.studies.study import Study as Study, study_names as study_names
+from stiction.studies.traverse import traverse as traverse, traverse_mean as traverse_mean
+from stiction.surfaces.fractal import (
+    random_phases as random_phases,
+    weierstrass_mandelbrot as weierstrass_mandelbrot,
+    weierstrass_mandelbrot_family as weierstrass_mandelbrot_family,
+    weierstrass_mandelbrot_moments as weierstrass_mandelbrot_moments,
+    weierstrass_mandelbrot_surface as weierstrass_mandelbrot_surface,
+)
+from stiction.surfaces.hurst import HurstEstimate as HurstEstimate, hurst_exponent_of as hurst_exponent_of
+from stiction.surfaces.lines import (
+    LineRoughness as LineRoughness,
+    line_roughness as line_roughness,
+    lines_along_both as lines_along_both,
+)
+from stiction.surfaces.measured.raw import FormatError as FormatError, FormatWarning as FormatWarning
+from stiction.surfaces.measured.reading import (
+    read_measurement as read_measurement,
+    read_profile as read_profile,
+    read_surface as read_surface,
+)
+from stiction.surfaces.measured.writing import write_profile as write_profile, write_surface as write_surface
+from stiction.surfaces.pairing import paired_lines as paired_lines
+from stiction.surfaces.preparation import (
+    cropped as cropped,
+    levelled as levelled,
+    on_common_grid as on_common_grid,
+    rotated as rotated,
+    turned_over as turned_over,
+)
+from stiction.surfaces.profile import Profile as Profile
+from stiction.surfaces.roughness import (
+    RoughnessParameters as RoughnessParameters,
+    roughness_parameters as roughness_parameters,
+)
+from stiction.surfaces.self_affine import self_affine as self_affine, surrogate as surrogate
+from stiction.surfaces.self_affine_surface import self_affine_surface as self_affine_surface
+from stiction.surfaces.spectrum import (
+    PowerSpectrum as PowerSpectrum,
+    ProfileMoments as ProfileMoments,
+    power_spectrum as power_spectrum,
+    spectral_moments as spectral_moments,
+)
+from stiction.surfaces.surface import Surface as Surface
+from stiction.surfaces.surface_parameters import (
+    SurfaceParameters as SurfaceParameters,
+    bearing_curve as bearing_curve,
+    surface_parameters as surface_parameters,
+)
+from stiction.surfaces.surface_spectrum import (
+    RadialSpectrum as RadialSpectrum,
+    SurfaceSpectrum as SurfaceSpectrum,
+    surface_spectrum as surface_spectrum,
+)
