@@ -43,6 +43,7 @@ _HOMES = {
         "weierstrass_mandelbrot_surface",
     ),
     "surfaces.hurst": ("HurstEstimate", "hurst_exponent_of"),
+    "surfaces.isotropic": ("isotropic_spectrum", "isotropic_surface"),
     "surfaces.lines": ("LineRoughness", "line_roughness", "lines_along_both"),
     "surfaces.measured.raw": ("FormatError", "FormatWarning"),
     "surfaces.measured.reading": ("read_measurement", "read_profile", "read_surface"),

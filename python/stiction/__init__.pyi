@@ -50,6 +50,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface as weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.hurst import HurstEstimate as HurstEstimate, hurst_exponent_of as hurst_exponent_of
+from stiction.surfaces.isotropic import isotropic_spectrum as isotropic_spectrum, isotropic_surface as isotropic_surface
 from stiction.surfaces.lines import (
     LineRoughness as LineRoughness,
     line_roughness as line_roughness,

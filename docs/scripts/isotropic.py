@@ -1,0 +1,79 @@
+"""Areal surrogates made of one section of each map, pressed beside pieces of the maps: docs/generated/isotropic.md."""
+
+from pathlib import Path
+
+import numpy as np
+from stiction import Surface, half_space, isotropic_surface, levelled, self_affine_surface
+
+OUT = Path(__file__).parent.parent / "generated/isotropic.md"
+WHOLE, PIECE, SPACING = 1024, 256, 0.1  # points, µm
+PAIRS = 6
+"""Of lines, and of pieces of the maps."""
+MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
+PRESSURE = 0.02  # GPa
+
+
+def whole(side, hurst, stretch):
+    """A map of rms gradient 0.15, of wavelengths of 0.8 to 6.4 µm, `stretch` times as much along y."""
+    body = self_affine_surface(
+        11, hurst_exponent=hurst, rms=0.1, shape=(WHOLE, WHOLE), spacing=SPACING, side=side, longest_wavelength=6.4,
+        shortest_wavelength=0.8,
+    )  # fmt: skip
+    along_y, along_x = np.gradient(body.heights, stretch * SPACING, SPACING)
+    heights = 0.15 * body.heights / np.sqrt((along_x**2 + along_y**2).mean())
+    return Surface(heights, spacing=(stretch * SPACING, SPACING))
+
+
+def answers(upper, lower):
+    """A/A0 (%), and the mean of mu_s towards the four sides by the paper's rule, without tau0 and with."""
+    area = np.prod(upper.extent)
+    curve = half_space(upper, lower, [PRESSURE * area], direction=[0.0, 90.0, 180.0, 270.0])
+    coefficients = [curve.friction_coefficient(mu0=MU0, tau0=tau0)[:, 0].mean() for tau0 in (0.0, TAU0)]
+    return 100 * curve.contact_area[0] / area, *coefficients
+
+
+def pieces(upper, lower):
+    """Pairs of pieces that do not lie above each other in the maps."""
+    count = WHOLE // PIECE
+    for index in range(PAIRS):
+        j, i = divmod(index, count)
+        cut = np.s_[j * PIECE : (j + 1) * PIECE, i * PIECE : (i + 1) * PIECE]
+        yield tuple(levelled(Surface(body.heights[cut], spacing=body.spacing), "plane") for body in (upper, lower))
+
+
+def surrogates(upper, lower, line):
+    for index in range(PAIRS):
+        at = index * WHOLE // PAIRS
+        sections = [levelled(getattr(body, line)(at), "line") for body in (upper, lower)]
+        yield tuple(
+            levelled(isotropic_surface(section, 5, shape=(PIECE, PIECE), repetition=index, side=side), "plane")
+            for section, side in zip(sections, ("upper", "lower"), strict=True)
+        )
+
+
+def main():
+    lines = [
+        "| H | waves along y over along x | of | A/A0 (%) | over the map's | μ_s, τ0 = 0 | over the map's "
+        "| μ_s, τ0 = 1 % of E* | over the map's |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:
+        bodies = [whole(side, hurst, stretch) for side in ("upper", "lower")]
+        kinds = {"the map": list(pieces(*bodies)), "sections along x": list(surrogates(*bodies, "row"))}
+        if stretch > 1:
+            kinds["sections along y"] = list(surrogates(*bodies, "column"))
+        own = None
+        for kind, pairs in kinds.items():
+            found = np.array([answers(*pair) for pair in pairs])
+            mean, error = found.mean(axis=0), found.std(axis=0, ddof=1) / np.sqrt(PAIRS)
+            own = mean if own is None else own
+            cells = []
+            for value, wide, ratio in zip(mean, error, mean / own, strict=True):
+                cells += [f"{value:.3f} ± {wide:.3f}", "" if kind == "the map" else f"{ratio:.2f}"]
+            lines.append(f"| {hurst} | {stretch} | {kind} | {' | '.join(cells)} |")
+            print(lines[-1], flush=True)
+    OUT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
