@@ -20,8 +20,11 @@ _RINGS = 12
 _SMOOTH = 2.0
 """Harmonics that a bend of the spectrum must have for it: where a ring has one or two, it follows its neighbours."""
 
-_STEPS = 100
-"""Of the fit, at most; some twenty are needed."""
+_FLOOR = 1e-14
+"""Of the largest mean, below which a spectrum is round-off."""
+
+_STEPS = 1000
+"""Of the fit, at most; some ten are needed, some hundred where the spectrum ends within a ring."""
 
 _SETTLED = 1e-6
 """Of the logarithm of a density."""
@@ -157,6 +160,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     index = np.minimum(index, edges.size - 2)
     count = np.bincount(index, spectrum.count)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
+    measured = np.maximum(measured, _FLOOR * measured.max())
     # The corners of the grid belong to the rings that go on beyond the shortest wave along it.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
     # The mean of each bin over its harmonics of what a ring of unit density gives.
@@ -166,7 +170,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     np.add.at(share, index, spectrum.count[:, np.newaxis] * of_harmonic)
     share /= count[:, np.newaxis]
     density = np.full(edges.size - 1, 1.0)
-    density[: measured.size] = np.maximum(measured, measured.max() * 1e-30) / np.sqrt(edges[:-2] * edges[1:-1])
+    density[: measured.size] = measured / np.sqrt(edges[:-2] * edges[1:-1])
     density[-1] = density[-2]
     density = _most_likely(share, measured, count, density)
     made = share @ density
