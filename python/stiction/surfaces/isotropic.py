@@ -137,9 +137,10 @@ def isotropic_surface(
     random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
     # The real part joins each wave with its opposite, and halves the power.
+    both = (profile.spacing, profile.spacing)
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
     step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
-    return Surface(ifft2(waves, overwrite_x=True).real, spacing=profile.spacing, history=(*profile.history, step))
+    return Surface(ifft2(waves, overwrite_x=True).real, spacing=both, history=(*profile.history, step))
 
 
 _MOST = 512
@@ -158,7 +159,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     edges = np.append(k[first] - step / 2, limit)
     index = np.searchsorted(edges, k, side="right") - 1
     index = np.minimum(index, edges.size - 2)
-    count = np.bincount(index, spectrum.count)
+    count = np.bincount(index, spectrum.count).astype(np.float64)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
     measured = np.maximum(measured, _FLOOR * measured.max())
     # The corners of the grid belong to the rings that go on beyond the shortest wave along it.
