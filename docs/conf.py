@@ -7,16 +7,22 @@ import sys
 import tempfile
 import tomllib
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
+import stiction
 from docutils import nodes
 from latex2mathml.converter import convert
 from myst_nb.core.execute import direct
+from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
+from sphinx.transforms.post_transforms import SphinxPostTransform
 from sphinx.writers.html5 import HTML5Translator
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "docs/scripts"))
+
+import reference  # noqa: E402, beside the other scripts
 
 project = "stiction"
 author = "The stiction developers"
@@ -25,13 +31,17 @@ copyright = author  # noqa: A001
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
-exclude_patterns = ["_build", "generated"]
+myst_heading_anchors = 3
+exclude_patterns = ["_build", "built", "generated"]
 nitpicky = False
+default_role = "autolink"
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
 autosummary_generate = False
 html_theme = "furo"
 html_title = f"stiction {version}"
+html_static_path = ["_static"]
+html_css_files = ["stiction.css"]
 html_math_renderer = "mathml"
 
 # Pages with code cells are computed anew at every build, each in an empty directory; a cell that fails ends the build.
@@ -46,12 +56,85 @@ os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PAT
 os.environ["TTY_COMPATIBLE"] = "0"
 
 
+def write_reference(app: Sphinx) -> None:
+    """The pages that are made from the package: tables of names, keys of study files, options of commands."""
+    built = Path(app.srcdir) / "built"
+    built.mkdir(exist_ok=True)
+    for name, text in reference.pages(Path(app.srcdir)).items():
+        path = built / name
+        if not path.exists() or path.read_text("utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
 def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
     """End the build if what a cell printed tells where it was built."""
     folders = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
     for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
         if found := re.search(rf"(?<![\w.])(?:{folders})", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} holds the path {found[0]}")
+
+
+# ---- Links ----------------------------------------------------------------------------------------------------------
+
+
+class LinkNames(SphinxPostTransform):
+    """A public name that a page sets as code is a link to what the reference says of it."""
+
+    default_priority = 5
+
+    def run(self, **_: Any) -> None:
+        """Wrap such literals into references, which Sphinx resolves."""
+        for literal in list(self.document.findall(nodes.literal)):
+            name = literal.astext().removesuffix("()")
+            above = literal.parent
+            if name not in stiction.__all__ or isinstance(above, (nodes.reference, addnodes.pending_xref, nodes.title)):
+                continue
+            link = addnodes.pending_xref(
+                "", refdomain="py", reftype="obj", reftarget=f"stiction.{name}", refexplicit=True, refwarn=True,
+                refdoc=self.env.current_document.docname,
+            )  # fmt: skip
+            literal.replace_self(link)
+            link += literal
+
+
+def describe(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:
+    """What search engines and previews show of a page: its title and its first paragraph."""
+    if doctree is None:
+        return
+    paragraphs = (paragraph.astext() for paragraph in doctree.findall(nodes.paragraph))
+    text = " ".join(next(paragraphs, "").split())[:300].replace("&", "&amp;").replace('"', "&quot;")
+    title = re.sub("<[^>]+>", "", context.get("title", project))
+    context["metatags"] = context.get("metatags", "") + (
+        f'<meta name="description" content="{text}" />\n<meta property="og:title" content="{title}" />\n'
+        f'<meta property="og:description" content="{text}" />\n<meta property="og:site_name" content="{project}" />\n'
+    )
+
+
+# ---- Formulas -------------------------------------------------------------------------------------------------------
+
+GLYPHS = "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-27FF,U+2980-2AFF,U+1D400-1D7FF"
+
+
+def ship_font(app: Sphinx) -> None:
+    """A font with what formulas need (stretching brackets, large operators), which few systems have.
+
+    STIX Two Math, under the SIL Open Font License 1.1, comes with the package ziamath; its glyphs for formulas go along.
+    """
+    from importlib import resources
+
+    from fontTools.subset import Options, Subsetter, load_font, parse_unicodes, save_font
+
+    path = Path(app.outdir) / "_static/stix-two-math.woff2"
+    if app.builder.format != "html" or path.exists():
+        return
+    options = Options(flavor="woff2", layout_features=["*"], drop_tables=["DSIG"], name_IDs=["*"], hinting=False)
+    with resources.as_file(resources.files("ziamath") / "fonts/STIXTwoMath-Regular.ttf") as source:
+        font = load_font(str(source), options)
+    subsetter = Subsetter(options)
+    subsetter.populate(unicodes=parse_unicodes(GLYPHS.replace("U+", "")))
+    subsetter.subset(font)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save_font(font, str(path), options)
 
 
 def mathml(node: nodes.math | nodes.math_block) -> str:
@@ -63,10 +146,15 @@ def mathml(node: nodes.math | nodes.math_block) -> str:
 
 
 def put_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:
-    translator.body.append(mathml(node))
+    block = isinstance(node, nodes.math_block)
+    translator.body.append(f'<div class="formula">{mathml(node)}</div>\n' if block else mathml(node))
     raise nodes.SkipNode
 
 
 def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (put_formula, None), (put_formula, None))
+    app.add_post_transform(LinkNames)
+    app.connect("builder-inited", write_reference)
+    app.connect("builder-inited", ship_font)
+    app.connect("html-page-context", describe)
     app.connect("build-finished", refuse_paths)
