@@ -9,7 +9,6 @@ import tomllib
 from pathlib import Path
 from typing import Any, NoReturn
 
-import stiction
 from docutils import nodes
 from latex2mathml.converter import convert
 from myst_nb.core.execute import direct
@@ -77,6 +76,9 @@ def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
 # ---- Links ----------------------------------------------------------------------------------------------------------
 
 
+TARGETS = reference.targets(ROOT / "docs")
+
+
 class LinkNames(SphinxPostTransform):
     """A public name that a page sets as code is a link to what the reference says of it."""
 
@@ -86,11 +88,10 @@ class LinkNames(SphinxPostTransform):
         """Wrap such literals into references, which Sphinx resolves."""
         for literal in list(self.document.findall(nodes.literal)):
             name = literal.astext().removesuffix("()")
-            above = literal.parent
-            if name not in stiction.__all__ or isinstance(above, (nodes.reference, addnodes.pending_xref, nodes.title)):
+            if name not in TARGETS or isinstance(literal.parent, (nodes.reference, addnodes.pending_xref, nodes.title)):
                 continue
             link = addnodes.pending_xref(
-                "", refdomain="py", reftype="obj", reftarget=f"stiction.{name}", refexplicit=True, refwarn=True,
+                "", refdomain="py", reftype="obj", reftarget=TARGETS[name], refexplicit=True, refwarn=True,
                 refdoc=self.env.current_document.docname,
             )  # fmt: skip
             literal.replace_self(link)
@@ -118,8 +119,9 @@ GLYPHS = "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-2
 def ship_font(app: Sphinx) -> None:
     """A font with what formulas need (stretching brackets, large operators), which few systems have.
 
-    STIX Two Math, under the SIL Open Font License 1.1, comes with the package ziamath; its glyphs for formulas go along.
+    STIX Two Math (SIL Open Font License 1.1) comes with the package ziamath; its glyphs for formulas go along.
     """
+    import logging
     from importlib import resources
 
     from fontTools.subset import Options, Subsetter, load_font, parse_unicodes, save_font
@@ -127,6 +129,7 @@ def ship_font(app: Sphinx) -> None:
     path = Path(app.outdir) / "_static/stix-two-math.woff2"
     if app.builder.format != "html" or path.exists():
         return
+    logging.getLogger("fontTools").setLevel(logging.WARNING)
     options = Options(flavor="woff2", layout_features=["*"], drop_tables=["DSIG"], name_IDs=["*"], hinting=False)
     with resources.as_file(resources.files("ziamath") / "fonts/STIXTwoMath-Regular.ttf") as source:
         font = load_font(str(source), options)
@@ -142,7 +145,7 @@ def mathml(node: nodes.math | nodes.math_block) -> str:
     formula = convert(node.astext(), display="block" if isinstance(node, nodes.math_block) else "inline")
     if ">\\" in formula:  # a command that the converter does not know stands in the page as it is
         raise SphinxError(f"not all of this formula can be set: {node.astext()}")
-    return formula
+    return re.sub(r"<mi>(cos|sin|tan|arcsin|arctan|ln|log)</mi>", r"<mi>\1</mi><mspace width='0.17em'/>", formula)
 
 
 def put_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:

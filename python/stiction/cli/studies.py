@@ -20,7 +20,7 @@ from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
 from stiction.studies.runner import run
-from stiction.studies.study import Study, differences, step_of, study_names
+from stiction.studies.study import Study, differences, step_of, study_names, study_summary
 from stiction.studies.study_text import StudyError, toml
 
 RESULT = "result.zarr"
@@ -209,8 +209,10 @@ def studies(
     if name is not None:
         tell(Study.named(name).to_toml())
         return
-    for each in study_names():
-        tell(each)
+    names = study_names()
+    width = max(map(len, names)) + 2
+    for each in names:
+        tell(f"{each:<{width}}{study_summary(each)}")
 
 
 def _executor(

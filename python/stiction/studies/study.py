@@ -232,6 +232,11 @@ def study_names() -> list[str]:
     return sorted(item.name.removesuffix(".toml") for item in _LIBRARY.iterdir() if item.name.endswith(".toml"))
 
 
+def study_summary(name: str) -> str:
+    """What a built-in study computes, in one sentence: the first line of its file."""
+    return (_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+
+
 def study_of(dataset: xarray.Dataset) -> Study:
     """The study that a result came from.
 

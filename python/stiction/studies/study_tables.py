@@ -105,24 +105,62 @@ def _fault_at(key: str, message: str) -> PydanticCustomError:
 class Surfaces(Table):
     """Pairs of fractal profiles, or of surfaces."""
 
-    kind: Literal["profile", "surface"] = "profile"
-    generator: Literal["weierstrass-mandelbrot", "self-affine"] = "weierstrass-mandelbrot"
+    kind: Literal["profile", "surface"] = Field(
+        default="profile", description="What is pressed together: lines or areas."
+    )
+    generator: Literal["weierstrass-mandelbrot", "self-affine"] = Field(
+        default="weierstrass-mandelbrot",
+        description="The paper's Eq. 1 over an area, or Gaussian roughness with a power-law spectrum.",
+    )
     fractal_dimension: Annotated[
         Annotated[DimensionRange, Tag(RANGE)] | Annotated[Dimensions, Tag(LIST)], range_or_list
-    ] = DimensionRange(start=1.0, stop=1.7, count=50)
-    amplitude: Lengths = (quantity("0.1 um", "length"),)
-    amplitude_measure: AmplitudeMeasure | SurfaceAmplitude = "height"
-    length_scale: Length = quantity("1 um", "length")
-    longest_wavelength: Length | None = None
-    shortest_wavelength: Length | None = None
-    extent: Extent = quantity("40 um", "length")
-    points: int = Field(default=150_000, ge=FEWEST_POINTS, le=MOST_POINTS)
-    shape: Annotated[tuple[Side, Side], as_tuple] = (512, 512)
-    gamma: float = Field(default=1.5, gt=1)
-    directions: int = Field(default=40, ge=1, le=MOST_VALUES)
-    frequencies: int = Field(default=40, ge=1, le=MOST_VALUES)
-    convention: Convention = "paper"
-    band_limit: Literal["none", "nyquist"] = "none"
+    ] = Field(
+        default=DimensionRange(start=1.0, stop=1.7, count=50),
+        description="D, in the measure of `convention`; of surfaces that of a section.",
+    )
+    amplitude: Lengths = Field(
+        default=(quantity("0.1 um", "length"),),
+        description="Height that each profile or surface is scaled to, in the measure of `amplitude_measure`.",
+    )
+    amplitude_measure: AmplitudeMeasure | SurfaceAmplitude = Field(
+        default="height",
+        description="Which height the amplitude is: total, mean (Ra, Sa) or root mean square (Rq, Sq).",
+    )
+    length_scale: Length = Field(
+        default=quantity("1 um", "length"), description="L of Eq. 1, the scale of its longest waves."
+    )
+    longest_wavelength: Length | None = Field(
+        default=None, description="Roll-off of the spectrum: the longer side unless given."
+    )
+    shortest_wavelength: Length | None = Field(
+        default=None, description="Cut-off of the spectrum: twice the larger spacing unless given."
+    )
+    extent: Extent = Field(
+        default=quantity("40 um", "length"),
+        description='Length of a profile, or of surfaces the lengths along y and x, `["10 um", "10 um"]` unless given.',
+    )
+    points: int = Field(
+        default=150_000,
+        ge=FEWEST_POINTS,
+        le=MOST_POINTS,
+        description="Points of a profile; the spacing is the extent over the points.",
+    )
+    shape: Annotated[tuple[Side, Side], as_tuple] = Field(
+        default=(512, 512), description="Rows and columns of a surface."
+    )
+    gamma: float = Field(default=1.5, gt=1, description="Ratio of neighbouring frequencies in Eq. 1.")
+    directions: int = Field(default=40, ge=1, le=MOST_VALUES, description="M of Eq. 1: directions of its waves.")
+    frequencies: int = Field(
+        default=40, ge=1, le=MOST_VALUES, description="n_max of Eq. 1: frequencies of each direction."
+    )
+    convention: Convention = Field(
+        default="paper",
+        description="The paper's D, H = 4 - 2D, or the textbooks', H = 2 - D, which self-affine surfaces have.",
+    )
+    band_limit: Literal["none", "nyquist"] = Field(
+        default="none",
+        description="Whether waves that the grid cannot carry fold back, as in the paper, or are left out.",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -261,24 +299,49 @@ else:
 class Contact(Table):
     """How a pair is pressed together."""
 
-    mechanics: Literal["asperities", "half-space"] = "asperities"
-    effective_modulus: Modulus = quantity("10 GPa", "pressure")
-    law: LawEntry = "hertz-sphere"
-    detection: Detection = "cell"
-    curvature: Curvature = "convex"
-    shear: Shear = "+x"
-    direction: Directions = None
-    sliding: Rules = "opposing"
-    approach: Annotated[Annotated[ApproachRange, Tag(RANGE)] | Annotated[Approaches, Tag(LIST)], range_or_list] = (
-        ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40)
+    mechanics: Literal["asperities", "half-space"] = Field(
+        default="asperities", description="Hertzian contacts that do not interact, or the elastic half-space."
+    )
+    effective_modulus: Modulus = Field(
+        default=quantity("10 GPa", "pressure"), description="E*, the elasticity of both bodies."
+    )
+    law: LawEntry = Field(
+        default="hertz-sphere",
+        description='What a contact carries; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
+    )
+    detection: Detection = Field(
+        default="cell",
+        description="What counts as a contact: the paper's criterion, or minima of the gap, the default on surfaces.",
+    )
+    curvature: Curvature = Field(
+        default="convex",
+        description="Whether both bodies must be convex where they touch, or only relatively, the default on surfaces.",
+    )
+    shear: Shear = Field(default="+x", description="Where the upper body is about to move along a profile.")
+    direction: Directions = Field(
+        default=None,
+        description="The same in place of `shear`; on surfaces also degrees from +x towards +y, or a list.",
+    )
+    sliding: Rules = Field(
+        default="opposing",
+        description="Which contacts rub: those that oppose the motion, as in the paper, or all; or a list of both.",
+    )
+    approach: Annotated[Annotated[ApproachRange, Tag(RANGE)] | Annotated[Approaches, Tag(LIST)], range_or_list] = Field(
+        default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
+        description="How far the bodies are pressed together.",
     )
 
-    load: Annotated[Annotated[LoadRange, Tag(RANGE)] | Annotated[Loads, Tag(LIST)], range_or_list] = LoadRange(
-        start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8
+    load: Annotated[Annotated[LoadRange, Tag(RANGE)] | Annotated[Loads, Tag(LIST)], range_or_list] = Field(
+        default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
+        description="Elastic normal loads to press the bodies to.",
     )
-    boundary: Boundary = "free"
-    hardness: Modulus | None = None
-    compliance_share: Share = 0.5
+    boundary: Boundary = Field(
+        default="free", description="What lies beyond the edges: nothing, or the same surfaces again."
+    )
+    hardness: Modulus | None = Field(
+        default=None, description="The largest pressure of the half-space; none is elastic."
+    )
+    compliance_share: Share = Field(default=0.5, description="The lower body's share of the compliance.")
 
     @model_validator(mode="before")
     @classmethod
@@ -335,15 +398,27 @@ class Contact(Table):
 class Friction(Table):
     """Molecular friction coefficients and adhesive shear strengths that the figures show."""
 
-    mu0: Coefficients = (0.1, 0.4, 1.0)
-    tau0: Strengths = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
+    mu0: Coefficients = Field(
+        default=(0.1, 0.4, 1.0), description="Molecular friction coefficients that the figures show."
+    )
+    tau0: Strengths = Field(
+        default=tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200")),
+        description="Adhesive shear strengths that the figures show.",
+    )
 
 
 class Ensemble(Table):
     """How many pairs, and where their random numbers start."""
 
-    repetitions: int = Field(default=100, ge=1, le=100_000_000)
-    seed: int = Field(default=2016, ge=0, lt=2**63)
+    repetitions: int = Field(
+        default=100, ge=1, le=100_000_000, description="Pairs for each fractal dimension and amplitude."
+    )
+    seed: int = Field(
+        default=2016,
+        ge=0,
+        lt=2**63,
+        description="Where the random numbers start; the same seed gives the same surfaces.",
+    )
 
 
 FigureName = Literal["profiles", "length-scales", "friction", "area"]
@@ -359,4 +434,6 @@ def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:
 class Figures(Table):
     """What is drawn of the result."""
 
-    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_distinct)] = ("friction", "area")
+    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_distinct)] = Field(
+        default=("friction", "area"), description="Which figures `run` and `plot` draw."
+    )
