@@ -260,17 +260,43 @@ def test_every_public_name_is_in_the_reference():
     assert [name for name in stiction.__all__ if name not in [*listed, "__version__"]] == []
 
 
+def script(name):
+    """A module of the scripts of the documents."""
+    path = ROOT / f"docs/scripts/{name}.py"
+    if not path.exists():
+        pytest.skip("the documents are not here")
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 LARGEST_DIFFERENCE = 5.0
 """Root mean square of grey levels, of 255: for letters that lie a little elsewhere; 10 nm of approach are 13."""
 
 
 def test_the_drawing_of_the_conventions_is_what_the_library_does_now(tmp_path):
-    script = ROOT / "docs/scripts/conventions.py"
     if not (ROOT / "docs/images").exists():
         pytest.skip("the pictures are not here")
-    spec = importlib.util.spec_from_file_location("conventions", script)
-    conventions = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(conventions)
+    conventions = script("conventions")
     conventions.save(tmp_path / "now.png")
     difference = compare_images(str(conventions.IMAGE), str(tmp_path / "now.png"), LARGEST_DIFFERENCE)
     assert difference is None, f"run docs/scripts/conventions.py and look at it: {difference}"
+
+
+def test_the_reference_has_every_key_option_and_study():
+    reference = script("reference")
+    pages = reference.pages(ROOT / "docs")
+    for table in Study.model_fields.values():
+        for key, entry in table.annotation.model_fields.items():
+            assert entry.description, f"{key} needs a description: the reference of study files is made from it"
+            assert f"| `{key}` |" in pages["study_keys.md"]
+    assert "a list of lengths above 0" in pages["study_keys.md"]
+    for name in stiction.study_names():
+        assert f"| `{name}` | " in pages["built_in.md"]
+    for group in reference.COMMANDS.values():
+        for name in group:
+            assert f"## `stiction {name}`" in pages["commands.md"]
+    assert "| `--set` `KEY=VALUE` |" in pages["commands.md"]
+    for name in (name for name in stiction.__all__ if name != "__version__"):
+        assert f"| `{name}` | " in pages["names.md"]

@@ -14,7 +14,7 @@ import stiction
 import typer
 from stiction import Study
 from stiction._units import Quantity
-from stiction.cli.application import app
+from stiction.cli.application import COMMANDS, app
 from stiction.studies import study_values
 from stiction.studies.study import study_names, study_summary
 from stiction.studies.study_tables import _KEYS, _WORDS
@@ -184,34 +184,28 @@ def _toml_text(value: Any) -> str:
 
 def commands() -> str:
     """Every command: usage, arguments and options, and what its help ends with."""
+    for module in {module for group in COMMANDS.values() for module, _ in group.values()}:
+        importlib.import_module(f"stiction.cli.{module}")
+    known: Any = typer.main.get_command(app)
     lines = []
-    group = typer.main.get_command(app)
-    assert isinstance(group, typer.core.TyperGroup)
-    context = click_context(group, "stiction")
-    for name in group.list_commands(context):
-        command = group.get_command(context, name)
-        assert command is not None
-        inside = click_context(command, f"stiction {name}")
-        usage = command.get_usage(inside).partition(":")[2].strip()
+    for name in (name for group in COMMANDS.values() for name in group):
+        command = known.commands[name]
+        context = command.context_class(command, info_name=f"stiction {name}")
+        usage = command.get_usage(context).partition(":")[2].strip()
         lines += [f"## `stiction {name}`", "", *_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
-        for title, kind in (("argument", "argument"), ("option", "option")):
-            rows = [_parameter(each, inside) for each in command.get_params(inside) if each.param_type_name == kind]
+        for kind in ("argument", "option"):
+            rows = [_parameter(each) for each in command.get_params(context) if each.param_type_name == kind]
             if rows:
-                lines += [f"| {title} | default | meaning |", "|---|---|---|", *rows, ""]
-        lines += _epilog(command.epilog or "")
+                lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
+        lines += [command.epilog, ""] if command.epilog else []
     return "\n".join(lines)
-
-
-def click_context(command: Any, name: str) -> Any:
-    """What a command knows of how it was called."""
-    return command.context_class(command, info_name=name)
 
 
 def _paragraphs(text: str) -> list[str]:
     return [" ".join(each.split()) + "\n" for each in text.split("\n\n")]
 
 
-def _parameter(parameter: Any, context: Any) -> str:
+def _parameter(parameter: Any) -> str:
     shown = parameter.metavar or ""
     if parameter.param_type_name == "argument":
         return _row(f"`{shown}`", "" if parameter.required else "none", parameter.help or "")
@@ -222,10 +216,6 @@ def _parameter(parameter: Any, context: Any) -> str:
         default = ""
     words = "required" if parameter.required else "none" if default in (None, False) else str(default)
     return _row(names + value, words, parameter.help or "")
-
-
-def _epilog(text: str) -> list[str]:
-    return [text, ""] if text else []
 
 
 # ---- Built-in studies -----------------------------------------------------------------------------------------------
