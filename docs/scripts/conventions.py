@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Rectangle
 from stiction import Contacts, Profile, asperities, contacts, random_phases, weierstrass_mandelbrot
-from stiction.views.figures import MILLIMETRE, STYLE
+from stiction.views.style import MILLIMETRE, STYLE
 
 IMAGE = Path(__file__).parents[1] / "images/conventions.png"
 

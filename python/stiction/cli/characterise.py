@@ -55,7 +55,7 @@ def characterise(
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent."""
     from stiction.surfaces.lines import lines_along_both
     from stiction.views import characterisation as views
-    from stiction.views.figures import save_picture
+    from stiction.views.style import save_picture
 
     fitted = _band(band)
     body = _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level)

@@ -17,7 +17,7 @@ from stiction.surfaces.spectrum import PowerSpectrum, peak_of, power_spectrum, s
 from stiction.surfaces.surface import Surface
 from stiction.surfaces.surface_parameters import surface_parameters
 from stiction.surfaces.surface_spectrum import surface_spectrum
-from stiction.views.figures import MILLIMETRE, STYLE, WIDTH
+from stiction.views.style import MILLIMETRE, STYLE, WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,23 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._core import __version__
-from stiction._files import replaced_file
-from stiction.mechanics.friction import STATUS_SELF_LOCKED
+from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.maps import area_map, friction_map
 from stiction.studies.pairs import ProfileGenerator, pair_of
 from stiction.studies.study import Study, step_of, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
+from stiction.views.style import (
+    FRICTION_MAP,
+    FULL_WIDTH,
+    LOCKED,
+    MILLIMETRE,
+    STRENGTHS,
+    STYLE,
+    WIDTH,
+    dimension_colours,
+    few_ticks,
+    force_text,
+    label,
+    save_picture,
+    spread_out,
+)
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MILLIMETRE = 1 / 25.4
-WIDTH = 80 * MILLIMETRE
-"""One column of print; nothing on a figure is smaller than 6 pt at this width."""
 
 LOAD_STEPS = 80
 MOST_CURVES = 8
@@ -37,24 +46,17 @@ SHARE_LIMIT = 0.5
 COLOUR_QUANTILES = (0.01, 0.95)
 """Of the friction coefficients, those between which the colours run: a few high values would take them all."""
 
-STYLE: dict[Any, Any] = {
-    "font.size": 7,
-    "axes.titlesize": 7,
-    "axes.labelsize": 7,
-    "xtick.labelsize": 6,
-    "ytick.labelsize": 6,
-    "legend.fontsize": 6,
-    "legend.title_fontsize": 6,
-    "axes.linewidth": 0.5,
-    "xtick.major.width": 0.5,
-    "ytick.major.width": 0.5,
-    "xtick.minor.width": 0.3,
-    "ytick.minor.width": 0.3,
-    "legend.frameon": False,
-    "figure.dpi": 300,
-    "hatch.linewidth": 0.3,
-}
-_LOCKED_COLOUR = "#7a0019"
+MOST_STRENGTHS = 3
+"""Adhesive shear strengths that a figure shows: of more, the lowest and the highest."""
+
+VEIL = 0.7
+"""Share of white over what is beyond the model's validity."""
+
+FADE = (0.3, 1.2, 0.75)
+"""Width of an interval, over the value, from which and up to which a cell fades, and to what share of white."""
+
+MOST_BAND = 2.0
+"""Times the highest or lowest value, as far as an axis goes for a band."""
 
 
 def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
@@ -90,24 +92,6 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
     return paths
 
 
-def save_picture(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, over no other picture than one of this package: instruments write PNGs beside their data.
-
-    Raises
-    ------
-    ValueError
-        If the name does not end in .png, another picture has it, or it cannot be written.
-    """
-    if path.suffix.lower() != ".png":
-        raise ValueError(f"{path}: cannot be written: its name must end in .png")
-    with replaced_file(path, _MADE_BY, ValueError) as partial, partial.open("wb") as file:
-        figure.savefig(file, format="png", metadata={"Software": f"stiction {__version__}"})
-
-
-_MADE_BY = b"Software\0stiction"
-"""In the PNG."""
-
-
 def _save(figure: Figure, path: Path) -> Path:
     save_picture(figure, path)
     return path
@@ -122,7 +106,7 @@ def _motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
         yield "".join(f"_{name}" for name in names), one
 
 
-def _title(figure: Figure, dataset: xarray.Dataset, study: Study) -> None:
+def _headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
     """Above a figure: how the bodies move, unless they are profiles as the paper has them; and what is missing."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
@@ -134,8 +118,16 @@ def _title(figure: Figure, dataset: xarray.Dataset, study: Study) -> None:
     done, total = dataset.sizes["repetition"], study.ensemble.repetitions
     if done < total:
         lines.append(f"unfinished: {done} of {total} repetitions")
+    return lines
+
+
+HEADLINE = 4.0
+"""Millimetres that one takes."""
+
+
+def _head(figure: Figure, lines: list[str]) -> None:
     if lines:
-        figure.suptitle("\n".join(lines), fontsize=8)
+        figure.suptitle("\n".join(lines), fontsize=8, y=1 - MILLIMETRE / figure.get_figheight(), va="top")
 
 
 def _way(angle: float) -> str:
@@ -239,79 +231,169 @@ def _some(count: int, most: int) -> NDArray[np.intp]:
 
 
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
-    """Colour maps over fractal dimension and normal load for one mu0, all with the same colours.
+    """Friction coefficient over fractal dimension and load as maps, and over fractal dimension at one load as curves.
 
-    A panel for each tau0; with several amplitudes a row for each tau0 and a column for each amplitude.
+    A map for each tau0, of more than three the lowest and the two highest; a row for each amplitude. Veiled where the
+    model is beyond its validity, pale where the 95 % interval is wide. The curves, of the lowest and the highest tau0
+    with their intervals, are at the highest power of ten that every fractal dimension reaches.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
 
     study = study_of(dataset)
-    maps = friction_map(dataset, reached_loads(dataset), mu0=[mu0]).isel(mu0=0)
-    strengths = study.friction.tau0
-    amplitudes = [float(value) for value in dataset["amplitude"].values]
-    panels = [
-        (maps.isel(amplitude=a, tau0=t), rf"$\tau_0$ = {strength.text}")
-        for t, strength in enumerate(strengths)
-        for a in range(len(amplitudes))
-    ]
-    columns = len(amplitudes) if len(amplitudes) > 1 else min(2, len(panels))
-    rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(WIDTH, (32 + (29 if columns < 3 else 22) * rows) * MILLIMETRE), layout="constrained")
-    axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    norm = _norm(maps["friction_coefficient"].values)
-    for ax in axes.flat[len(panels) :]:
-        ax.set_axis_off()
-    for ax, (panel, title) in zip(axes.flat, panels, strict=False):
-        mesh = _friction_panel(ax, panel, norm)
-        ax.set_title(title, pad=2)
-    last = axes.flat[len(panels) - columns : len(panels)]
-    for ax in last:
-        ax.tick_params(labelbottom=True)
-    for ax in last if columns < 3 else [last[columns // 2]]:
-        ax.set_xlabel(_dimension_label(dataset))
-    for ax in axes[:, 0]:
-        ax.set_ylabel("$F_N$ (mN)")
-    if columns > 2:
-        axes[0, 0].xaxis.set_major_locator(MaxNLocator(2))
-    if len(amplitudes) > 1:
-        for column, amplitude in enumerate(amplitudes):
-            axes[0, column].set_title(f"{1000 * amplitude:g} nm\n{panels[0][1]}", pad=2)
-    bar = figure.colorbar(mesh, ax=axes, location="top", extend="both", aspect=35, pad=0.01)
-    bar.set_label(rf"$\mu_s$ at $\mu_0$ = {mu0:g}")
+    chosen = _chosen_strengths(len(study.friction.tau0))
+    strengths = [study.friction.tau0[index] for index in chosen]
+    maps = friction_map(dataset, reached_loads(dataset), mu0=[mu0], tau0=[float(each) for each in strengths])
+    maps = maps.isel(mu0=0)
+    load = _common_load(dataset)
+    curves = friction_map(dataset, [load], mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0, load=0)
+    amplitudes = dataset["amplitude"].values
+    lines = _headlines(dataset, study)
+    meanings = _meanings(maps, asperities=study.contact.mechanics == "asperities")
+    above, below = 15.0 + HEADLINE * len(lines), 16.0 + (3.0 if len(meanings) > MOST_IN_ROW else 0.0)
+    height = 42.0 if amplitudes.size == 1 else 34.0
+    between = 4.0
+    total = above + below + amplitudes.size * (height + between) - between
+    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+
+    def axes_at(left: float, row: int, width: float) -> Axes:
+        bottom = below + (amplitudes.size - 1 - row) * (height + between)
+        return figure.add_axes((left / 170, bottom / total, width / 170, height / total))
+
+    norm = _norm(maps)
+    for row, amplitude in enumerate(amplitudes):
+        several = f"{1000 * amplitude:g} nm" if amplitudes.size > 1 else ""
+        width = (99 - 3 * (len(strengths) - 1)) / len(strengths)
+        for column, strength in enumerate(strengths):
+            ax = axes_at(13 + column * (width + 3), row, width)
+            _friction_panel(ax, maps.isel(amplitude=row, tau0=column), norm, load)
+            if column == 0:
+                ax.set_ylabel(label("load"))
+            else:
+                ax.yaxis.set_visible(False)
+            if row == 0:
+                ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
+            _dimension_axis(ax, dataset, last=row == amplitudes.size - 1, long=column == len(strengths) // 2)
+            if several:
+                ax.text(0.97, 0.96, f"$a$ = {several}", transform=ax.transAxes, ha="right", va="top", fontsize=6)
+        ax = axes_at(127, row, 40)
+        _friction_curves(ax, curves.isel(amplitude=row), [each.text for each in strengths], mu0)
+        if row == 0:
+            ax.set_title(f"at $F_N$ = {force_text(load)}", pad=2)
+        _dimension_axis(ax, dataset, last=row == amplitudes.size - 1, long=True)
+    _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total, 99 / 170, 2.2 / total), norm, mu0)
+    _head(figure, lines)
+    figure.legend(
+        handles=meanings, loc="lower center", ncols=len(meanings) if len(meanings) <= MOST_IN_ROW else 3,
+        handlelength=1.6, columnspacing=1.4, borderaxespad=0.3,
+    )  # fmt: skip
+    return figure
+
+
+def _chosen_strengths(count: int) -> list[int]:
+    """Which of so many shear strengths are drawn."""
+    return list(range(count)) if count <= MOST_STRENGTHS else [0, *range(count - MOST_STRENGTHS + 1, count)]
+
+
+def _common_load(dataset: xarray.Dataset) -> float:
+    """The highest power of ten (mN) that every ensemble reaches, or the highest load if that is below the range."""
+    elastic = dataset["normal_elastic"].mean("repetition").max(step_of(dataset))
+    lowest, common = float(reached_loads(dataset)[0]), float(elastic.where(elastic > 0).min())
+    power = 10.0 ** np.floor(np.log10(0.9 * common))
+    return float(power if power >= lowest else max(common, lowest))
+
+
+def _dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool, long: bool) -> None:
+    axes.xaxis.set_major_locator(_few_numbers())
+    if not last:
+        axes.tick_params(labelbottom=False)
+    elif long:
+        axes.set_xlabel(_dimension_label(dataset))
+    else:
+        axes.set_xlabel("$D$")
+
+
+def _few_numbers(most: int = 4) -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(most, steps=[1, 2, 5, 10])
+
+
+def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
+    """Of the lowest and the highest strength, with their intervals; dotted where the model is beyond its validity."""
+    dimension = curves["fractal_dimension"].values
+    shown = [0] if len(strengths) == 1 else [0, len(strengths) - 1]
+    trusted = ~(curves["share_beyond_hertz"].values > SHARE_LIMIT)  # (dimension, strength)
+    value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
+    for index in shown:
+        colour = STRENGTHS[0] if index == 0 else STRENGTHS[-1]
+        axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
+        axes.plot(dimension, value[:, index], ":", color=colour, linewidth=1)
+        axes.plot(dimension, np.where(trusted[:, index], value[:, index], np.nan), color=colour, linewidth=1)
+    known = value[:, shown][np.isfinite(value[:, shown])]
+    # Where it is to be trusted, all of it; beyond, as far as there is room.
+    inside = upper[:, shown][(np.isfinite(upper) & trusted)[:, shown]]
+    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(known, initial=1.0)))
+    axes.set_ylim(0, top)
+    axes.yaxis.set_major_locator(_few_numbers(6))
+    span = float(np.ptp(dimension)) or 1.0
+    axes.set_xlim(dimension[0] - 0.02 * span, dimension[-1] + 0.02 * span)
+    axes.axhline(mu0, color="0.6", linewidth=0.5, linestyle="--", zorder=0)
+    axes.text(
+        axes.get_xlim()[1] - 0.01 * span, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right"
+    )  # fmt: skip
+    for index in shown:
+        starts = np.flatnonzero(np.isfinite(value[:, index]))
+        if starts.size:
+            at = starts[0]
+            height = min(np.nan_to_num(upper[at, index], nan=value[at, index]), 0.93 * top)
+            colour = STRENGTHS[0] if index == 0 else STRENGTHS[-1]
+            name = rf"$\tau_0$ = {strengths[index]}"
+            box = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.5}
+            axes.text(dimension[at] + 0.03 * span, height, name, color=colour, fontsize=6, va="bottom", bbox=box)
+    axes.set_ylabel(label("friction_coefficient"))
+
+
+def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    axes = figure.add_axes(place, label="<colorbar>")
+    bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
     ticks = _ticks(norm)
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
-    _title(figure, dataset, study)
-    _friction_legend(
-        figure,
-        locked=bool((maps["status"] == STATUS_SELF_LOCKED).any()),
-        asperities=study.contact.mechanics == "asperities",
-    )
-    return figure
+    axes.xaxis.set_ticks_position("top")
+    axes.xaxis.set_label_position("top")
+    axes.tick_params(length=2, pad=1)
+    bar.set_label(rf"{label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
 
 
 def _ticks(norm: Any) -> list[float]:
     """Some of the round numbers on a scale of equal ratios, no closer than their labels are long."""
-    inside = [tick for tick in TICKS if norm.vmin <= tick <= norm.vmax]
+    inside = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
     return inside[:: max(1, -(-len(inside) // 8))]
 
 
-TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
+TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
 """Round coefficients of friction on a scale of colours."""
 
 
-def _norm(values: Floats) -> Any:
-    """Colours in equal ratios; the highest few per cent share one, or friction at the highest D would take them all."""
+def _norm(maps: xarray.Dataset) -> Any:
+    """Colours in equal ratios over what is to be trusted, or over all where that is little; the highest share one."""
     from matplotlib.colors import LogNorm
 
-    positive = values[np.isfinite(values) & (values > 0)]
+    values = maps["friction_coefficient"].values
+    known = np.isfinite(values) & (values > 0)
+    trusted = known & ~(maps["share_beyond_hertz"].values > SHARE_LIMIT)
+    positive = values[trusted if trusted.sum() > 0.1 * known.sum() else known]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
-    return LogNorm(low, max(high, 1.05 * low))
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # to ends that can be written
+    low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
+    return LogNorm(low, max(high, low + step))
 
 
-def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
-    from matplotlib.colors import ListedColormap
+def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
 
     panel = panel.transpose("load", "fractal_dimension")
     values, status = panel["friction_coefficient"].values, panel["status"].values
@@ -319,27 +401,35 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any) -> Any:
     axes.set_yscale("log")
     axes.set_xlim(edges[0][0], edges[0][-1])
     axes.set_ylim(edges[1][0], edges[1][-1])
+    few_ticks(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
-    locked = np.ma.masked_where(status != STATUS_SELF_LOCKED, np.ones(status.shape))
-    axes.pcolormesh(*edges, locked, cmap=ListedColormap([_LOCKED_COLOUR]), rasterized=True)
+    known = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
-    shown = np.ma.masked_invalid(np.maximum(values, norm.vmin))
-    mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
+    colours = colormaps[FRICTION_MAP](norm(np.where(known, np.maximum(values, norm.vmin), norm.vmin)))
+    share = panel["share_beyond_hertz"].values
+    white = np.maximum(_fading(panel), np.where(share > SHARE_LIMIT, VEIL, 0))[..., np.newaxis]
+    colours[..., :3] = (1 - white) * colours[..., :3] + white
+    colours[..., 3] = known
+    colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
+    axes.pcolormesh(*edges, colours, rasterized=True)
     if min(values.shape) > 1:
-        for name, style, _ in _VALIDITY_LINES:
-            share = np.ma.masked_invalid(panel[name].values)
-            if share.count() and share.min() < SHARE_LIMIT < share.max():
-                axes.contour(
-                    panel["fractal_dimension"].values, panel["load"].values, share,
-                    levels=[SHARE_LIMIT], colors="white", linewidths=0.8, linestyles=[style],
-                )  # fmt: skip
-    return mesh
+        share = np.ma.masked_invalid(share)
+        if share.count() and share.min() < SHARE_LIMIT < share.max():
+            axes.contour(
+                panel["fractal_dimension"].values, panel["load"].values, share,
+                levels=[SHARE_LIMIT], colors="0.2", linewidths=0.6,
+            )  # fmt: skip
+    axes.plot([0, 0.04], [load, load], color="black", linewidth=1, transform=axes.get_yaxis_transform())
 
 
-_VALIDITY_LINES: tuple[tuple[str, Any, str], ...] = (
-    ("share_beyond_hertz", "--", "above: more than half of the load on overlaps $> R/10$"),
-    ("share_below_grid", ":", "below: more than half of the load on radii < grid spacing"),
-)
+def _fading(maps: xarray.Dataset) -> Floats:
+    """Share of white of each cell for the width of its interval, which a single repetition does not have."""
+    values = maps["friction_coefficient"].values
+    with np.errstate(divide="ignore", invalid="ignore"):
+        width = (maps["upper"].values - maps["lower"].values) / values
+    first, last, most = FADE
+    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=last, posinf=last), first)
+    return np.asarray(most * np.clip((width - first) / (last - first), 0, 1))
 
 
 def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
@@ -348,19 +438,34 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
-def _friction_legend(figure: Figure, *, locked: bool, asperities: bool) -> None:
+MOST_IN_ROW = 4
+"""Entries of a legend."""
+
+
+def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
+    """What a legend says of the marks on maps, of those that are there."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    handles = [_not_reached_patch((0, 0), 1, 1, label="load not reached")]
-    if locked:
-        handles.append(Patch(facecolor=_LOCKED_COLOUR, label=r"self-locked: $F_N \leq 0$"))
+    middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
+    handles: list[Any] = []
     if asperities:
-        handles += [
-            Line2D([], [], color="0.4", linestyle=style, linewidth=1, label=label)
-            for _, style, label in _VALIDITY_LINES
-        ]
-    figure.legend(handles=handles, loc="outside lower center")
+        handles.append(
+            Patch(
+                facecolor=tuple((1 - VEIL) * middle + VEIL), edgecolor="0.2", linewidth=0.6,
+                label="beyond Hertz: over half of the load on overlaps $> R/10$",
+            )
+        )  # fmt: skip
+    if (_fading(maps)[~(maps["share_beyond_hertz"].values > SHARE_LIMIT)] > 0.1).any():
+        handles.append(Patch(facecolor=tuple((1 - FADE[2]) * middle + FADE[2]), label="pale: wide 95 % interval"))
+    if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
+        handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
+    if (maps["status"].values == STATUS_SELF_LOCKED).any():
+        handles.append(Patch(facecolor=to_rgb(LOCKED), label=r"self-locked: $F_N \leq 0$"))
+    handles.append(Line2D([], [], color="black", linewidth=1, label="load of the curves; band: 95 %"))
+    return handles
 
 
 def _edges(centres: Floats) -> Floats:
@@ -374,8 +479,7 @@ def _edges(centres: Floats) -> Floats:
 
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
-    """True contact area against normal load, and their ratio, with 95 % intervals; a column for each amplitude."""
-    from matplotlib import colormaps
+    """True contact area against normal load, and their ratio, with 95 % intervals; a row for each amplitude."""
     from matplotlib.figure import Figure
 
     study = study_of(dataset)
@@ -383,45 +487,72 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     shown = _some(dataset.sizes["fractal_dimension"], MOST_CURVES)
     areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=float(tau0))
     areas = areas.isel(mu0=0, tau0=0)
-    exact = study.contact.mechanics == "half-space"
     amplitudes = areas["amplitude"].values
-    figure = Figure(figsize=(WIDTH, 102 * MILLIMETRE), layout="constrained")
-    axes = figure.subplots(2, amplitudes.size, squeeze=False, sharex=True, sharey="row")
-    colours = colormaps["viridis"](np.linspace(0, 0.92, shown.size))
-    for column, amplitude in enumerate(amplitudes):
-        for curve, colour in zip(range(shown.size), colours, strict=True):
-            line = areas.isel(amplitude=column, fractal_dimension=curve)
-            load = line["load"].values
-            label = f"{float(line['fractal_dimension']):.2f}"
-            trusted = exact | (line["share_beyond_hertz"].values <= SHARE_LIMIT)
-            for ax, scale in zip(axes[:, column], (1.0, 1 / load), strict=True):
-                area = scale * line["contact_area"].values
-                ax.plot(load, area, ":", color=colour, linewidth=0.8)
-                ax.plot(load, np.where(trusted, area, np.nan), color=colour, linewidth=0.8, label=label)
-                lower, upper = scale * line["lower"].values, scale * line["upper"].values
-                ax.fill_between(load, lower, upper, color=colour, alpha=0.25, linewidth=0)
-        for ax in axes[:, column]:
-            ax.set_xscale("log")
-            if (areas["contact_area"] > 0).any():
-                ax.set_yscale("log")
-            if not (areas["contact_area"].isel(amplitude=column) > 0).any():
-                ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
+    lines = _headlines(dataset, study)
+    above, below, between = 2.0 + HEADLINE * len(lines), 15.0, 4.0
+    height = 50.0 if amplitudes.size == 1 else 38.0
+    total = above + below + amplitudes.size * (height + between) - between
+    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+    for row, amplitude in enumerate(amplitudes):
+        bottom = below + (amplitudes.size - 1 - row) * (height + between)
+        pair = [figure.add_axes((left / 170, bottom / total, 70 / 170, height / total)) for left in (13, 98)]
+        _area_curves(pair, areas.isel(amplitude=row), exact=study.contact.mechanics == "half-space")
+        for ax in pair:
+            if row < amplitudes.size - 1:
+                ax.tick_params(labelbottom=False)
+            else:
+                ax.set_xlabel(label("load"))
+        pair[0].set_ylabel(label("contact_area"))
+        pair[1].set_ylabel("area over load $A/F_N$ (µm²/mN)")
         if amplitudes.size > 1:
-            axes[0, column].set_title(f"{1000 * amplitude:g} nm")
-    axes[0, 0].set_ylabel("true contact area $A$ (µm²)")
-    axes[1, 0].set_ylabel("$A / F_N$ (µm²/mN)")
-    axes[1, amplitudes.size // 2].set_xlabel("normal load $F_N$ (mN)")
-    _title(figure, dataset, study)
-    figure.legend(
-        *axes[0, 0].get_legend_handles_labels(),
-        title=f"{_dimension_label(dataset)}, at $\\mu_0$ = {mu0:g}, $\\tau_0$ = {tau0.text}; shaded: 95 %"
-        + ("" if exact else "\ndotted: more than half of the load on overlaps $> R/10$"),
-        loc="outside lower center",
-        ncols=4,
-    )
+            pair[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=pair[0].transAxes, va="top")
+    _head(figure, lines)
+    figure.text(
+        0.5, 1.5 / total,
+        f"at $\\mu_0$ = {mu0:g}, $\\tau_0$ = {tau0.text}; bands: 95 %"
+        + ("" if study.contact.mechanics == "half-space"
+           else "; dotted: beyond Hertz, over half of the load on overlaps $> R/10$"),
+        ha="center", va="bottom", fontsize=6,
+    )  # fmt: skip
     return figure
+
+
+def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool) -> None:
+    """Area, and area over load, of each fractal dimension, which stands where its curve begins."""
+    load, dimensions = areas["load"].values, areas["fractal_dimension"].values
+    areas = areas.transpose("fractal_dimension", "load")
+    area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
+    trusted = exact | (areas["share_beyond_hertz"].values <= SHARE_LIMIT)
+    positive = area[area > 0]
+    for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
+        ax.set_xscale("log")
+        ax.set_xlim(load[0] / (load[-1] / load[0]) ** 0.18, load[-1] * 1.2)
+        if not positive.size:
+            ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
+            continue
+        ax.set_yscale("log")
+        # A band that is wider than all the curves may be cut off.
+        values = (scale * area)[area > 0]
+        ax.set_ylim(values.min() / MOST_BAND, values.max() * MOST_BAND)
+        few_ticks(ax)
+        names, places = [], []
+        for curve, colour in enumerate(dimension_colours(dimensions)):
+            ax.fill_between(load, scale * lower[curve], scale * upper[curve], color=colour, alpha=0.25, linewidth=0)
+            ax.plot(load, scale * area[curve], ":", color=colour, linewidth=0.8)
+            ax.plot(load, np.where(trusted[curve], scale * area[curve], np.nan), color=colour, linewidth=0.8)
+            starts = np.flatnonzero(area[curve] > 0)
+            if starts.size:
+                names.append((load[starts[0]], dimensions[curve], colour))
+                places.append(np.log(scale[starts[0]] * area[curve, starts[0]]))
+        low, high = np.log(ax.get_ylim())
+        apart = 0.045 * (high - low)
+        spread = spread_out(places, apart)
+        spread += max(0, low + apart - spread.min(initial=high))
+        for (start, dimension, colour), place in zip(names, spread, strict=True):
+            text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
+            ax.text(start / 1.12, np.exp(place), text, color=colour, fontsize=6, ha="right", va="center")
 
 
 def _dimension_label(dataset: xarray.Dataset) -> str:
     classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
-    return "fractal dimension $D$" + (" (classical)" if classical else "")
+    return label("fractal_dimension") + (" (classical)" if classical else "")

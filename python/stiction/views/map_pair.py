@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction.studies.map_pair import MapContacts, map_contacts
 from stiction.surfaces.surface import Surface
-from stiction.views.figures import MILLIMETRE, STYLE, WIDTH, save_picture
+from stiction.views.style import MILLIMETRE, STYLE, WIDTH, save_picture
 from stiction.views.traverse import HIGHEST_MU0, _cell, _count, _material, _materials, _then
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
-from stiction.views.figures import MILLIMETRE, STYLE, WIDTH, save_picture
+from stiction.views.style import MILLIMETRE, STYLE, WIDTH, save_picture
 
 if TYPE_CHECKING:
     import xarray
