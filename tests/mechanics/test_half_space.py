@@ -23,6 +23,12 @@ DENSE = 1e-8
 
 ROUND_OFF = 1e-12
 
+QUADRATURE = 1e-9
+"""Of 60 by 200 points over smooth functions."""
+
+SCATTER_OF_ALL = 0.015
+"""Of two pairs with some tens of contacts each, over twelve directions."""
+
 TIGHT = 1e-10
 """A solver's tolerance, where a solution is held to another one."""
 
@@ -314,6 +320,93 @@ def test_gentle_friction_is_the_formula():
         gentle_friction(0.4, rms_gradient=0.0)
     with pytest.raises(ValueError, match="sliding"):
         gentle_friction(0.4, rms_gradient=0.1, sliding="some")
+
+
+def leaning(sigma_along, sigma_across, m, *, rule):
+    """Friction of contacts that carry equal forces on normal slopes, each by its own normal and tangent: a slow sum."""
+    nodes, weights = np.polynomial.hermite_e.hermegauss(60)
+    half, share = np.polynomial.legendre.leggauss(200)
+    along = 5 * (half + 1) * sigma_along  # uphill only, to ten deviations; downhill is its mirror image
+    chance = 5 * share * np.exp(-((along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
+    normal = tangential = 0.0
+    for across, weight in zip(nodes * sigma_across, weights / weights.sum(), strict=True):
+        for sign in (1, -1):
+            slope = np.stack([sign * along, np.full(along.size, across)])
+            q = np.sqrt(1 + (slope**2).sum(axis=0))
+            n = np.stack([-slope[0], -slope[1], np.ones(along.size)]) / q
+            t = n[0] * n - np.array([[1.0], [0.0], [0.0]])
+            t /= np.sqrt((t**2).sum(axis=0))
+            rubs = m if rule == "all" or sign > 0 else 0.0
+            pushes = 1.0 if rule == "all" or sign > 0 else 0.0
+            normal += weight * (chance * q * (n[2] + rubs * t[2])).sum()
+            tangential -= weight * (chance * q * (pushes * n[0] + rubs * t[0])).sum()
+    return tangential / normal
+
+
+@pytest.mark.parametrize("rule", ["opposing", "all"])
+@pytest.mark.parametrize(("gradient", "slope"), [(0.1, 0.07), (1.0, 0.5), (2.0, 1.9)])
+def test_the_second_order_is_the_sum_over_contacts_that_lean_at_random(rule, gradient, slope):
+    across = np.sqrt(gradient**2 - slope**2)
+    for ratio in (1.0, 0.3):
+        shared = ratio / (1 + ratio**2)
+        expected = leaning(slope * shared, across * shared, 0.4, rule=rule)
+        keywords = {"rms_gradient": gradient, "rms_slope": slope, "slope_ratio": ratio, "sliding": rule}
+        assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE)
+
+
+def test_gentle_friction_of_the_second_order_has_its_limits():
+    for rule in ("opposing", "all"):
+        for given in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
+            first, second = (gentle_friction(0.4, sliding=rule, order=order, **given) for order in (1, 2))
+            assert second == pytest.approx(first, rel=1e-9)
+    steep = {"rms_gradient": 0.5, "order": 2}
+    assert gentle_friction(0.4, slope_ratio=4.0, **steep) == pytest.approx(
+        gentle_friction(0.4, slope_ratio=0.25, **steep), rel=ROUND_OFF
+    )
+    assert gentle_friction(0.4, slope_ratio=0.0, **steep) == pytest.approx(0.2, rel=ROUND_OFF)
+    with pytest.raises(ValueError, match="slope_ratio"):
+        gentle_friction(0.4, rms_gradient=0.1, slope_ratio=-1.0)
+    with pytest.raises(ValueError, match="order"):
+        gentle_friction(0.4, rms_gradient=0.1, order=3)
+    with pytest.raises(ValueError, match="rms_slope"):
+        gentle_friction(0.4, rms_gradient=0.1, rms_slope=0.2, order=2)
+
+
+def bodies(ratio, seeds, slope):
+    """A pair whose gap has an rms gradient of about `slope`, one body flatter than the other by a ratio."""
+    steeper = slope / np.hypot(1, 1 / ratio)
+    return (
+        rough((128, 128), seed=seed, longest=8, shortest=16, slope=each)
+        for seed, each in zip(seeds, (steeper, steeper / ratio), strict=True)
+    )
+
+
+def test_contacts_on_slopes_across_the_motion_are_longer_than_their_ground_plan():
+    slope = 0.9
+    found = []
+    for seeds in ((1, 2), (3, 4)):
+        curve = half_space(
+            *bodies(1.0, seeds, slope), [0.02 * MODULUS * slope], boundary="periodic", sliding="all",
+            direction=range(0, 360, 30),
+        )  # fmt: skip
+        found.append(curve.friction_coefficient(mu0=0.4).mean())
+    expected = gentle_friction(0.4, rms_gradient=slope, sliding="all", order=2)
+    assert expected > 1.04 * 0.4
+    assert np.mean(found) == pytest.approx(expected, rel=SCATTER_OF_ALL)
+
+
+def test_how_much_bodies_lean_follows_from_their_roughness_and_not_from_their_compliance():
+    slope, ratio = 0.9, 3.0
+    lean = []
+    for share in (0.0, 0.5, 1.0):
+        curve = half_space(
+            *bodies(ratio, (1, 2), slope), [0.02 * MODULUS * slope], boundary="periodic", compliance_share=share,
+            direction=range(0, 360, 30),
+        )  # fmt: skip
+        lean.append((curve.tangential_elastic / curve.normal_elastic).mean())
+    assert np.ptp(lean) < 0.05 * np.mean(lean)
+    # By whole patches less than the mean slope of their points, more so where the waves are of many lengths.
+    assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
 def test_mirror_and_exchange():

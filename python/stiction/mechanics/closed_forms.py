@@ -5,6 +5,8 @@ Plain NumPy, independent of the core. Every argument broadcasts.
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -14,6 +16,12 @@ from stiction.mechanics.model import Sliding
 
 _BISECTIONS = 64
 """Of the logarithm of an aspect ratio, to the last bit."""
+
+_ROUND_OFF = 1e-9
+"""By which a slope may be above the gradient that it is a part of."""
+
+_GENTLE = 1e-3
+"""Deviation of slopes below which two terms of a series are exact to the last bit."""
 
 
 def _positive(**arguments: ArrayLike) -> list[Floats]:
@@ -305,8 +313,10 @@ def gentle_friction(
     effective_modulus: ArrayLike = 10.0,
     kappa: ArrayLike = 2.2,
     sliding: Sliding = "opposing",
+    slope_ratio: ArrayLike = 1.0,
+    order: Literal[1, 2] = 1,
 ) -> Floats:
-    """Friction coefficient of gentle, independent and equally rough surfaces on an elastic half-space, lightly loaded.
+    """Friction coefficient of gentle, independent surfaces on an elastic half-space, from their slopes alone.
 
     Parameters
     ----------
@@ -320,34 +330,88 @@ def gentle_friction(
         g_s of the gap along the motion: h'/sqrt(2) where isotropic, which is what None means; h' on a line.
     effective_modulus : array_like of float, GPa
     kappa : array_like of float
-        A E* h'/F: 2.1 to 2.4 on Gaussian areas at light load.
+        A E* h'/F: 2.1 to 2.4 on Gaussian areas at light load, 2 to 3.5 on lines. For the second order, A is the area
+        on the ground plan.
     sliding : {"opposing", "all"}
         Whether only contacts rub whose force opposes the motion, or all.
+    slope_ratio : array_like of float
+        r, the root-mean-square slope of one body over the other's, whichever; 0 is a rough body on a flat.
+    order : {1, 2}
+        1 for gentle slopes; 2 counts that contacts on slopes across the motion are longer than their ground plan.
 
     Returns
     -------
     ndarray
         NaN where the contact locks itself, m S >= 1.
 
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or at the second order a slope is above the gradient.
+
     Notes
     -----
-    With m = mu0 + κ tau0/(E* h') and S = g_s/(2 sqrt(2π)): half of the load leans against the motion, at a mean slope S
-    each, so that mu_s = (m/2 + S)/(1 - m S). Where all contacts rub, mu_s = m.
+    With m = mu0 + κ tau0/(E* h') and S = g_s/sqrt(2π) r/(1 + r²), which is g_s/(2 sqrt(2π)) for bodies that are equally
+    rough: half of the load leans against the motion, at a mean slope S each, so that mu_s = (m/2 + S)/(1 - m S). Where
+    all contacts rub, mu_s = m.
+
+    Why it holds: the gap decides where the bodies touch. Where two Gaussian bodies have spectra of one shape, the part
+    of their slopes that both share is independent of the gap, so contacts lean as if picked at random, with a variance
+    of (g_s r/(1 + r²))². What the gap adds to the slope of the deformed interface comes to nothing over a contact,
+    which cannot push itself sideways; so how the bodies share the compliance hardly matters.
+
+    The second order is w m for all contacts and (w m/2 + S)/(1 - v m S) for opposing ones, w and v being the means of
+    (1 + s²)^(1/2) and (1 + s²)^(-1/2) over normal slopes s across the motion, of variance (h'² - g_s²) r²/(1 + r²)². It
+    is exact for contacts of equal load that lean so, and made for bodies of equal roughness and compliance.
+
+    S is the mean slope of points under pressure. A contact that spans several slopes opposes as a whole, by less: with
+    waves of many lengths S is down to two thirds, which lowers friction by 1 % at h' = 0.1 and by 10 % at 0.8. Beyond
+    its reach are contacts so few that their mean is not that of many, contacts that grow together under high loads, and
+    slopes that are not normal.
 
     Examples
     --------
     >>> from stiction import gentle_friction
     >>> gentle_friction(0.4, rms_gradient=[0.041, 0.41]).round(3)
     array([0.206, 0.264])
+    >>> gentle_friction(0.4, rms_gradient=[0.041, 0.41], order=2).round(3)
+    array([0.206, 0.266])
     """
     mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
     gradient, modulus, factor = _positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
     slope = gradient / np.sqrt(2) if rms_slope is None else _positive(rms_slope=rms_slope)[0]
+    ratio = float_array("slope_ratio", slope_ratio)
+    if not (ratio >= 0).all():
+        raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
     choice("sliding", sliding, Sliding)
+    if order not in (1, 2):
+        raise ValueError(f"order must be 1 or 2, got {order!r}")
     check_shear_strength(tau, float(np.min(modulus)))
     m = mu + factor * tau / (modulus * gradient)
-    mean = slope / (2 * np.sqrt(2 * np.pi))
+    shared = ratio / (1 + ratio**2)
+    mean = slope * shared / np.sqrt(2 * np.pi)
+    longer, lower = np.ones(()), np.ones(())
+    if order == 2:
+        across = gradient**2 - slope**2
+        if not (across >= -_ROUND_OFF * gradient**2).all():
+            raise ValueError(f"rms_slope must be at most rms_gradient, got {rms_slope!r} and {rms_gradient!r}")
+        longer, lower = _stretch(shared * np.sqrt(np.maximum(across, 0)))
     if sliding == "all":
-        return np.asarray(np.broadcast_arrays(m, mean)[0].copy())
-    free = m * mean < 1
-    return np.asarray(np.divide(m / 2 + mean, 1 - m * mean, out=np.full(free.shape, np.nan), where=free))
+        return np.asarray(np.broadcast_arrays(m * longer, mean)[0].copy())
+    lock = m * lower * mean
+    free = lock < 1
+    return np.asarray(np.divide(m * longer / 2 + mean, 1 - lock, out=np.full(free.shape, np.nan), where=free))
+
+
+def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
+    """Means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) over a normal s of some standard deviation."""
+    from scipy import special
+
+    gentle = deviation < _GENTLE
+    spread = np.maximum(deviation, _GENTLE)
+    x = 1 / (4 * spread**2)
+    factor = 1 / (spread * np.sqrt(2 * np.pi))
+    zeroth, first = special.kve(0, x), special.kve(1, x)
+    square = deviation**2
+    longer = np.where(gentle, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
+    return longer, np.where(gentle, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
