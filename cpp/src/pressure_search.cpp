@@ -3,9 +3,12 @@
 #include "multiversion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace stiction {
@@ -17,12 +20,59 @@ constexpr double most_change = 2.0;
 // After a step that leads nowhere.
 constexpr double retreat = 0.25;
 constexpr int most_newton_steps = 200;
+constexpr std::size_t lanes = 8;
+constexpr std::size_t block = 64;  // points that are looked at together
 
 STICTION_MULTIVERSION
 void add_scaled(const float* response, std::size_t size, double factor, double* potential) {
   for (std::size_t i = 0; i < size; ++i) {
     potential[i] += factor * static_cast<double>(response[i]);
   }
+}
+
+// Marks free points of a few: between the bounds, or at one that the gap calls them away from (or is not a number).
+// Returns whether there are any.
+STICTION_MULTIVERSION
+bool mark_free(const double* pressure, const double* potential, std::size_t size, double approach, double hardness,
+               std::uint8_t* marks) {
+  std::uint8_t any = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double p = pressure[i];
+    const double gap = potential[i] - approach;
+    const bool loaded = p > 0.0;
+    // Without branches, which are hard to foresee.
+    const bool is_free = (loaded & ((p < hardness) | (gap > 0.0))) | (!loaded & !(gap >= 0.0));
+    marks[i] = static_cast<std::uint8_t>(is_free);
+    any |= marks[i];
+  }
+  return any != 0;
+}
+
+struct Cut {
+  double sum;
+  double between;  // how many are within the bounds
+};
+
+// Pressures less the shift, cut to the bounds; in as many sums as make it fast.
+STICTION_MULTIVERSION
+Cut cut(const double* pressure, std::size_t size, double shift, double hardness) {
+  std::array<double, lanes> sums{};
+  std::array<double, lanes> between{};
+  std::size_t i = 0;
+  for (; i + lanes <= size; i += lanes) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const double moved = pressure[i + lane] - shift;
+      const double kept = moved > 0.0 ? moved : 0.0;
+      sums[lane] += kept < hardness ? kept : hardness;
+      between[lane] += moved > 0.0 && moved < hardness ? 1.0 : 0.0;
+    }
+  }
+  for (; i < size; ++i) {
+    const double moved = pressure[i] - shift;
+    sums[0] += std::clamp(moved, 0.0, hardness);
+    between[0] += moved > 0.0 && moved < hardness ? 1.0 : 0.0;
+  }
+  return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(between.begin(), between.end(), 0.0)};
 }
 
 // The shift for which pressures less the shift, cut to the bounds, have the sum asked for. The sum falls with the
@@ -32,18 +82,13 @@ double shift_to_sum(std::span<const double> pressure, double sum, double hardnes
   double right = std::numeric_limits<double>::infinity();
   double shift = 0.0;
   for (int count = 0; count < most_newton_steps; ++count) {
-    double excess = -sum;
-    std::size_t between = 0;
-    for (const double value : pressure) {
-      const double moved = value - shift;
-      excess += std::clamp(moved, 0.0, hardness);
-      between += moved > 0.0 && moved < hardness ? 1 : 0;
-    }
+    const Cut now = cut(pressure.data(), pressure.size(), shift, hardness);
+    const double excess = now.sum - sum;
     if (std::abs(excess) <= 1e-15 * sum) {
       return shift;
     }
     (excess > 0.0 ? left : right) = shift;
-    double next = between > 0 ? shift + excess / static_cast<double>(between) : left + 0.5 * (right - left);
+    double next = now.between > 0.0 ? shift + excess / now.between : left + 0.5 * (right - left);
     if (!std::isfinite(next)) {  // no pressure between the bounds, and only one side known
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       left = std::isfinite(left) ? left : *lowest - (std::isfinite(hardness) ? hardness : sum);
@@ -62,13 +107,12 @@ double shift_to_sum(std::span<const double> pressure, double sum, double hardnes
 
 }  // namespace
 
-PressureSearch::PressureSearch(Values pressure, double total, double hardness, bool line, bool periodic)
+PressureSearch::PressureSearch(Values pressure, double total, double hardness, bool line)
     : pressure_(pressure.begin(), pressure.end()),
       potential_(pressure.size()),
       total_(total),
       hardness_(hardness),
       line_(line),
-      periodic_(periodic),
       residual_(pressure.size()),
       step_(pressure.size()) {
   if (pressure.empty() || pressure.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
@@ -140,26 +184,35 @@ double PressureSearch::balance() {
   }
   free_.clear();
   bound_load_ = 0.0;
+  std::array<std::int32_t, block> found{};
+  std::array<std::uint8_t, block> marks{};
+  for (std::size_t first = 0; first < pressure_.size(); first += block) {
+    const std::size_t count_here = std::min(block, pressure_.size() - first);
+    if (mark_free(&pressure_[first], &potential_[first], count_here, approach_, hardness_, marks.data())) {
+      std::size_t many = 0;
+      for (std::size_t i = 0; i < count_here; ++i) {
+        found[many] = static_cast<std::int32_t>(first + i);
+        many += marks[i];
+      }
+      free_.insert(free_.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(many));
+    }
+  }
+  for (std::size_t i = 0; i < pressure_.size() && std::isfinite(hardness_); ++i) {
+    bound_load_ += pressure_[i] >= hardness_ && !(potential_[i] > approach_) ? pressure_[i] : 0.0;
+  }
   double distance = 0.0;
   sum = 0.0;
-  for (std::size_t i = 0; i < pressure_.size(); ++i) {
-    const double p = pressure_[i];
-    const double gap = potential_[i] - approach_;
-    if (p > 0.0 ? p < hardness_ || gap > 0.0 : !(gap >= 0.0)) {
-      free_.push_back(static_cast<std::int32_t>(i));
-      distance = std::max(distance, std::abs(gap));
-      sum += gap;
-    } else {
-      bound_load_ += p;
-    }
+  for (const std::int32_t point : free_) {
+    const double gap = potential_[static_cast<std::size_t>(point)] - approach_;
+    distance = std::max(distance, std::abs(gap));
+    sum += gap;
   }
   mean_ = approach_ + (free_.empty() ? 0.0 : sum / static_cast<double>(free_.size()));
   return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
 }
 
 // Of each run of points that are not free: the free points on both sides (by their place in the list) and their
-// distance, the place of the first point of the run, and how many there are. At the ends of a free line both sides are
-// the same.
+// distance, the place of the first point of the run, and how many there are.
 template <class Between>
 void PressureSearch::for_each_gap(Between between) const {
   const auto size = static_cast<std::int64_t>(pressure_.size());
@@ -170,12 +223,7 @@ void PressureSearch::for_each_gap(Between between) const {
       between(k, k + 1, free_[k] + 1, count);
     }
   }
-  if (periodic_) {
-    between(last, std::size_t{0}, free_[last] + 1, size - free_[last] - 1 + free_[0]);
-  } else {
-    between(last, last, free_[last] + 1, size - free_[last] - 1);
-    between(std::size_t{0}, std::size_t{0}, 0, free_[0]);
-  }
+  between(last, std::size_t{0}, free_[last] + 1, size - free_[last] - 1 + free_[0]);
 }
 
 std::span<const float> PressureSearch::residual() {
@@ -195,6 +243,38 @@ std::span<const float> PressureSearch::residual() {
     });
   }
   return residual_;
+}
+
+std::span<const float> PressureSearch::sharpened(Values stencil, std::int64_t columns) {
+  const auto size = static_cast<std::int64_t>(residual_.size());
+  if (stencil.size() != 9 || line_ || columns < 1 || size % columns != 0) {
+    throw std::invalid_argument("PressureSearch: a stencil has 3 x 3 weights and is for areas of whole rows");
+  }
+  const std::int64_t rows = size / columns;
+  sharpened_.resize(residual_.size());
+  std::int64_t row = 0;
+  for (const std::int32_t point : free_) {
+    while (point >= (row + 1) * columns) {
+      ++row;
+    }
+    const std::int64_t column = point - row * columns;
+    const bool inner = row > 0 && row + 1 < rows && column > 0 && column + 1 < columns;
+    double sum = 0.0;
+    for (std::int64_t down = -1; down <= 1; ++down) {
+      for (std::int64_t right = -1; right <= 1; ++right) {
+        std::int64_t at = point + down * columns + right;
+        if (!inner) {
+          const std::int64_t there = row + down;
+          const std::int64_t across = column + right;
+          at = (there + rows) % rows * columns + (across + columns) % columns;
+        }
+        sum += stencil[static_cast<std::size_t>(3 * down + right + 4)] *
+               static_cast<double>(residual_[static_cast<std::size_t>(at)]);
+      }
+    }
+    sharpened_[static_cast<std::size_t>(point)] = static_cast<float>(sum);
+  }
+  return sharpened_;
 }
 
 void PressureSearch::collect(std::span<const float> preconditioned) {

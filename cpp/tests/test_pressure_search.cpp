@@ -21,7 +21,7 @@ struct Springs {
   double stiffness;
 
   PressureSearch pressed(double total, double hardness, bool line) const {
-    PressureSearch search(std::vector<double>(gap.size(), 1.0), total, hardness, line, true);
+    PressureSearch search(std::vector<double>(gap.size(), 1.0), total, hardness, line);
     const auto exact = [&] {
       std::vector<double> potential(gap);
       for (std::size_t i = 0; i < gap.size(); ++i) {
@@ -75,7 +75,7 @@ TEST_CASE("the hardness caps the pressure and others bear the rest") {
 }
 
 TEST_CASE("a start is brought to the bounds and the sum") {
-  const PressureSearch search(std::vector<double>{0.0, 5.0, 1.0}, 4.0, 2.5, false, true);
+  const PressureSearch search(std::vector<double>{0.0, 5.0, 1.0}, 4.0, 2.5, false);
   const auto pressure = search.pressure();
   CHECK(std::accumulate(pressure.begin(), pressure.end(), 0.0) == doctest::Approx(4.0).epsilon(1e-14));
   CHECK(pressure[0] == 0.0);
@@ -85,14 +85,33 @@ TEST_CASE("a start is brought to the bounds and the sum") {
 TEST_CASE("what cannot be is refused") {
   const std::vector<double> one{1.0, 1.0};
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_AS(PressureSearch({}, 1.0, infinity, false, true), std::invalid_argument);
-  CHECK_THROWS_AS(PressureSearch(one, 0.0, infinity, false, true), std::invalid_argument);
-  CHECK_THROWS_AS(PressureSearch(one, nan, infinity, false, true), std::invalid_argument);
-  CHECK_THROWS_AS(PressureSearch(one, 2.0, 1.0, false, true), std::invalid_argument);
-  PressureSearch search(one, 1.0, infinity, false, true);
+  CHECK_THROWS_AS(PressureSearch({}, 1.0, infinity, false), std::invalid_argument);
+  CHECK_THROWS_AS(PressureSearch(one, 0.0, infinity, false), std::invalid_argument);
+  CHECK_THROWS_AS(PressureSearch(one, nan, infinity, false), std::invalid_argument);
+  CHECK_THROWS_AS(PressureSearch(one, 2.0, 1.0, false), std::invalid_argument);
+  PressureSearch search(one, 1.0, infinity, false);
   CHECK_THROWS_AS(search.restart(std::vector<double>{1.0}), std::invalid_argument);
   search.restart(one);
   search.balance();
   CHECK_THROWS_AS(search.step(std::vector<float>{1.0F}, {}), std::invalid_argument);
   CHECK_THROWS_AS(search.advance(std::vector<float>{1.0F}), std::invalid_argument);
+}
+
+TEST_CASE("a stencil adds up what is around each free point, over the edges too") {
+  // All of 3 x 4 points under pressure; residuals are the mean potential less each potential.
+  std::vector<double> potential(12);
+  std::iota(potential.begin(), potential.end(), 0.0);
+  PressureSearch search(std::vector<double>(12, 1.0), 12.0, infinity, false);
+  search.restart(potential);
+  search.balance();
+  search.residual();
+  const std::vector<double> right_and_below{0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.0};
+  const auto sums = search.sharpened(right_and_below, 4);
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto right = static_cast<double>(i % 4 == 3 ? i - 3 : i + 1);
+    const auto below = static_cast<double>((i + 4) % 12);
+    CHECK(sums[i] == doctest::Approx((5.5 - right) + 2.0 * (5.5 - below)).epsilon(round_off));
+  }
+  CHECK_THROWS_AS(search.sharpened(right_and_below, 5), std::invalid_argument);
+  CHECK_THROWS_AS(search.sharpened(std::vector<double>(8), 4), std::invalid_argument);
 }

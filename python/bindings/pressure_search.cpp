@@ -23,11 +23,10 @@ PressureSearch& search_of(const py::object& self) { return self.cast<PressureSea
 
 void bind_pressure_search(py::module_& module) {
   py::class_<PressureSearch>(module, "PressureSearch")
-      .def(py::init([](const Array& pressure, double total, double hardness, bool line, bool periodic) {
-             return PressureSearch(view(pressure), total, hardness, line, periodic);
+      .def(py::init([](const Array& pressure, double total, double hardness, bool line) {
+             return PressureSearch(view(pressure), total, hardness, line);
            }),
-           py::arg("pressure").noconvert(), py::kw_only(), py::arg("total"), py::arg("hardness"), py::arg("line"),
-           py::arg("periodic"))
+           py::arg("pressure").noconvert(), py::kw_only(), py::arg("total"), py::arg("hardness"), py::arg("line"))
       .def("balance", &PressureSearch::balance, py::call_guard<py::gil_scoped_release>())
       .def("residual",
            [](const py::object& self) {
@@ -39,6 +38,19 @@ void bind_pressure_search(py::module_& module) {
              }
              return shown(values, self);
            })
+      .def(
+          "sharpened",
+          [](const py::object& self, const Array& stencil, std::int64_t columns) {
+            auto& search = search_of(self);
+            const Values weights = view(stencil);
+            std::span<const float> values;
+            {
+              const py::gil_scoped_release release;
+              values = search.sharpened(weights, columns);
+            }
+            return shown(values, self);
+          },
+          py::arg("stencil").noconvert(), py::arg("columns"))
       .def(
           "step",
           [](const py::object& self, const Single& preconditioned, const Single& response) {

@@ -15,6 +15,7 @@ from stiction import (
     westergaard_gap,
     westergaard_pressure,
 )
+from stiction.mechanics.elastic_pressure import Kernel
 
 MODULUS = 10.0
 
@@ -31,6 +32,13 @@ SCATTER_OF_ALL = 0.015
 
 TIGHT = 1e-10
 """A solver's tolerance, where a solution is held to another one."""
+
+
+SINGLE = 3e-6
+"""Of transforms of some thousand numbers in single precision."""
+
+SAME = 1e-5
+"""Of two solutions with a tolerance of 1e-6."""
 
 
 def flat_like(body):
@@ -531,3 +539,33 @@ def test_where_all_pressure_is_at_the_hardness_the_gap_is_that_of_the_approach()
     assert curve.load_share_at_hardness[0] > 0.5
     contact = curve.contact(0)
     assert contact.gap[contact.pressure > 0].max() <= 1e-6
+
+
+@pytest.mark.parametrize("points", [2, 97, 96, 1000, 4096])
+@pytest.mark.parametrize("periodic", [True, False])
+def test_single_precision_responses_are_the_displacements(points, periodic):
+    """Lines are folded for it; a prime number of points cannot be."""
+    kernel = Kernel((points,), (0.1,), 10.0, periodic=periodic)
+    pressure = np.random.default_rng(3).normal(size=points)
+    expected = kernel.displacement(pressure)
+    assert kernel.response(pressure.astype(np.float32)) == pytest.approx(
+        expected, abs=SINGLE * np.abs(kernel.displacement(np.abs(pressure))).max() + SINGLE * np.abs(expected).max()
+    )
+    residual = pressure - pressure.mean()
+    waves = np.fft.rfft(residual) * (0.5 * 10.0 * 2 * np.pi * np.fft.rfftfreq(points, 0.1))
+    stiff = np.fft.irfft(waves, points)
+    assert kernel.preconditioned(residual.astype(np.float32)) == pytest.approx(stiff, abs=SINGLE * np.abs(stiff).max())
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_loads_one_after_the_other_are_the_loads_alone(boundary):
+    """Areas begin at the load before where that is near; which start they had is below the tolerance."""
+    body = rough((48, 40))
+    upper = flat_like(body)
+    loads = np.array([1.0, 1.1, 1.25, 3.0]) * 0.02
+    curve = half_space(upper, body, loads, boundary=boundary)
+    assert (curve.error <= 1e-6).all()
+    for i, load in enumerate(loads):
+        alone = half_space(upper, body, [load], boundary=boundary)
+        assert curve.approach[i] == pytest.approx(alone.approach[0], rel=SAME)
+        assert curve.contact_area[i] == pytest.approx(alone.contact_area[0], rel=1e-3)

@@ -18,7 +18,7 @@ namespace stiction {
 ///
 /// The inverse of K on free points is the least energy r·Mr of all continuations of r to the other points. On areas a
 /// continuation by zero is near it. On lines it is not, where contacts are short: there residuals are continued along
-/// straight lines, and what M gives is collected by the transpose.
+/// straight lines, and what M gives is collected by the transpose. Neighbours are so over the edges too: M is periodic.
 ///
 /// A step leads from one feasible pressure to another. Only free points move, so that a sum to be restored never leaves
 /// a trace of pressure on others. Polonsky & Keer, Wear 231 (1999) 206 for the scheme; the energy never rises.
@@ -27,7 +27,7 @@ class PressureSearch {
   /// Begins at `pressure` >= 0, brought to the bounds and the sum. `line`: neighbours in memory are neighbours on a
   /// line. Throws std::invalid_argument for 2³¹ points or more, and a total that is not positive or that the hardness
   /// cannot bear.
-  PressureSearch(Values pressure, double total, double hardness, bool line, bool periodic);
+  PressureSearch(Values pressure, double total, double hardness, bool line);
 
   /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
   /// under pressure is open by more, none overlaps by more. Infinite where potentials are not finite.
@@ -35,6 +35,10 @@ class PressureSearch {
 
   /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
   std::span<const float> residual();
+
+  /// Of areas: the sum of each free point's residual and those around it by 3 x 3 weights, a near inverse of K that
+  /// takes no transform. Other points hold anything.
+  std::span<const float> sharpened(Values stencil, std::int64_t columns);
 
   /// Whether the next step wants the residual itself in place of a preconditioned one: descent is then certain.
   bool plain() const { return plain_; }
@@ -66,11 +70,11 @@ class PressureSearch {
   double total_;
   double hardness_;
   bool line_;
-  bool periodic_;
   std::vector<std::int32_t> free_;   // where residual_ may differ from 0
   std::vector<std::int32_t> moved_;  // where step_ may differ from 0
   std::vector<float> residual_;      // on the grid
   std::vector<float> step_;          // on the grid
+  std::vector<float> sharpened_;     // on the grid, of free points
   std::vector<double> collected_;    // preconditioned residual at free points
   std::vector<double> target_;       // pressure at free points after a whole step
   double approach_ = 0.0;

@@ -245,7 +245,7 @@ def half_space(
     -----
     Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0, p g = 0 and, k being the length of
     a wave vector, û = 2/(E* k) p̂ (Johnson, Contact Mechanics,
-    1985, sections 2.3, 3.2 and 13.2). `scipy.fft.set_workers` says how many threads the transforms of areas use.
+    1985, sections 2.3, 3.2 and 13.2). `scipy.fft.set_workers` says how many threads the transforms use.
 
     Examples
     --------
@@ -292,8 +292,9 @@ def half_space(
         raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
     rows = []
     pressed = []
+    solution = None
     for load in steps:
-        solution = solver.at(float(load) / (problem.cell * gap.size))
+        solution = solver.at(float(load) / (problem.cell * gap.size), near=solution)
         if not solution.error <= tolerance:
             raise RuntimeError(
                 f"no solution at {load:g} mN: error {solution.error:.2g} after {solution.iterations} iterations, "
