@@ -167,7 +167,7 @@ def _stencil(spacing: tuple[float, ...], effective_modulus: float) -> Floats:
     """E*|k|/2 of a point on the points around it, (9,), whose sum is small."""
     shape = (2 * FEWEST_POINTS, 2 * FEWEST_POINTS)
     near = np.roll(scipy.fft.irfft2(0.5 * effective_modulus * _wave_numbers(shape, spacing), shape), (1, 1), (0, 1))
-    stencil = np.minimum(near[:3, :3].ravel(), 0.0)
+    stencil: Floats = np.minimum(near[:3, :3].ravel(), 0.0)
     stencil[4] = stencil.sum() / (STENCIL_SUM - 1)
     return stencil
 
