@@ -154,7 +154,7 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "not for use with --column"),
         (["scan.csv", "--band", "1 um"], "--band needs two wavelengths"),
         (["scan.csv", "--band", "1,2"], "--band must be"),
-        (["scan.csv", "--band", "2 um,1 um"], "band must be a finite number above 2 µm"),
+        (["scan.csv", "--band", "2 um,1 um"], "--band must be the shortest and then the longest"),
         (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
         (["scan.csv", "--output", "figure.pdf"], "figure.pdf: cannot be written: its name must end in .png"),
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),

@@ -10,7 +10,7 @@ import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import runner
+from stiction.studies import executors, runner
 from stiction.studies.study import study_of
 
 SMALL = Study().with_changes(
@@ -132,10 +132,28 @@ def test_a_study_that_cannot_be_computed_is_a_value_error():
         run(SMALL.with_changes({"surfaces.gamma": 100.0}))
 
 
-def test_progress_is_drawn_on_request(capfd):
+def test_progress_is_drawn_on_request(capfd, monkeypatch):
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")
     run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
+
+
+def test_progress_without_a_terminal_is_a_line_for_every_tenth(capfd, monkeypatch):
+    monkeypatch.setattr(executors, "LINES_APART", 0.0)
+    with executors.progress_bar("repetitions", 100, 55, True) as advance:
+        for _ in range(45):
+            advance()
+    said = capfd.readouterr().err.splitlines()
+    assert [line.split(",")[0] for line in said] == [f"repetitions {n} of 100" for n in (60, 70, 80, 90)]
+    assert all(line.endswith(" s left") for line in said)
+
+
+def test_what_is_quick_says_nothing_without_a_terminal(capfd):
+    with executors.progress_bar("repetitions", 3, 0, True) as advance:
+        for _ in range(3):
+            advance()
+    assert capfd.readouterr().err == ""
 
 
 def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):

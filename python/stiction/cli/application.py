@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import warnings
+from collections.abc import Callable
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from stiction._core import __version__
 from stiction._files import reason
@@ -21,6 +23,8 @@ INTERRUPTED = 130
 BAD_INPUT = 2
 """Exit status."""
 
+Function = TypeVar("Function", bound=Callable[..., Any])
+
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 """What the parser raises of options; versions of typer have it from different places."""
 
@@ -29,6 +33,12 @@ def say(text: str, kind: str = "") -> None:
     """Tell the person, on standard error; what is foreign in it moves no cursor and begins no line of its own."""
     lines = [f"stiction: {kind}{printable(line, LONGEST_LINE)}" for line in text.split("\n") if line]
     print("\n".join(lines), file=sys.stderr)
+
+
+def announce(text: str) -> None:
+    """Tell whoever watches a terminal what takes a moment."""
+    if sys.stderr.isatty():
+        say(text)
 
 
 def tell(text: str) -> None:
@@ -49,6 +59,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     "Studies": {
         "run": ("studies", "Compute a study, or what is missing of it, and draw it."),
         "plot": ("studies", "Draw the figures of a study or a pair again."),
+        "at": ("at", "Friction, area and stiffness of a study at one load."),
         "report": ("studies", "Make one interactive page, for any browser."),
         "info": ("studies", "Show what a study is, how far it has come, how far to trust it."),
         "export": ("studies", "Write the results to one netCDF file."),
@@ -67,10 +78,39 @@ def _add_commands() -> None:
     """Import the module of the command that is asked for, or all where that is none: what they use takes a moment."""
     modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
     asked = next((each for each in sys.argv[1:] if not each.startswith("-")), None)
+    if "_STICTION_COMPLETE" in os.environ:  # a shell asks what may follow
+        asked = None if len(words := os.environ.get("COMP_WORDS", "").split()) < 2 else words[1]
+        for module in sorted(
+            {module for module in modules.values() if asked not in modules or module == modules[asked]}
+        ):
+            import_module(f"stiction.cli.{module}")
+        return
     if asked is None and sys.argv[1:]:
         return  # --help, --version
     for module in {modules[asked]} if asked in modules else sorted(set(modules.values())):
         import_module(f"stiction.cli.{module}")
+
+
+STATUSES = f"""Exit status: 0 done, {BAD_INPUT} bad input (one message says what), {INTERRUPTED} interrupted."""
+
+
+def examples(*lines: str) -> str:
+    """What the help of a command ends with: commands to copy, and what exit statuses mean."""
+    return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", STATUSES])
+
+
+class _Command(TyperCommand):
+    """Names arguments and options by what they are called alone, without types and braces."""
+
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        return [piece.strip("{}") for piece in super().collect_usage_pieces(ctx)]
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        for title, kind in (("Arguments", "argument"), ("Options", "option")):
+            records = [each.get_help_record(ctx) for each in self.get_params(ctx) if each.param_type_name == kind]
+            if rows := [(re.sub(r" <[\w ]+>$", "", name), text) for name, text in filter(None, records)]:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
 
 
 class _Commands(TyperGroup):
@@ -93,11 +133,20 @@ app = typer.Typer(
     name="stiction",
     cls=_Commands,
     help="The coefficient of static friction of rough surfaces, from their shape.",
+    epilog=examples(
+        "stiction run quick                          # a map of friction, in seconds",
+        "stiction pair upper.csv lower.csv --young '210 GPa' --poisson 0.3 --mu0 0.2 --load '10 mN'",
+        "stiction COMMAND --help",
+    ),
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,  # loading what it takes would be half of the time that help takes
     pretty_exceptions_enable=False,
 )
+
+
+def command(name: str, *lines: str) -> Callable[[Function], Function]:
+    """Add a command whose help ends with these examples."""
+    return app.command(name, cls=_Command, epilog=examples(*lines))
 
 
 def start() -> int:

@@ -8,16 +8,23 @@ from typing import Annotated, Any, Literal
 import typer
 
 from stiction._checks import choice
-from stiction.cli.application import app, tell
-from stiction.cli.options import Channel, Columns, MissingPoints, Spacing, Unit, measurement, quantity_of
+from stiction._text import named
+from stiction.cli.application import command, tell
+from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Unit, measurement, quantity_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 
-@app.command()
+@command(
+    "characterise",
+    "stiction characterise lapped.csv",
+    "stiction characterise map.npy --unit nm --spacing '2 um,0.5 um' --row 17",
+    "stiction characterise *.csv --output finishes.csv",
+    "stiction characterise lapped.csv --json",
+)
 def characterise(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A measured profile or surface.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Measured profiles or surfaces.")],
     unit: Unit = None,
     spacing: Spacing = None,
     missing: MissingPoints = "error",
@@ -49,16 +56,42 @@ def characterise(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="PNG", help="The figure to draw.", show_default="./FILE.png"),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="The figure to draw, or the table to write of several files.",
+            show_default="./FILE.png, ./characterised.csv",
+        ),
     ] = None,
+    as_json: Json = False,
 ) -> None:
-    """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent."""
+    """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
+
+    Of one file it prints a table and draws a figure; of several it writes one CSV file, a row for each.
+    """
     from stiction.surfaces.lines import lines_along_both
     from stiction.views import characterisation as views
+    from stiction.views import records
     from stiction.views.style import save_picture
 
     fitted = _band(band)
-    body = _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level)
+    told = []
+    for file in files:
+        body = _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level)
+        if as_json or len(files) > 1:
+            told.append((str(file), body, records.characterisation(body, fitted)))
+    if as_json:
+        tell(records.characterisation_record(told))
+        return
+    if len(files) > 1:
+        table = output if output is not None else Path("characterised.csv")
+        if table.exists():
+            raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
+        text = records.characterisation_csv(told)
+        table.write_text(text, encoding="utf-8")
+        tell(f"wrote {table}, {len(files)} files")
+        return
     if isinstance(body, Profile):
         tell(views.characterisation_text(body, band=fitted))
         figure = views.characterisation_figure(body, band=fitted)
@@ -66,7 +99,7 @@ def characterise(
         along_x, along_y = lines_along_both(body, band=fitted)
         tell(views.surface_characterisation_text(body, along_x, along_y, band=fitted))
         figure = views.surface_characterisation_figure(body, along_x, along_y, band=fitted)
-    path = output if output is not None else Path(f"{file.stem}.png")
+    path = output if output is not None else Path(f"{files[0].stem}.png")
     save_picture(figure, path)
     tell(f"wrote {path}")
 
@@ -105,4 +138,6 @@ def _band(text: str | None) -> tuple[float, float] | None:
     if len(parts) != 2:
         raise ValueError(f'--band needs two wavelengths, as in "1 um,100 um", got {text!r}')
     shortest, longest = (quantity_of("--band", part.strip(), "length") for part in parts)
+    if not shortest < longest:
+        raise ValueError(f"--band must be the shortest and then the longest wavelength, got {text!r}")
     return shortest, longest

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stiction.cli.application import say, tell
+from stiction.cli.application import announce, say, tell
 from stiction.cli.options import check_directory
 from stiction.surfaces.pairing import paired_lines
 from stiction.surfaces.profile import Profile
@@ -39,6 +38,7 @@ def press_lines(
     output: Path,
     table: Path,
     replace: bool,
+    as_json: bool,
 ) -> None:
     """Press, print, write and draw."""
     from stiction.studies import export as exports
@@ -67,33 +67,35 @@ def press_lines(
         # One line on itself is no pair at 0; several are not on themselves.
         offsets=0.0 if len(uppers) > 1 and positions == 1 and travel is None
         else room * np.arange(1, positions + 1) / positions,
-        progress=sys.stderr.isatty(), **contact,
+        progress=True, **contact,
     )  # fmt: skip
     result.attrs["loads_mN"] = np.array(loads)
-    mean = traverses.traverse_mean(result)
-    tell(views.traverse_text(result, mean, loads))
+    mean = views.means(result)
+    show_line_pair(result, as_json=as_json)
+    said = say if as_json else tell
     exports.export(result, table, replace=replace)
-    tell(f"wrote {table}")
+    said(f"wrote {table}")
     listed = output / views.TABLE
     listed.write_text(views.traverse_csv(mean, loads), encoding="utf-8")
-    tell(f"wrote {listed}")
+    said(f"wrote {listed}")
+    announce("drawing")
     for path in views.save_traverse_figures(result, mean, loads, output, bodies=(uppers, lowers), **contact):
-        tell(f"wrote {path}")
+        said(f"wrote {path}")
 
 
-def show_line_pair(result: Any) -> None:
-    """The table of a pair of lines."""
-    from stiction.studies.traverse import traverse_mean
-    from stiction.views.traverse import traverse_text
+def show_line_pair(result: Any, *, as_json: bool = False) -> None:
+    """The table of a pair of lines, or its values as JSON."""
+    from stiction.views.records import pair_record
+    from stiction.views.traverse import means, traverse_text
 
-    tell(traverse_text(result, traverse_mean(result), np.atleast_1d(result.attrs["loads_mN"])))
+    loads, mean = np.atleast_1d(result.attrs["loads_mN"]), means(result)
+    tell(pair_record(mean, loads) if as_json else traverse_text(result, mean, loads))
 
 
 def draw_line_pair(result: Any, directory: Path) -> None:
     """The figures of a pair of lines that need no profiles."""
-    from stiction.studies.traverse import traverse_mean
-    from stiction.views.traverse import save_traverse_figures
+    from stiction.views.traverse import means, save_traverse_figures
 
     loads = np.atleast_1d(result.attrs["loads_mN"])
-    for path in save_traverse_figures(result, traverse_mean(result), loads, directory):
+    for path in save_traverse_figures(result, means(result), loads, directory):
         tell(f"wrote {path}")

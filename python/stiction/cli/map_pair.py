@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stiction.cli.application import say, tell
+from stiction.cli.application import announce, say, tell
 from stiction.cli.options import check_directory
 from stiction.mechanics.half_space import half_space
 from stiction.studies.executors import available_cores
@@ -56,6 +55,7 @@ def press_areas(
     output: Path,
     table: Path,
     replace: bool,
+    as_json: bool,
 ) -> None:
     """Press, print, write and draw."""
     import xarray
@@ -80,21 +80,23 @@ def press_areas(
         pressed_maps(
             upper, lower, around, mu0=mu0, tau0=tau0, shifts=shifts,
             directions=COMPASS if directions is None else directions, mechanics=each,  # type: ignore[arg-type]
-            hardness=hardness if each == "half-space" else None, progress=sys.stderr.isatty(), **elastic,
+            hardness=hardness if each == "half-space" else None, progress=True, **elastic,
         )
         for each in mechanics
     ]  # fmt: skip
     result = xarray.concat(results, xarray.Variable("mechanics", list(mechanics)), combine_attrs="override")
     result.attrs |= {"loads_mN": np.array(loads), "files": files}
     mean = pressed_maps_mean(result)
-    tell(views.map_pair_text(result, mean, loads))
+    show_map_pair(result, as_json=as_json)
+    said = say if as_json else tell
     exports.export(result, table, replace=replace)
-    tell(f"wrote {table}")
+    said(f"wrote {table}")
     listed = output / traverse.TABLE
     listed.write_text(views.map_pair_csv(mean, loads), encoding="utf-8")
-    tell(f"wrote {listed}")
+    said(f"wrote {listed}")
+    announce("drawing")
     for path in views.save_map_pair_figures(result, mean, loads, output, bodies=(upper, lower)):
-        tell(f"wrote {path}")
+        said(f"wrote {path}")
 
 
 def _loads_around(loads: list[float], most: float | None) -> list[float]:
@@ -121,11 +123,13 @@ def _say_what_it_costs(upper: Surface, lower: Surface, load: float, shifts: int,
     say(f"{words}, about {seconds:.2g} s by the first; --mechanics asperities is faster")
 
 
-def show_map_pair(result: Any) -> None:
-    """The table of a pair of maps."""
+def show_map_pair(result: Any, *, as_json: bool = False) -> None:
+    """The table of a pair of maps, or its values as JSON."""
     from stiction.views.map_pair import map_pair_text
+    from stiction.views.records import pair_record
 
-    tell(map_pair_text(result, pressed_maps_mean(result), np.atleast_1d(result.attrs["loads_mN"])))
+    loads, mean = np.atleast_1d(result.attrs["loads_mN"]), pressed_maps_mean(result)
+    tell(pair_record(mean, loads) if as_json else map_pair_text(result, mean, loads))
 
 
 def draw_map_pair(result: Any, directory: Path) -> None:

@@ -39,6 +39,8 @@ _columns = typer.Option(
     show_default=False,
 )
 
+Json = Annotated[bool, typer.Option("--json", help="Print JSON alone on standard output; messages go elsewhere.")]
+
 Unit = Annotated[str | None, _unit]
 Spacing = Annotated[str | None, _spacing]
 Channel = Annotated[str | None, _channel]
@@ -66,6 +68,13 @@ def numbers(option: str, text: str) -> list[float]:
         return [float(part) for part in listed(text)]
     except ValueError:
         raise ValueError(f'{option} must be a number or several, as in "0.3,0.4", got {text!r}') from None
+
+
+def at_least_0(option: str, values: list[float], text: str) -> list[float]:
+    """Values of an option, none of them negative."""
+    if not all(value >= 0 for value in values):
+        raise ValueError(f"{option} must be at least 0, got {text!r}")
+    return values
 
 
 def load_of(text: str) -> tuple[float, bool]:

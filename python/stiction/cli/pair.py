@@ -7,16 +7,18 @@ from typing import Annotated, Any, get_args
 
 import typer
 
-from stiction.cli.application import app
+from stiction.cli.application import command
 from stiction.cli.line_pair import draw_line_pair, press_lines, show_line_pair
 from stiction.cli.map_pair import draw_map_pair, prepared, press_areas, show_map_pair
 from stiction.cli.material import compliance_share, elasticity, law_of
 from stiction.cli.options import (
     Channels,
     ColumnsOfEach,
+    Json,
     MissingPoints,
     Spacings,
     Units,
+    at_least_0,
     given,
     listed,
     load_of,
@@ -37,7 +39,12 @@ _OF_LINES = (
 _OF_AREAS = ("mechanics", "check", "direction", "shifts", "rotate")
 
 
-@app.command()
+@command(
+    "pair",
+    "stiction pair upper.csv lower.csv --young '210 GPa' --poisson 0.3 --mu0 0.2 --tau0 '50 MPa' --load '10 mN'",
+    "stiction pair map.npy map.npy --unit nm --spacing '1 um' --effective-modulus '9 GPa' --mu0 0.3 --load '9 MPa'",
+    "stiction pair scan.csv scan.csv --surrogates both --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
+)
 def pair(
     context: typer.Context,
     upper: Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")],
@@ -78,7 +85,11 @@ def pair(
     offsets: Annotated[
         int | None,
         typer.Option(
-            "--offsets", min=1, help="Positions along the lower profile.", show_default="64, or 1 for several lines"
+            "--offsets",
+            metavar="N",
+            min=1,
+            help="Positions along the lower profile.",
+            show_default="64, or 1 for several lines",
         ),
     ] = None,
     travel: Annotated[
@@ -116,7 +127,9 @@ def pair(
             help="Lines replaced by profiles of equal spectrum, new phases.",
         ),
     ] = "none",
-    seed: Annotated[int, typer.Option("--seed", help="Of the surrogates.")] = 2016,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", help="Where the random phases of surrogates start.")
+    ] = 2016,
     law: Annotated[
         str,
         typer.Option(
@@ -189,6 +202,7 @@ def pair(
     columns: ColumnsOfEach = None,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("pair"),
     replace: Annotated[bool, typer.Option("--replace", help="Write over the results of an earlier pair.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, in both directions, with intervals.
 
@@ -198,6 +212,9 @@ def pair(
     from stiction.views.traverse import RESULT
 
     loads = [load_of(each) for each in load]
+    for each, (amount, _) in zip(load, loads, strict=True):
+        if not amount > 0:
+            raise ValueError(f"--load must be above 0, got {each!r}")
     modulus, ratio = elasticity(context, effective_modulus, young, poisson, law)
     slider, base = (
         measurement(
@@ -211,12 +228,13 @@ def pair(
         for index, file in enumerate((upper, lower))
     )
     common: dict[str, Any] = {
-        "mu0": numbers("--mu0", mu0),
-        "tau0": [quantity_of("--tau0", each, "pressure") for each in listed(tau0)],
+        "mu0": at_least_0("--mu0", numbers("--mu0", mu0), mu0),
+        "tau0": at_least_0("--tau0", [quantity_of("--tau0", each, "pressure") for each in listed(tau0)], tau0),
         "effective_modulus": modulus,
         "output": output,
         "table": output / RESULT,
         "replace": replace,
+        "as_json": as_json,
     }
     if isinstance(slider, Surface) and isinstance(base, Surface) and lines is None:
         refuse(context, "is for lines; give --lines as well", *_OF_LINES)
@@ -284,9 +302,9 @@ def paired(directory: Path) -> Any:
     return result
 
 
-def show_pair(result: Any) -> None:
-    """The table of a pair."""
-    (show_map_pair if result.attrs["title"] == MAP_PAIR else show_line_pair)(result)
+def show_pair(result: Any, *, as_json: bool = False) -> None:
+    """The table of a pair, or its values as JSON."""
+    (show_map_pair if result.attrs["title"] == MAP_PAIR else show_line_pair)(result, as_json=as_json)
 
 
 def draw_pair(result: Any, directory: Path) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 import warnings
+from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,7 +15,8 @@ import typer
 from stiction._core import __version__
 from stiction._text import named
 from stiction._units import shortened
-from stiction.cli.application import INTERRUPTED, app, say, tell
+from stiction.cli.application import INTERRUPTED, announce, command, say, tell
+from stiction.cli.options import Json
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
@@ -29,7 +30,7 @@ PAPERS_FIGURES = ("figure2", "figure3", "figure5", "figure6", "figure7", "figure
 """Studies of the paper's."""
 
 Workers = Annotated[
-    int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
+    int | None, typer.Option("--workers", "-w", metavar="N", min=1, help="Threads.", show_default="one for each core")
 ]
 Cluster = Annotated[
     int | None,
@@ -44,7 +45,12 @@ Changes = Annotated[
 ]
 
 
-@app.command("run")
+@command(
+    "run",
+    "stiction run quick",
+    "stiction run mine.toml --output results --workers 2",
+    "stiction run figure6 --set ensemble.repetitions=10 --set 'contact.effective_modulus=70 GPa' --output stiffer",
+)
 def run_command(
     study: Annotated[str, typer.Argument(metavar="NAME_OR_FILE", help="A built-in study, or a study file (TOML).")],
     output: Annotated[
@@ -55,39 +61,44 @@ def run_command(
     scheduler: Scheduler = None,
     changes: Changes = None,
 ) -> None:
-    """Compute a study, or what is missing of it, and draw it."""
-    what = _study(study).with_changes(_changes(changes or []))
+    """Compute a study, or what is missing of it, draw it, and print its coefficients of friction at a few loads."""
+    from stiction.views.answers import answers_text
+
+    what = _changed(_study(study), changes)
     directory = output if output is not None else Path(Path(study).stem)
     with _executor(workers, cluster, scheduler) as executor:
         dataset = _result(what, directory, executor)
     _draw(dataset, directory)
+    tell(answers_text(dataset))
 
 
-@app.command("claims")
+@command("claims", "stiction claims", "stiction claims --json > claims.json")
 def claims_command(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
         "claims"
     ),
     workers: Workers = None,
     changes: Changes = None,
+    as_json: Json = False,
 ) -> None:
     """Judge what the paper claims by its own studies, and by other choices where it leaves them open."""
     from stiction.studies import claims
-    from stiction.views import tables
+    from stiction.views import records, tables
 
     replaced = _changes(changes or [])
+    said = say if as_json else tell
     for name in claims.VARIANTS:
         claims.check(claims.variant_study(name).with_changes(replaced))
     others = {}
     with _executor(workers, None, None) as executor:
         for name in PAPERS_FIGURES:
-            dataset = _result(Study.named(name).with_changes(replaced), output / name, executor)
-            _draw(dataset, output / name)
+            dataset = _result(Study.named(name).with_changes(replaced), output / name, executor, said)
+            _draw(dataset, output / name, said)
             if Study.named(name) == claims.claims_study():
                 outcomes = claims.judge(dataset)
         for name in claims.VARIANTS:
             study = claims.variant_study(name).with_changes(replaced)
-            dataset = _result(study, output / "variants" / name, executor)
+            dataset = _result(study, output / "variants" / name, executor, said)
             others[name] = claims.judge(dataset)
             if name == "default":
                 others["amplitude 0.05 µm"] = claims.judge(dataset, amplitude=claims.FLATTER)
@@ -96,11 +107,11 @@ def claims_command(
         ("variants.md", tables.variants_markdown(others)),
     ):
         (output / file).write_text(text, encoding="utf-8")
-        tell(f"wrote {output / file}")
-    tell(tables.claims_text(outcomes))
+        said(f"wrote {output / file}")
+    tell(records.claims_record(outcomes) if as_json else tables.claims_text(outcomes))
 
 
-@app.command()
+@command("plot", "stiction plot figure6", "stiction plot figure6 --output figures")
 def plot(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
     output: Annotated[
@@ -112,7 +123,7 @@ def plot(
     from stiction.studies import store
 
     result = paired(directory)
-    dataset = store.read(_stored(directory)) if result is None else None
+    dataset = store.read(stored(directory)) if result is None else None
     if output is not None:
         try:
             output.mkdir(parents=True, exist_ok=True)
@@ -125,7 +136,7 @@ def plot(
         draw_pair(result, where)
 
 
-@app.command()
+@command("report", "stiction report figure6", "stiction report figure6 -o friction.html")
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
     output: Annotated[
@@ -138,20 +149,29 @@ def report(
     from stiction.views.report import save_report
 
     path = output if output is not None else directory / "report.html"
-    save_report(store.read(_stored(directory)), path)
+    save_report(store.read(stored(directory)), path)
     tell(f"wrote {path}")
 
 
-@app.command()
-def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")]) -> None:
-    """Show what a study is, how far it has come, and how far its results are to be trusted; or the table of a pair."""
+@command("info", "stiction info figure6", "stiction info figure6 --json")
+def info(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
+    as_json: Json = False,
+) -> None:
+    """Show what a study is, how far it has come, its friction at a few loads and how far to trust it; or a pair."""
     from stiction.cli.pair import paired, show_pair
     from stiction.studies import store
+    from stiction.views import answers, records
 
     if (result := paired(directory)) is not None:
-        show_pair(result)
+        show_pair(result, as_json=as_json)
         return
-    kept = store.info(_stored(directory))
+    kept = store.info(stored(directory))
+    if as_json:
+        with warnings.catch_warnings(action="ignore"):  # that it is not finished is in the record
+            found = answers.answers(store.read(stored(directory))) if kept.finished else None
+        tell(records.study_record(kept, found))
+        return
     changes = [f"{key} = {value}" for key, _, value in differences(Study(), kept.study)]
     tell("study        " + "\n             ".join(["the defaults, but", *changes] if changes else ["the defaults"]))
     tell(f"repetitions  {kept.finished} of {kept.study.ensemble.repetitions} finished")
@@ -159,8 +179,9 @@ def info(directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a 
     tell("versions     " + ", ".join(f"{name} {version}" for name, version in kept.versions.items()))
     if kept.finished:
         with warnings.catch_warnings(action="ignore"):  # that it is not finished stands above
-            dataset = store.read(_stored(directory))
+            dataset = store.read(stored(directory))
         _show_validity(dataset)
+        tell(answers.answers_text(dataset))
 
 
 def _show_validity(dataset: Any) -> None:
@@ -186,7 +207,7 @@ def _range(values: Any) -> str:
     return f"{values.min():.2g} to {values.max():.2g}" if values.size else "no contact"
 
 
-@app.command()
+@command("export", "stiction export figure6 figure6.nc")
 def export(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="The file to write; it must not exist yet.")],
@@ -197,11 +218,11 @@ def export(
     from stiction.studies import store
 
     result = paired(directory)
-    exports.export(store.read(_stored(directory)) if result is None else result, file)
+    exports.export(store.read(stored(directory)) if result is None else result, file)
     tell(f"wrote {file}")
 
 
-@app.command()
+@command("studies", "stiction studies", "stiction studies figure6 > mine.toml")
 def studies(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="The study to print.", show_default=False)] = None,
 ) -> None:
@@ -229,14 +250,16 @@ def _executor(
     return threads(workers)
 
 
-def _stored(directory: Path) -> Path:
+def stored(directory: Path) -> Path:
     """The store of a study that was written to a directory."""
     if not directory.exists():
         raise StudyError(f"{named(directory)}: no such directory")
+    if not (directory / RESULT).exists():
+        raise StudyError(f"{named(directory)}: is not a result: neither a study nor a pair was written there")
     return directory / RESULT
 
 
-def _result(study: Study, directory: Path, executor: Executor) -> Any:
+def _result(study: Study, directory: Path, executor: Executor, said: Callable[[str], None] = tell) -> Any:
     """The result of a study in a directory, of which what is there already is not computed again."""
     from stiction.studies import store
 
@@ -245,18 +268,18 @@ def _result(study: Study, directory: Path, executor: Executor) -> Any:
     path = directory / RESULT
     stored = store.info(path).finished if path.exists() else 0
     try:
-        dataset = run(study, executor=executor, store=path, progress=sys.stderr.isatty())
+        dataset = run(study, executor=executor, store=path, progress=True)
     except KeyboardInterrupt:
         # Said at once; the repetitions that are being computed come to their end first.
         say(f"interrupted{_how_to_go_on(path)}")
         raise typer.Exit(INTERRUPTED) from None
     total = study.ensemble.repetitions
     if stored < total:
-        tell(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
+        said(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
     else:
         computed_by = dataset.attrs["stiction_version"]
         by = "" if computed_by == __version__ else f", computed by stiction {computed_by}"
-        tell(f"{path} holds this study already{by}; drawing it again")
+        said(f"{path} holds this study already{by}; drawing it again")
     return dataset
 
 
@@ -270,11 +293,12 @@ def _how_to_go_on(path: Path) -> str:
     return f"; {kept.finished} of {total} repetitions are finished and kept: the same command goes on from there"
 
 
-def _draw(dataset: Any, directory: Path) -> None:
+def _draw(dataset: Any, directory: Path, said: Callable[[str], None] = tell) -> None:
     from stiction.views.figures import save_figures
 
+    announce("drawing")
     for path in save_figures(dataset, directory):
-        tell(f"wrote {path}")
+        said(f"wrote {path}")
 
 
 def _study(name_or_file: str) -> Study:
@@ -284,6 +308,14 @@ def _study(name_or_file: str) -> Study:
     if path.suffix or path.exists() or len(path.parts) > 1:
         return Study.from_toml(path)
     return Study.named(name_or_file)  # and its list of names
+
+
+def _changed(study: Study, assignments: list[str] | None) -> Study:
+    """A study with what `--set` changes; errors name the option."""
+    try:
+        return study.with_changes(_changes(assignments or []))
+    except StudyError as error:
+        raise StudyError(str(error).replace("changes: ", "--set ")) from None
 
 
 def _changes(assignments: list[str]) -> dict[str, Any]:

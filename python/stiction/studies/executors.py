@@ -6,6 +6,8 @@ import collections
 import contextlib
 import itertools
 import os
+import sys
+import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import TypeVar
@@ -71,7 +73,7 @@ def available_cores() -> int:
 
 @contextlib.contextmanager
 def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[[], None]]:
-    """A bar on the terminal if it is wanted; what is called once for each that is finished."""
+    """A bar on the terminal if it is wanted, or lines where there is none; what is called once for each finished."""
     if not wanted:
         yield lambda: None
         return
@@ -97,7 +99,32 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
         TimeRemainingColumn(),
     )
     # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
-    in_notebook = None if find_spec("ipywidgets") else False
-    with Progress(*columns, console=Console(stderr=True, force_jupyter=in_notebook)) as bar:
+    notebook = Console(stderr=True).is_jupyter
+    console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
+    if not (console.is_terminal or notebook):
+        yield _progress_lines(what, total, finished)
+        return
+    with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda: bar.advance(task)
+
+
+def _progress_lines(what: str, total: int, finished: int) -> Callable[[], None]:
+    """A line for every tenth, unless less than a second has gone by since the last."""
+    started = said = time.monotonic()
+    done = itertools.count(finished + 1)
+
+    def advance() -> None:
+        nonlocal said
+        now, number = time.monotonic(), next(done)
+        tenth = (10 * number) // total > (10 * (number - 1)) // total
+        if tenth and number < total and now - said >= LINES_APART:
+            said, passed = now, now - started
+            left = passed * (total - number) / (number - finished)
+            print(f"{what} {number} of {total}, {passed:.0f} s, about {left:.0f} s left", file=sys.stderr, flush=True)
+
+    return advance
+
+
+LINES_APART = 1.0
+"""Seconds: what is quick says nothing."""

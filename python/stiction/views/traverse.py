@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
+from stiction.views.digits import with_interval
 from stiction.views.style import MILLIMETRE, STYLE, WIDTH, save_picture
 
 if TYPE_CHECKING:
@@ -60,13 +62,39 @@ _ZOOM = 40
 """Spacings on both sides of the contact that is drawn large, at least."""
 
 
+BOTH = "both"
+"""In place of a direction: the mean over both, position by position."""
+
+
+def means(result: xarray.Dataset) -> xarray.Dataset:
+    """What `traverse_mean` gives, and the same of the mean over both directions, as a third one, "both".
+
+    A position counts for both directions where it has an answer in each.
+    """
+    import xarray
+
+    from stiction.studies.traverse import traverse_mean
+
+    ok = (result["status"] == friction.STATUS_OK).all("shear")
+    numeric = [name for name, table in result.items() if "shear" in table.dims and table.dtype.kind == "f"]
+    both = result.drop_vars([name for name, table in result.items() if "shear" in table.dims])
+    both = both.assign({name: result[name].mean("shear", skipna=False, keep_attrs=True) for name in numeric})
+    both["status"] = result["status"].isel(shear=0).where(ok, _either(result["status"]))
+    both = both.drop_vars("shear", errors="ignore").assign_coords(shear=BOTH)
+    parts = [traverse_mean(each) for each in (both.expand_dims("shear"), result)]
+    return xarray.concat(
+        parts, "shear", data_vars="minimal", coords="minimal", compat="override", join="override",
+        combine_attrs="override",
+    )  # fmt: skip
+
+
 def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> str:
     """What a traverse was and what it says at some of its loads, with 95 % intervals and units.
 
     Parameters
     ----------
     result, mean : xarray.Dataset
-        What `traverse` and `traverse_mean` return.
+        What `traverse` and `means` return.
     loads : (l,) array_like of float, mN
         Of those of the result.
     """
@@ -97,14 +125,65 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         told = True
     if told and result.attrs["sliding"] == "opposing":
         lines += ["", _RULE if float(result["share_opposing"].max()) > 0 else _LEVEL]
+    if told and BOTH in mean["shear"].values:
+        where = _materials(mean)[0][1]
+        said = [_in_short(result.isel(where), mean.isel(where), load) for load in np.atleast_1d(loads)]
+        lines += ["", *(textwrap.fill(each, 118) for each in said)]
     return "\n".join(lines) + "\n"
+
+
+HIGH_PRESSURE = 0.01
+"""Of E*; metals yield at less."""
+
+
+def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float) -> str:
+    """One sentence on one load: the coefficient over both directions, and what keeps it from being quoted."""
+    at = mean.sel(load=load, method="nearest").sel(shear=BOTH)
+    head = f"In short: at {load:.4g} mN"
+    if 2 * int(at["ok"]) < int(at["positions"]):
+        return f"{head} there is no mean: only {int(at['ok'])} of {int(at['positions'])} positions have an answer."
+    value, lower, upper = (float(each) for each in at["friction_coefficient"].values)
+    share = {name: float(at[name].sel(statistic="mean")) for name in ("share_beyond_hertz", "share_below_grid")}
+    pressure = load / float(at["contact_area"].sel(statistic="mean"))
+    faults = []
+    if share["share_beyond_hertz"] > HALF:
+        faults.append(f"{share['share_beyond_hertz']:.0%} of the load is beyond Hertz (overlap > R/10)")
+    if share["share_below_grid"] > HALF:
+        faults.append(
+            f"{share['share_below_grid']:.0%} of the load is on radii below the spacing: a finer scan differs"
+        )
+    if np.isnan(lower):
+        faults.append("there is no interval: that takes 8 positions or lines that differ")
+    elif value > 0 and upper - lower > 2 * WIDE * value:
+        faults.append(f"its interval is wider than {WIDE:.0%} to either side; more positions or lines narrow it")
+    single = _spread(result.sel(load=load, method="nearest"))
+    words = (
+        f"{head} mu_s = {_cell((value, lower, upper), 'friction_coefficient')}, the mean over both directions; four of "
+        f"five single positions, in one direction, lie between {single.replace(' to ', ' and ')}."
+    )
+    if faults:
+        words += f" Do not quote it: {'; '.join(faults)}."
+    if pressure > HIGH_PRESSURE * float(mean["effective_modulus"]) and "hertz" in str(mean.attrs["law"]).lower():
+        words += f" It holds if the softer body is harder than {_pressure(pressure)}, the mean pressure in contact."
+    return words
+
+
+WIDE = 0.5
+"""Half the width of an interval over its value from which on a coefficient is not to be quoted."""
+
+HALF = 0.5
+"""Share of the load that is outside of what the model or the scan can say."""
+
+
+def _pressure(value: float) -> str:
+    return f"{value:.2g} GPa" if value >= 1 else f"{1000 * value:.2g} MPa"
 
 
 def _table(result: xarray.Dataset, mean: xarray.Dataset, positions: int) -> list[str]:
     """The lines of one load, a column for each direction."""
     shears = [str(shear) for shear in mean["shear"].values]
     materials = _materials(mean)
-    titles = ["", *(f"upper body to {shear}" for shear in shears)]
+    titles = ["", *("both directions" if shear == BOTH else f"upper body to {shear}" for shear in shears)]
     table = [titles]
     few = False
     for material, (at, there) in {name: (mean.isel(where), result.isel(where)) for name, where in materials}.items():
@@ -125,13 +204,27 @@ def _table(result: xarray.Dataset, mean: xarray.Dataset, positions: int) -> list
                 ]
             )
             if name == "friction_coefficient":
-                table.append(["  four of five positions", *(_spread(there.sel(shear=shear)) for shear in shears)])
-        table.append(["positions with an answer", *(_answers(there.sel(shear=shear)) for shear in shears)])
+                table.append(["  four of five positions", *(_spread(_towards(there, shear)) for shear in shears)])
+        table.append(["positions with an answer", *(_answers(_towards(there, shear)) for shear in shears)])
     widths = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
     lines = ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
     if few:
         lines.append(f"no mean where fewer than half of the positions have an answer; {RESULT} holds all of them")
     return lines
+
+
+def _towards(result: xarray.Dataset, shear: str) -> xarray.Dataset:
+    """The positions of one direction, or their means over both."""
+    if shear != BOTH:
+        return result.sel(shear=shear)
+    first = result.isel(shear=0)
+    status = first["status"].where((result["status"] == friction.STATUS_OK).all("shear"), _either(result["status"]))
+    return first.assign(friction_coefficient=result["friction_coefficient"].mean("shear", skipna=False), status=status)
+
+
+def _either(status: xarray.DataArray) -> xarray.DataArray:
+    """Why one of the directions has no answer."""
+    return status.isel(shear=0).where(status.isel(shear=0) != friction.STATUS_OK, status.isel(shear=-1))
 
 
 def _materials(result: xarray.Dataset) -> list[tuple[str, dict[str, int]]]:
@@ -219,13 +312,7 @@ def _cell(statistics: Any, name: str) -> str:
         return "none"
     if name in _WITHOUT_INTERVAL:
         return f"{mean:.2g}"
-    if np.isnan(lower):
-        return f"{mean:.3g} no interval"
-    digits = 1 - int(np.floor(np.log10((upper - lower) / 2))) if upper > lower else 4
-    if mean != 0:
-        digits = min(digits, 5 - int(np.floor(np.log10(abs(mean)))))
-    shown = [f"{round(value, digits):.{max(digits, 0)}f}" for value in (mean, lower, upper)]
-    return f"{shown[0]} [{shown[1]}, {shown[2]}]"
+    return with_interval(mean, lower, upper)
 
 
 def _spread(at: xarray.Dataset) -> str:

@@ -327,5 +327,5 @@ def _refuse_gaps(gaps: np.ndarray[Any, Any], missing: Missing) -> None:
         first = " ".join(str(int(index) + 1) for index in np.argwhere(gaps)[0])
         raise FormatError(
             f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {first}; "
-            '"interpolate" for missing puts them on a line between their neighbours'
+            'missing="interpolate" (--missing interpolate) puts them on a line between their neighbours'
         )
