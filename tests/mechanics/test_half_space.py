@@ -1,3 +1,7 @@
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
 import scipy.fft
@@ -39,6 +43,10 @@ SINGLE = 3e-6
 
 SAME = 1e-5
 """Of two solutions with a tolerance of 1e-6."""
+
+
+GRID_OF_A_BALL = 2e-3
+"""Of the load at an approach, with a contact of 24 points in radius."""
 
 
 def flat_like(body):
@@ -569,3 +577,85 @@ def test_loads_one_after_the_other_are_the_loads_alone(boundary):
         alone = half_space(upper, body, [load], boundary=boundary)
         assert curve.approach[i] == pytest.approx(alone.approach[0], rel=SAME)
         assert curve.contact_area[i] == pytest.approx(alone.contact_area[0], rel=1e-3)
+
+
+@pytest.mark.parametrize(("shape", "boundary"), [((256,), "periodic"), ((48, 40), "periodic"), ((48, 40), "free")])
+def test_approaches_are_those_of_the_loads_they_take(shape, boundary):
+    body = rough(shape)
+    upper = flat_like(body)
+    wanted = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
+    curve = half_space(upper, body, approaches=wanted, boundary=boundary)
+    deviation = body.heights.std()
+    assert np.abs(curve.approach - wanted).max() <= 1e-6 * max(deviation, 1.0)
+    assert (curve.error <= 1e-6).all()
+    again = half_space(upper, body, curve.load, boundary=boundary)
+    assert again.approach == pytest.approx(wanted, rel=SAME)
+    assert again.contact_area == pytest.approx(curve.contact_area, rel=1e-3)
+
+
+def test_approach_of_a_sphere_is_hertz():
+    """The approach of far points, δ = (9 F²/(16 E*² R))^(1/3)."""
+    ball = bowl(96, 2.0, (5.0, 5.0))
+    curve = half_space(ball, flat_like(ball), approaches=[0.05])
+    force, _ = hertz_sphere(0.05, 5.0, MODULUS)
+    assert curve.load[0] == pytest.approx(force, rel=GRID_OF_A_BALL)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "half_space takes loads or approaches, one of them"),
+        ({"loads": [1.0], "approaches": [1.0]}, "half_space takes loads or approaches, one of them"),
+        ({"approaches": [0.0]}, "approaches must be above 0 µm and strictly increasing"),
+        ({"approaches": [2e-3, 1e-3]}, "approaches must be above 0 µm and strictly increasing"),
+        ({"approaches": [1e-3], "boundary": "free"}, "a free half-plane has none"),
+        ({"approaches": [1e-3], "hardness": 1.0}, "approaches are for bodies without hardness"),
+        ({"approaches": [1.0]}, "approaches must be below .* where all points touch"),
+    ],
+)
+def test_bad_approaches(arguments, message):
+    body = rough((64,))
+    with pytest.raises(ValueError, match=message):
+        half_space(flat_like(body), body, **({"boundary": "periodic"} | arguments))
+
+
+def test_progress_says_what_is_solved_and_can_end_it():
+    body = rough((32, 32))
+    seen = []
+    half_space(
+        flat_like(body),
+        body,
+        [0.01, 0.1],
+        boundary="periodic",
+        progress=lambda *each: seen.append(each),
+        tolerance=1e-6,
+    )
+    assert {solved for solved, _, _ in seen} == {0, 1}
+    assert seen[0][1] == 1
+    assert all(error > 1e-6 for _, _, error in seen)
+
+    def stop(solved, iteration, error):
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        half_space(flat_like(body), body, [0.01], progress=stop)
+
+
+def test_ctrl_c_ends_it_within_a_second():
+    """Of a computation of some seconds."""
+    body = rough((1024, 1024), shortest=256)
+    loads = np.geomspace(0.001, 0.5, 20)
+    pressed = []
+
+    def ctrl_c():
+        pressed.append(time.monotonic())
+        signal.raise_signal(signal.SIGINT)
+
+    timer = threading.Timer(0.7, ctrl_c)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            half_space(flat_like(body), body, loads, boundary="periodic")
+        assert time.monotonic() - pressed[0] < 1.0
+    finally:
+        timer.cancel()

@@ -6,6 +6,8 @@ that are free to move, and begun from the solution on every second point.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,6 +46,12 @@ MOST_COARSE_ITERATIONS = 100
 
 COMPLIANCE_TOLERANCE = 1e-4
 """Of displacements that should be equal, relative to the compliance."""
+
+MOST_LOADS = 60
+"""That are tried for one approach; six are many."""
+
+FARTHEST_LOAD = 30.0
+"""Ratio of two loads that are tried one after the other."""
 
 MOST_CERTIFICATES = 20
 """New evaluations in double precision before a solution is given up: round-off is the reason."""
@@ -219,9 +227,11 @@ class Solver:
         periodic: bool,
         hardness: float | None,
         tolerance: float,
+        progress: Callable[[int, float], object] | None = None,
     ) -> None:
-        self.periodic, self.tolerance, self.spacing = periodic, tolerance, spacing
+        self.periodic, self.tolerance, self.spacing, self.progress = periodic, tolerance, spacing, progress
         self.hardness = np.inf if hardness is None else hardness
+        self.modulus = effective_modulus
         self.gaps, self.kernels = [], []
         while True:
             self.gaps.append(gap)
@@ -258,6 +268,34 @@ class Solver:
             solution = self._solve(level, start, mean_pressure * start.size, coarse, MOST_COARSE_ITERATIONS)
             start = _resampled(solution.pressure, self.gaps[level - 1].shape, periodic=self.periodic)
         return self._finest(start, mean_pressure)
+
+    def at_approach(self, approach: float, *, near: Solution | None = None) -> Solution:
+        """The pressure at an approach (µm), which grows with the load: by secants over the logarithms of both."""
+        # Of two bodies as far apart as the grid is long, less than which any load is.
+        longest = max(step * n for step, n in zip(self.spacing, self.gaps[0].shape, strict=True))
+        pressure = 0.1 * self.modulus * approach / longest if near is None else float(near.pressure.mean())
+        below: tuple[float, float] | None = None
+        above: tuple[float, float] | None = None
+        for _ in range(MOST_LOADS):
+            solution = near = self.at(pressure, near=near)
+            miss = abs(solution.approach - approach) / self.scale(pressure)
+            if miss <= self.tolerance or not solution.error <= self.tolerance:
+                break
+            here = math.log(pressure), math.log(solution.approach / approach)
+            other = above if here[1] < 0 else below
+            if here[1] < 0:
+                below = here
+            else:
+                above = here
+            if below is None or above is None or other is None:
+                step = max(-math.log(FARTHEST_LOAD), min(math.log(FARTHEST_LOAD), -2 * here[1]))
+                pressure *= math.exp(step)
+                continue
+            # Kept from the ends of the bracket, so that both of them move.
+            width = above[0] - below[0]
+            secant = below[0] - below[1] * width / (above[1] - below[1])
+            pressure = math.exp(min(max(secant, below[0] + 0.05 * width), above[0] - 0.05 * width))
+        return Solution(solution.pressure, solution.approach, max(solution.error, miss), solution.iterations)
 
     def _is_near(self, solution: Solution, mean_pressure: float) -> bool:
         """Whether a solution at another load is a better start than one from coarse grids; on lines it never is."""
@@ -307,6 +345,8 @@ class Solver:
                 response = nothing
             exact = False
             iterations += 1
+            if level == 0 and self.progress is not None:
+                self.progress(iterations, error / (tolerance / self.tolerance))
         return Solution(search.pressure.reshape(gap.shape), search.approach, error, iterations)
 
 

@@ -6,7 +6,7 @@ half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -87,7 +87,7 @@ class HalfSpaceCurve(Curve):
     Attributes
     ----------
     load : (k,) ndarray, mN
-        What was asked for.
+        What was asked for, or what the approaches take.
     approach : (k,) ndarray, µm
         Displacement of the upper body since first touch: of its far points, or of its mean plane where periodic. NaN on
         a free half-plane, whose far points have no limit.
@@ -200,8 +200,9 @@ class HalfSpaceCurve(Curve):
 def half_space(
     upper: Profile | Surface,
     lower: Profile | Surface,
-    loads: ArrayLike,
+    loads: ArrayLike | None = None,
     *,
+    approaches: ArrayLike | None = None,
     effective_modulus: float = EFFECTIVE_MODULUS,
     boundary: Boundary = "free",
     compliance_share: float = 0.5,
@@ -209,6 +210,7 @@ def half_space(
     direction: Direction | Sequence[Direction] = "+x",
     sliding: Sliding = "opposing",
     tolerance: float = 1e-6,
+    progress: Callable[[int, int, float], object] | None = None,
 ) -> HalfSpaceCurve:
     """Pressure, true area and friction of two rough bodies as an elastic half-space.
 
@@ -218,6 +220,9 @@ def half_space(
         Two of a kind on the same grid.
     loads : (k,) array_like of float, mN
         Above 0 and strictly increasing. A profile is 1 µm thick.
+    approaches : (k,) array_like of float, µm
+        In place of loads: displacements of the upper body since first touch, of its far points, or of its mean plane
+        where periodic. Above 0 and strictly increasing. Each takes some five solutions, in search of its load.
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
     boundary : {"free", "periodic"}
@@ -232,12 +237,16 @@ def half_space(
     sliding : {"opposing", "all"}
         Whether only patches rub whose force on the upper body points against the motion, or all.
     tolerance : float
-        Of the error, see `HalfSpaceCurve`.
+        Of the error, see `HalfSpaceCurve`. Approaches are met to it, in the same unit.
+    progress : callable, optional
+        Called in each iteration on the finest grid with how many loads or approaches are solved, the number of the
+        iteration and the error so far. An exception that it raises, as Ctrl-C does, ends the computation.
 
     Raises
     ------
     ValueError
-        If the grids differ or an argument is outside its range.
+        If the grids differ or an argument is outside its range; approaches also on free half-planes, which have none,
+        with a hardness, and from the one on at which all points of periodic bodies touch.
     RuntimeError
         If a load's error does not reach the tolerance.
 
@@ -266,9 +275,12 @@ def half_space(
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
         )
-    steps = float_array("loads", loads, ndim=1)
+    name, unit, asked = ("loads", "mN", loads) if approaches is None else ("approaches", "µm", approaches)
+    if asked is None or (loads is not None and approaches is not None):
+        raise ValueError("half_space takes loads or approaches, one of them")
+    steps = float_array(name, asked, ndim=1)
     if not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
-        raise ValueError(f"loads must be above 0 mN and strictly increasing, got {loads!r}")
+        raise ValueError(f"{name} must be above 0 {unit} and strictly increasing, got {asked!r}")
     model = ContactModel(effective_modulus=effective_modulus, direction=direction, sliding=sliding)
     modulus = float(model.effective_modulus)
     if isinstance(upper, Profile):
@@ -284,27 +296,41 @@ def half_space(
     gap -= gap.min()
     if hardness is not None:
         hardness = number("hardness", hardness, unit="GPa", above=0)
-    solver = Solver(gap, spacing, modulus, periodic=periodic, hardness=hardness, tolerance=tolerance)
+    cell = float(np.prod(spacing)) * (WIDTH if gap.ndim == 1 else 1.0)
+    if approaches is None:
+        most = np.inf if hardness is None else hardness * cell * gap.size
+        if not steps[-1] < most:
+            raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
+    else:
+        if hardness is not None:
+            raise ValueError(f"approaches are for bodies without hardness; give loads, got hardness={hardness!r}")
+        if not periodic and gap.ndim == 1:
+            raise ValueError("approaches: a free half-plane has none; give loads, or boundary='periodic'")
+        if periodic and not steps[-1] < gap.mean():
+            raise ValueError(f"approaches must be below {gap.mean():g} µm, where all points touch, got {approaches!r}")
+    rows: list[dict[str, Any]] = []
+    report = None if progress is None else lambda iteration, error: progress(len(rows), iteration, error)
+    solver = Solver(gap, spacing, modulus, periodic=periodic, hardness=hardness, tolerance=tolerance, progress=report)
     slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
     problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness, slope, model)
-    most = np.inf if hardness is None else hardness * problem.cell * gap.size
-    if not steps[-1] < most:
-        raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
-    rows = []
     pressed = []
     solution = None
-    for load in steps:
-        solution = solver.at(float(load) / (problem.cell * gap.size), near=solution)
+    for step in steps.tolist():
+        if approaches is None:
+            solution = solver.at(step / (cell * gap.size), near=solution)
+        else:
+            solution = solver.at_approach(step, near=solution)
         if not solution.error <= tolerance:
             raise RuntimeError(
-                f"no solution at {load:g} mN: error {solution.error:.2g} after {solution.iterations} iterations, "
+                f"no solution at {step:g} {unit}: error {solution.error:.2g} after {solution.iterations} iterations, "
                 f"above the tolerance {tolerance:g}"
             )
         rows.append(_row(problem, solution) | _sums(problem, solution.pressure))
         points = np.flatnonzero(solution.pressure)
         pressed.append((read_only(points), read_only(solution.pressure.ravel()[points])))
+    reached = steps if approaches is None else np.array([values.sum() * cell for _, values in pressed])
     return HalfSpaceCurve(
-        load=read_only(steps.copy()),
+        load=read_only(reached.copy()),
         **_columns(rows, model),
         effective_modulus=modulus,
         _problem=problem,
