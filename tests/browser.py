@@ -1,8 +1,10 @@
 """A browser that is driven like a person's: Debian's Chromium, which asks for nothing of its own."""
 
+import importlib.util
 import json
 import shutil
 from contextlib import contextmanager
+from pathlib import Path
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 FLAGS = (
@@ -33,15 +35,50 @@ def browser(profile):
 
 def open_page(driver, path, width=1280, height=900):
     """Open a report, and wait until it is drawn."""
-    from selenium.webdriver.support.ui import WebDriverWait
-
     metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     driver.get("about:blank")
     driver.get_log("performance")
     driver.get(path.as_uri())
-    WebDriverWait(driver, 60, 0.05).until(lambda driver: driver.execute_script(READY))
+    wait_until_drawn(driver)
+
+
+def wait_until_drawn(driver):
+    wait(driver, lambda driver: driver.execute_script(READY))
     settle(driver)
+
+
+def wait(driver, until):
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    WebDriverWait(driver, 60, 0.05).until(until)
+
+
+def rest(driver):
+    """Wait until the page has done what it does when nothing changes any more."""
+    driver.execute_async_script("setTimeout(arguments[0], 2 * REST)")
+    settle(driver)
+
+
+def axe():
+    """The script of axe-core, from a package of the tests."""
+    import pytest
+
+    spec = importlib.util.find_spec("axe_selenium_python")
+    if spec is None:
+        pytest.skip("axe-selenium-python is not installed")
+    return (Path(spec.origin).parent / "node_modules/axe-core/axe.min.js").read_text("utf-8")
+
+
+def serious_faults(driver, script):
+    """What axe-core finds that is serious or critical, with the elements."""
+    driver.execute_script(script)
+    found = driver.execute_async_script("axe.run().then(arguments[0])")
+    return [
+        (fault["id"], [node["html"][:120] for node in fault["nodes"]])
+        for fault in found["violations"]
+        if fault["impact"] in ("serious", "critical")
+    ]
 
 
 def settle(driver):

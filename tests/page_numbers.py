@@ -1,4 +1,4 @@
-"""The numbers of the interactive page without a browser: its script `numbers.js` in V8, on what a page carries."""
+"""The numbers of an interactive page without a browser: its script `numbers.js` in V8, on what a page carries."""
 
 import base64
 import json
@@ -10,19 +10,27 @@ import numpy as np
 
 
 class PageNumbers:
-    """The functions of `numbers.js`, with the facts and numbers of one page as they stand in it."""
+    """The functions of `numbers.js`, with the facts and numbers of one page of a study as they stand in it.
+
+    `facts` and `result` are those of the first result of the page and its first motion; `results` has all motions.
+    """
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer
 
         self._engine = MiniRacer()
         self._engine.eval((resources.files("stiction.views.report") / "numbers.js").read_text("utf-8"))
-        self._engine.eval(f"const facts = {_element(page, 'facts')}; const result = {{facts}};")
-        for name in ("means", "sums", "profiles", "contacts"):
-            planes = list(zlib.decompress(base64.b64decode(_element(page, f"packed-{name}"))))
+        self._engine.eval(f"const all = {_element(page, 'facts')}; null")
+        self._engine.eval("const facts = all.results ? {...all, ...all.results[0]} : all; null")
+        for name in self("() => Object.keys(facts.bytes)"):
+            planes = list(zlib.decompress(base64.b64decode(_element(page, f"packed-{name}-0") or "eJwDAAAAAAE=")))
             self._engine.eval(f"const {name} = doubles(Uint8Array.from({planes}), facts.bytes.{name}); null")
-        self._engine.eval("result.means = parts(facts.variables, means); null")
-        self._engine.eval("result.sums = parts(facts.perRepetition, sums); null")
+        if self("() => Boolean(all.results)"):
+            self._engine.eval("const sumsOf = parts(facts.perRepetition, facts.motions.length, sums); null")
+            self._engine.eval(
+                "const results = parts(facts.variables, facts.motions.length, means).map("
+                "(means, m) => ({facts, means, sums: sumsOf[m]})); const result = results[0]; null"
+            )
 
     def __call__(self, function, *arguments):
         """What an expression in JavaScript, a function, returns for arguments; numbers keep every bit, NaN too."""
@@ -32,9 +40,9 @@ class PageNumbers:
         text = self._engine.eval(f"JSON.stringify(({function})({values}), {written})")
         return json.loads(re.sub(r'"number (-?)(\w+)"', r"\1\2", text))
 
-    def arrays(self, function, *arguments):
-        """The points that `frictionAt` or `areaAt` returns, as arrays by name."""
-        points = self(f"(...rest) => {function}(result, ...rest)", *arguments)
+    def arrays(self, quantity, *arguments, motion=0):
+        """The points that `readOff` returns, as arrays by name."""
+        points = self(f"(...rest) => readOff(results[{motion}], ...rest)", quantity, *arguments)
         names = ("value", "lower", "upper")
         found = {name: np.array([point[name] for point in points]) for name in names}
         found["status"] = np.array([point["status"] for point in points])
@@ -44,5 +52,6 @@ class PageNumbers:
 
 
 def _element(page, name):
-    """The text of a script element of a page."""
-    return re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)[1]
+    """The text of a script element of a page, if there is one."""
+    found = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
+    return found[1] if found else ""

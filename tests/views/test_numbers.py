@@ -4,12 +4,23 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 from small import SMALL
-from stiction import area_map, contacts, friction_map, random_phases, run, weierstrass_mandelbrot
+from stiction import (
+    Study,
+    area_map,
+    contacts,
+    friction_map,
+    gentle_friction,
+    random_phases,
+    run,
+    stiffness_map,
+    weierstrass_mandelbrot,
+)
+from stiction.studies import intervals
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.study import study_of
-from stiction.views.report.page import MOST_CONTACTS, WINDOW, report_page
+from stiction.views.report import report_page
+from stiction.views.report.study import MOST_CONTACTS, WINDOW
 
-pytest.importorskip("plotly", reason="the extra 'report' is not installed")
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
 from page_numbers import PageNumbers
@@ -62,14 +73,6 @@ def invented(reached):
     return data
 
 
-@pytest.fixture(scope="module", autouse=True)
-def without_plotly():
-    """The numbers need no library of plots, and packing it takes most of the time of a page."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stiction.views.report.page._plotly", str)
-        yield
-
-
 @pytest.fixture(scope="module")
 def result(small_result):
     return small_result
@@ -80,24 +83,34 @@ def numbers(result):
     return PageNumbers(report_page(result))
 
 
-def statuses_held_to_the_library(numbers, data, loads, mu0, tau0):
-    """Friction and area of every dimension and amplitude are those of the maps; returns the statuses."""
+MAPS = {
+    "friction": (friction_map, "friction_coefficient"),
+    "area": (area_map, "contact_area"),
+    "stiffness": (stiffness_map, "normal_stiffness"),
+}
+
+
+def statuses_held_to_the_library(numbers, data, loads, mu0, tau0, motion=0):
+    """Friction, area and stiffness of every dimension and amplitude are those of the maps; returns the statuses."""
     statuses = []
-    for function, map_of, name in (
-        ("frictionAt", friction_map, "friction_coefficient"),
-        ("areaAt", area_map, "contact_area"),
-    ):
+    has_stiffness = numbers("() => facts.hasStiffness")
+    for quantity, (map_of, name) in MAPS.items():
+        if quantity == "stiffness" and not has_stiffness:
+            continue
         wanted = map_of(data, loads, mu0=[mu0], tau0=[tau0]).isel(mu0=0, tau0=0)
         wanted = wanted.transpose("fractal_dimension", "amplitude", "load")
         for d, a in np.ndindex(wanted["status"].shape[:2]):
             at = wanted.isel(fractal_dimension=d, amplitude=a)
-            found = numbers.arrays(function, d, a, list(loads), mu0, tau0)
+            found = numbers.arrays(quantity, d, a, list(loads), mu0, tau0, motion=motion)
             assert np.array_equal(found.pop("status"), at["status"].values)
             for key, values in found.items():
+                if key not in at and key not in ("value", "lower", "upper"):
+                    continue  # what areas and half-spaces have besides
                 expected = at[name if key == "value" else key].values
                 if key in ("lower", "upper"):
                     # Ends are mean exp(±h): an error of h, relative to it, is h times as much of an end.
-                    ratio = (at["upper"] / at["lower"]).values
+                    with np.errstate(invalid="ignore", divide="ignore"):
+                        ratio = (at["upper"] / at["lower"]).values
                     h = np.maximum(np.log(np.where(np.isfinite(ratio) & (ratio > 1), ratio, 1.0)) / 2, 1.0)
                     values = expected + (values - expected) / h
                 assert values == pytest.approx(expected, rel=AGREEMENT, abs=1e-12, nan_ok=True), key
@@ -136,17 +149,112 @@ def test_the_map_of_the_page_is_that_of_the_library(numbers, result):
     loads = np.geomspace(1e-5, 1, 25).tolist()
     wanted = friction_map(result, loads, mu0=[0.3], tau0=[0.04]).isel(amplitude=1, mu0=0, tau0=0)
     wanted = wanted.transpose("load", "fractal_dimension")
-    found = numbers("(loads) => frictionMap(result, 1, loads, 0.3, 0.04)", loads)
-    assert np.array_equal(found.pop("status"), wanted["status"].values)
-    for name, values in found.items():
-        expected = wanted["friction_coefficient" if name == "value" else name].values
-        assert np.array(values, float) == pytest.approx(expected, rel=AGREEMENT, nan_ok=True)
+    found = numbers("(loads) => mapOf(result, 'friction', 1, loads, 0.3, 0.04)", loads)
+    ok = wanted["status"].values == "ok"
+    assert np.array_equal(found["status"], wanted["status"].values)
+    assert np.array(found["value"], float) == pytest.approx(
+        wanted["friction_coefficient"].values, rel=AGREEMENT, nan_ok=True
+    )
+    limits = {"share_beyond_hertz": 0.5, "share_below_grid": 0.5}
+    trusted = np.logical_and.reduce([~(wanted[name].values > limit) for name, limit in limits.items()])
+    assert np.array_equal(np.array(found["trusted"])[ok], trusted[ok])
+    assert 0 < trusted[ok].mean() < 1
+    sound = trusted & ~(wanted["relative_overlap"].values > 0.1) & ~(wanted["share_crossed"].values > 0.5)
+    assert np.array_equal(np.array(found["isSound"])[ok], sound[ok])
+    d, row = numbers("(map) => beginning(map)", found)
+    assert sound[row, d]
+    widths = numbers("(loads) => mapOf(result, 'width', 1, loads, 0.3, 0.04).value", loads)
+    expected = (wanted["upper"] - wanted["lower"]) / (2 * wanted["friction_coefficient"])
+    assert np.array(widths, float) == pytest.approx(expected.values, rel=1e-5, nan_ok=True)
+
+
+AREAL = {
+    "surfaces.shape": [48, 48], "surfaces.fractal_dimension": [1.1, 1.4], "ensemble.repetitions": 4,
+    "contact.approach": {"start": "0.5 nm", "stop": "30 nm", "count": 8, "spacing": "geometric"},
+}  # fmt: skip
+HALF_PLANES = {
+    "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
+    "contact.boundary": "periodic", "surfaces.points": 512, "surfaces.extent": "5 um", "ensemble.repetitions": 4,
+    "surfaces.band_limit": "nyquist",
+    "surfaces.fractal_dimension": [1.1, 1.4],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("figure6-areal", AREAL | {"contact.direction": [0, 90]}),
+        ("quick", HALF_PLANES),
+        ("quick", HALF_PLANES | {"contact.boundary": "free", "contact.sliding": ["opposing", "all"]}),
+    ],
+)
+def test_areas_and_half_spaces_are_those_of_the_library(name, changes):
+    data = run(Study.named(name).with_changes(changes))
+    numbers = PageNumbers(report_page(data))
+    lowest, highest = numbers("() => facts.loads")
+    loads = np.geomspace(lowest / 3, 3 * highest, 20).tolist()
+    motions = numbers("() => facts.motions")
+    dims = [dim for dim in ("sliding", "direction") if dim in data.dims]
+    assert len(motions) == np.prod([data.sizes[dim] for dim in dims])
+    for m, place in enumerate(np.ndindex(*(data.sizes[dim] for dim in dims))):
+        one = data.isel(dict(zip(dims, place, strict=True)))
+        assert motions[m]["sliding"] == one.coords.get("sliding", motions[m]["sliding"])
+        assert motions[m]["direction"] == one.coords.get("direction", motions[m]["direction"])
+        assert "ok" in statuses_held_to_the_library(numbers, one, loads, 0.4, 0.1, motion=m)
+    if name == "figure6-areal":
+        found = numbers.arrays("friction", 0, 0, [loads[10]], 0.4, 0.0)
+        assert 0 <= found["share_overlapping"][0] <= 1
+        assert 0 <= found["share_unanswered"][0] <= 1
+
+
+@pytest.mark.parametrize("sliding", ["opposing", "all"])
+def test_friction_by_the_slope_alone_is_that_of_the_library(numbers, sliding):
+    for mu0, tau0, gradient, slope in ((0.4, 0.0, 0.3, 0.2), (0.3, 0.2, 0.04, 0.05), (2.0, 1.0, 0.1, 9.0)):
+        found = numbers(
+            "(...at) => gentleFriction(...at)", mu0, tau0,
+            {"gradient": gradient, "slope": slope, "modulus": 10.0, "kappa": 2.2}, sliding,
+        )  # fmt: skip
+        wanted = gentle_friction(mu0, tau0, rms_gradient=gradient, rms_slope=slope, kappa=2.2, sliding=sliding)
+        assert found == pytest.approx(float(wanted), rel=1e-12, nan_ok=True)
+
+
+def test_derivatives_are_those_of_numpy(numbers):
+    steps = np.array([0.0, 1.0, 1.5, 4.0, 9.0])
+    values = np.array([1.0, -2.0, 0.5, 3.0, 8.0])
+    found = numbers("(values, steps) => gradient(values, steps)", values.tolist(), steps.tolist())
+    assert found == pytest.approx(np.gradient(values, steps, edge_order=2), rel=1e-12)
+
+
+@pytest.mark.parametrize("sample", [[0.1, 0.2, 0.4], [0.1, 0.5], [-1.0, 2.0, 3.0, np.nan], [0.0, 0.01, 3.0]])
+def test_means_of_a_sample_are_those_of_the_library(numbers, sample):
+    found = numbers(
+        "(sample, fewest) => ofSample(sample.map((x) => (x === null ? NaN : x)), facts.confidence, fewest)",
+        [None if np.isnan(x) else x for x in sample], intervals.FEWEST_OF_SAMPLE,
+    )  # fmt: skip
+    assert found == pytest.approx([float(x) for x in intervals.of_sample(np.array(sample))], rel=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "is_log", "texts"),
+    [
+        (0.0, 1.0, False, ["0", "0.2", "0.4", "0.6", "0.8", "1"]),
+        (1.0, 1.72, False, ["1", "1.2", "1.4", "1.6"]),
+        (0.2, 0.5, True, ["0.2", "0.25", "0.3", "0.35", "0.4", "0.45", "0.5"]),
+        (2e-6, 0.3, True, ["10⁻⁵", "0.001", "0.1"]),
+        (0.03, 3.0, True, ["0.03", "0.1", "0.3", "1", "3"]),
+        (5.0, 5.0, False, ["5"]),
+    ],
+)
+def test_ticks_are_round(numbers, low, high, is_log, texts):
+    found = numbers("(...at) => ticksOf(...at)", low, high, is_log, 6)
+    assert [tick["text"] for tick in found if tick["text"]] == texts
+    assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in found)
 
 
 def test_without_intervals_there_is_none(monkeypatch, result):
-    monkeypatch.setattr("stiction.views.report.page.MOST_SUMS", 100)
+    monkeypatch.setattr("stiction.views.report.study.MOST_SUMS", 100)
     numbers = PageNumbers(report_page(result))
-    found = numbers.arrays("frictionAt", 1, 0, [1e-3], 0.4, 0.0)
+    found = numbers.arrays("friction", 1, 0, [1e-3], 0.4, 0.0)
     wanted = friction_map(result, [1e-3], mu0=[0.4], tau0=[0.0]).isel(fractal_dimension=1, amplitude=0)
     assert found["value"] == pytest.approx(wanted["friction_coefficient"].values.ravel(), rel=AGREEMENT)
     assert np.isnan([found["lower"], found["upper"]]).all()
@@ -157,7 +265,7 @@ def test_nothing_touches():
     numbers = PageNumbers(report_page(data))
     assert numbers("() => facts.loads") == []
     assert set(statuses_held_to_the_library(numbers, data, [1e-3, 1.0], 0.4, 0.0)) == {"no-contact"}
-    assert numbers("(map) => colourRange(facts, [frictionMap(result, 0, [1], 0.4, 0)])") == [0.1, 1]
+    assert numbers("() => colourRange(facts, [mapOf(result, 'friction', 0, [1], 0.4, 0)])") == [0.1, 1]
 
 
 def test_what_is_packed_comes_out_again(numbers, result):
@@ -174,19 +282,23 @@ def test_quantiles_of_student(numbers):
     assert found == pytest.approx(stdtrit(freedom, 0.975), rel=1e-10)
 
 
-def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result):
+@pytest.mark.parametrize("pair", [0, 2])
+def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result, pair):
     surfaces, approaches = study_of(result).surfaces, result["approach"].values
     d, a, k = 1, 1, 7
     upper, lower = (
         weierstrass_mandelbrot(
-            random_phases(SMALL.ensemble.seed, side=side),
+            random_phases(SMALL.ensemble.seed, side=side, repetition=pair),
             surfaces.fractal_dimensions()[d],
             extent=float(surfaces.extent),
             points=surfaces.points,
         ).with_amplitude(surfaces.amplitudes()[a])
         for side in ("upper", "lower")
     )
-    example = numbers("(...at) => exampleAt(facts, profiles, contacts, ...at)", d, a, k)
+    example = numbers(
+        "(at) => exampleAt(facts, profiles, contacts, at)",
+        {"pair": pair, "dimension": d, "amplitude": a, "step": k, "shear": 1},
+    )
     found = [[example["x"][0] + each["x"], *(each[name] for name in ("normal", "force", "opposes"))]
              for each in example["contacts"]]  # fmt: skip
     whole = contacts(upper, lower, approaches[k])
@@ -226,10 +338,7 @@ def test_geometric_loads_and_edges_hold_their_ends(numbers, scale):
     assert ends[-1] > loads[-1]
 
 
-def test_lines_and_outlines_of_a_map(numbers):
+def test_lines_on_a_map(numbers):
     x, y = [0, 1, 2], [0, 10, 20]
-    assert numbers("(...at) => boundary([[0.2, 0.8], [0.2, null]], 0.5, ...at)", x, y) == [[1, 1, None], [0, 10, None]]
-    assert numbers("(...at) => outlines([['a', 'b'], ['a', 'a']], 'a', ...at)", x, y) == [
-        [0, 1, 1, 0, 0, None, 1, 2, 2, 1, 1, None],
-        [0, 0, 20, 20, 0, None, 10, 10, 20, 20, 10, None],
-    ]
+    assert numbers("(...at) => boundary([[true, false], [true, null]], ...at)", x, y) == [[1, 0, 1, 10]]
+    assert numbers("(...at) => boundary([[true], [false]], ...at)", x[:2], y) == [[0, 10, 1, 10]]

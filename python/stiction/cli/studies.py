@@ -136,9 +136,11 @@ def plot(
         draw_pair(result, where)
 
 
-@command("report", "stiction report figure6", "stiction report figure6 -o friction.html")
+@command("report", "stiction report figure6", "stiction report quick figure6 -o both.html")
 def report(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
+    directories: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Where a study was written; two are shown side by side.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE.html", help="The page to write.", show_default="DIR/report.html"),
@@ -148,8 +150,9 @@ def report(
     from stiction.studies import store
     from stiction.views.report import save_report
 
-    path = output if output is not None else directory / "report.html"
-    save_report(store.read(stored(directory)), path)
+    path = output if output is not None else directories[0] / "report.html"
+    names = [each.resolve().name for each in directories]
+    save_report([store.read(stored(each)) for each in directories], path, names=names)
     tell(f"wrote {path}")
 
 

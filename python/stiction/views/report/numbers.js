@@ -3,9 +3,10 @@
 // What a result says at a load, for any mu0 and tau0. Reading off, intervals and statuses are those of `friction_map`
 // and `area_map`, step for step; the names are the same where the things are.
 //
-// All that these functions know is in their arguments: nothing here looks at the page. A result is
-// {facts, means, sums}: what Python says of it, the means over the repetitions, variable -> (dimension, amplitude,
-// approach), and the sums of each, variable -> (dimension, amplitude, repetition, approach).
+// All that these functions know is in their arguments: nothing here looks at the page. A result, for one sliding rule and
+// direction, is {facts, means, sums}: what Python says of it, the means over the repetitions, variable -> (dimension,
+// amplitude, step), and the sums of each, variable -> (dimension, amplitude, repetition, step). Steps are approaches, or
+// loads of the half-space.
 
 // ---- Numbers as they are packed ------------------------------------------------------------------------------------
 
@@ -19,10 +20,13 @@ function doubles(planes, leading) {
   return values;
 }
 
-/** Arrays of equal length by name. */
-function parts(names, values) {
-  const size = values.length / names.length;
-  return Object.fromEntries(names.map((name, i) => [name, values.subarray(i * size, (i + 1) * size)]));
+/** Arrays of equal length by name, for each motion: those that have nothing to do with it, then its own. */
+function parts({plain, directed}, motions, values) {
+  const size = values.length / (plain.length + motions * directed.length) || 0;
+  const some = (names, first) => Object.fromEntries(
+    names.map((name, i) => [name, values.subarray((first + i) * size, (first + i + 1) * size)]));
+  const shared = some(plain, 0);
+  return Array.from({length: motions}, (_, m) => ({...shared, ...some(directed, plain.length + m * directed.length)}));
 }
 
 // ---- Reading off at a load -----------------------------------------------------------------------------------------
@@ -49,6 +53,8 @@ function valueAt(values, from, index, fraction) {
 const OF_AREA = ["contact_area", "", ""];
 const OF_NORMAL = ["normal_elastic", "normal_frictional", "normal_adhesive"];
 const OF_TANGENTIAL = ["tangential_elastic", "tangential_frictional", "tangential_adhesive"];
+const OF_STIFFNESS = ["stiffness_elastic", "stiffness_frictional", "stiffness_adhesive"];
+const QUANTITIES = {friction: OF_TANGENTIAL, area: OF_AREA, stiffness: OF_STIFFNESS};
 
 /** elastic + mu0 frictional + tau0 adhesive, tau0 in GPa, of as many numbers from an offset on as count says. */
 function combined(arrays, [elastic, frictional, adhesive], from, count, mu0, tau0) {
@@ -63,14 +69,13 @@ const pairIndex = ({amplitudes}, d, a) => d * amplitudes.length + a;
 
 /** Mean curves of a dimension and amplitude. */
 function meanCurves({facts, means}, d, a, mu0, tau0) {
-  const count = facts.approaches.length;
+  const count = facts.steps.length;
   const from = pairIndex(facts, d, a) * count;
   const normal = combined(means, OF_NORMAL, from, count, mu0, tau0);
   return {
     from,
     normal,
-    tangential: combined(means, OF_TANGENTIAL, from, count, mu0, tau0),
-    area: combined(means, OF_AREA, from, count, mu0, tau0),
+    of: (quantity) => combined(means, QUANTITIES[quantity], from, count, mu0, tau0),
     touched: facts.touched[d][a],
     locked: facts.touchedAtLast[d][a] && normal[count - 1] <= 0,
   };
@@ -83,29 +88,30 @@ function statusOf(curves, index, load) {
   return curves.locked ? "self-locked" : "not-reached";
 }
 
-/** The figures of `Validity` where a load is reached. */
-function validityAt({means}, curves, index, fraction) {
+/** The figures of validity where a load is reached: each a sum over the sum of others. */
+function validityAt({facts, means}, curves, index, fraction) {
   const at = (name) => valueAt(means[name], curves.from, index, fraction);
-  const load = at("normal_elastic");
-  const crossed = at("crossed_count");
-  return {
-    relative_overlap: at("overlap_load") / load,
-    share_beyond_hertz: at("load_beyond_hertz") / load,
-    share_below_grid: at("load_below_grid") / load,
-    share_crossed: crossed / (crossed + at("contact_count")),
-  };
+  return Object.fromEntries(Object.entries(facts.validity).map(([name, {of, over}]) =>
+    [name, over.length ? at(of) / over.reduce((sum, each) => sum + at(each), 0) : at(of)]));
+}
+
+/** Whether a value stands where the model is meant for: no share that is drawn is above its limit. */
+function isTrusted(facts, validity) {
+  return Object.entries(facts.validity).every(([name, {limit, isDrawn}]) => !(isDrawn && validity[name] > limit));
 }
 
 // ---- Intervals ------------------------------------------------------------------------------------------------------
 
 /** Normal loads and values (repetition, approach) of a dimension and amplitude, and their leave-one-out means. */
-function jackknife({facts, sums}, d, a, what, mu0, tau0) {
+function jackknife({facts, sums}, d, a, quantity, mu0, tau0) {
   if (!facts.hasIntervals) return null;
-  const [repetitions, count] = [facts.repetitions, facts.approaches.length];
+  const [repetitions, count] = [facts.repetitions, facts.steps.length];
   const size = repetitions * count;
   const from = pairIndex(facts, d, a) * size;
   const normal = combined(sums, OF_NORMAL, from, size, mu0, tau0);
-  const values = combined(sums, what, from, size, mu0, tau0);
+  const values = quantity === "stiffness"
+    ? stiffnessOf(facts, sums, normal, from)
+    : combined(sums, QUANTITIES[quantity], from, size, mu0, tau0);
   let carrying = 0;
   for (let r = 0; r < repetitions; r++)
     if (normal.subarray(r * count, (r + 1) * count).some((load) => load !== 0)) carrying++;
@@ -116,6 +122,27 @@ function jackknife({facts, sums}, d, a, what, mu0, tau0) {
     repetitions, count, confidence: facts.confidence, around: facts.stepsAround, normal, values, meanNormal, meanValues,
     least: values.some((value) => value < 0) ? -Infinity : 0,
   };
+}
+
+/** Normal stiffness of normal loads (repetition, step): along the approach, or that of the half-space, whose steps are
+ * loads, along each pair's own. */
+function stiffnessOf({steps}, {compliance}, normal, from) {
+  const values = new Float64Array(normal.length);
+  for (let r = 0; r < normal.length; r += steps.length)
+    values.set(gradient(normal.subarray(r, r + steps.length), steps), r);
+  return compliance ? values.map((value, i) => value / compliance[from + i]) : values;
+}
+
+/** Derivative of values along steps by the parabola through a point and its neighbours. */
+function gradient(values, steps) {
+  const last = values.length - 1;
+  return values.map((_, i) => {
+    const m = Math.min(Math.max(i, 1), last - 1);
+    const [before, after] = [steps[m] - steps[m - 1], steps[m + 1] - steps[m]];
+    const [left, right] = [(values[m] - values[m - 1]) / before, (values[m + 1] - values[m]) / after];
+    const bend = (right - left) / (before + after);
+    return left + bend * (2 * steps[i] - steps[m] - steps[m - 1]);
+  });
 }
 
 /** Sums over the repetitions of values (repetition, approach). */
@@ -247,53 +274,76 @@ function edges(centres) {
   return [2 * centres[0] - middles[0], ...middles, 2 * centres.at(-1) - middles.at(-1)];
 }
 
-/** Value, status and shares beyond validity over (load, dimension). */
-function frictionMap(result, a, loads, mu0, tau0) {
-  const {dimensions, approaches} = result.facts;
+/** Value, status and whether it is trusted, and sound by every figure of validity, over (load, dimension): of a quantity,
+ * or of the width of the interval of friction. */
+function mapOf(result, quantity, a, loads, mu0, tau0) {
+  const {dimensions, steps} = result.facts;
   const grid = () => loads.map(() => new Array(dimensions.length).fill(null));
-  const map = {value: grid(), status: grid(), share_beyond_hertz: grid(), share_below_grid: grid()};
+  const map = {value: grid(), status: grid(), trusted: grid(), isSound: grid()};
+  const isWidth = quantity === "width";
+  const of = isWidth ? "friction" : quantity;
   dimensions.forEach((_, d) => {
     const curves = meanCurves(result, d, a, mu0, tau0);
+    const values = curves.of(of);
+    const jack = isWidth ? jackknife(result, d, a, of, mu0, tau0) : null;
     loads.forEach((load, l) => {
-      const index = crossing(curves.normal, 0, approaches.length, load);
+      const index = crossing(curves.normal, 0, steps.length, load);
       map.status[l][d] = statusOf(curves, index, load);
       if (index < 0) return;
       const fraction = fractionOf(curves.normal, 0, index, load);
-      map.value[l][d] = valueAt(curves.tangential, 0, index, fraction) / load;
+      const value = valueAt(values, 0, index, fraction);
+      map.value[l][d] = value / (of === "friction" ? load : 1);
+      if (isWidth) {
+        const [lower, upper] = interval(jack, value, load);
+        const width = (upper - lower) / (2 * Math.abs(value));
+        map.value[l][d] = Number.isFinite(width) ? width : null;
+      }
       const validity = validityAt(result, curves, index, fraction);
-      map.share_beyond_hertz[l][d] = validity.share_beyond_hertz;
-      map.share_below_grid[l][d] = validity.share_below_grid;
+      map.trusted[l][d] = isTrusted(result.facts, validity);
+      map.isSound[l][d] = Object.entries(result.facts.validity).every(([name, {limit}]) => !(validity[name] > limit));
     });
   });
   return map;
 }
 
-/** What is known at a load: value, interval, status and validity; of the area, or of the friction coefficient. */
-function readOff(result, curves, values, jack, load, divisor) {
-  const index = crossing(curves.normal, 0, curves.normal.length, load);
-  const status = statusOf(curves, index, load);
-  if (index < 0) return {load, status, value: NaN, lower: NaN, upper: NaN, validity: null};
-  const fraction = fractionOf(curves.normal, 0, index, load);
-  const value = valueAt(values, 0, index, fraction);
-  const [lower, upper] = interval(jack, value, load);
-  return {
-    load, status, value: value / divisor, lower: lower / divisor, upper: upper / divisor,
-    validity: validityAt(result, curves, index, fraction),
-  };
+/** What is known of a quantity at loads: value, interval, status and validity. */
+function readOff(result, quantity, d, a, loads, mu0, tau0) {
+  const curves = meanCurves(result, d, a, mu0, tau0);
+  const values = curves.of(quantity);
+  const jack = jackknife(result, d, a, quantity, mu0, tau0);
+  return loads.map((load) => {
+    const index = crossing(curves.normal, 0, curves.normal.length, load);
+    const status = statusOf(curves, index, load);
+    if (index < 0) return {load, status, value: NaN, lower: NaN, upper: NaN, validity: null, trusted: false};
+    const fraction = fractionOf(curves.normal, 0, index, load);
+    const value = valueAt(values, 0, index, fraction);
+    const [lower, upper] = interval(jack, value, load);
+    const divisor = quantity === "friction" ? load : 1;
+    const validity = validityAt(result, curves, index, fraction);
+    return {
+      load, status, value: value / divisor, lower: lower / divisor, upper: upper / divisor, validity,
+      trusted: isTrusted(result.facts, validity),
+    };
+  });
 }
 
-/** The friction coefficient at loads. */
-function frictionAt(result, d, a, loads, mu0, tau0) {
-  const curves = meanCurves(result, d, a, mu0, tau0);
-  const jack = jackknife(result, d, a, OF_TANGENTIAL, mu0, tau0);
-  return loads.map((load) => readOff(result, curves, curves.tangential, jack, load, load));
+/** A quantity at a load at every dimension. */
+function overDimensions(result, quantity, a, load, mu0, tau0) {
+  return result.facts.dimensions.map((dimension, d) => ({
+    dimension, ...readOff(result, quantity, d, a, [load], mu0, tau0)[0],
+  }));
 }
 
-/** The true contact area at loads, µm². */
-function areaAt(result, d, a, loads, mu0, tau0) {
-  const curves = meanCurves(result, d, a, mu0, tau0);
-  const jack = jackknife(result, d, a, OF_AREA, mu0, tau0);
-  return loads.map((load) => readOff(result, curves, curves.area, jack, load, 1));
+/** Where to begin: the sound cell (d, l) of a map that is nearest to its middle, or the middle. */
+function beginning(map) {
+  const [rows, columns] = [map.value.length, map.value[0].length];
+  let best = [Math.floor(columns / 2), Math.floor(rows / 2)];
+  let least = Infinity;
+  map.isSound.forEach((row, l) => row.forEach((isSound, d) => {
+    const distance = ((l + 0.5) / rows - 0.5) ** 2 + ((d + 0.5) / columns - 0.5) ** 2;
+    if (isSound && distance < least) [best, least] = [[d, l], distance];
+  }));
+  return best;
 }
 
 /** Range of colours: the highest few per cent share one, or friction at the highest D would take them all. */
@@ -305,39 +355,68 @@ function colourRange({colourQuantiles}, maps) {
   return [low, Math.max(Number(highest.toPrecision(2)), Number((1.05 * low).toPrecision(3)))];
 }
 
-/** Outlines, one after the other, of the cells of a status: of each column's runs. */
-function outlines(status, name, x, y) {
-  const xs = [];
-  const ys = [];
-  for (let d = 0; d + 1 < x.length; d++) {
-    for (let l = 0; l < status.length; l++) {
-      if (status[l][d] !== name) continue;
-      const first = l;
-      while (l + 1 < status.length && status[l + 1][d] === name) l++;
-      xs.push(x[d], x[d + 1], x[d + 1], x[d], x[d], null);
-      ys.push(y[first], y[first], y[l + 1], y[l + 1], y[first], null);
-    }
-  }
-  return [xs, ys];
+/** Edges [x, y, x, y] between the cells that are true and those that are false; others have none. */
+function boundary(cells, x, y) {
+  const lines = [];
+  const differ = (one, other) => typeof one === "boolean" && typeof other === "boolean" && one !== other;
+  cells.forEach((row, l) => row.forEach((cell, d) => {
+    if (differ(cell, row[d + 1])) lines.push([x[d + 1], y[l], x[d + 1], y[l + 1]]);
+    if (differ(cell, cells[l + 1]?.[d])) lines.push([x[d], y[l + 1], x[d + 1], y[l + 1]]);
+  }));
+  return lines;
 }
 
-/** Edges between the cells that have a share above a limit and those that have not. */
-function boundary(shares, limit, x, y) {
-  const xs = [];
-  const ys = [];
-  const isKnown = (share) => typeof share === "number";
-  const differ = (one, other) => isKnown(one) && isKnown(other) && one > limit !== other > limit;
-  shares.forEach((row, l) => row.forEach((share, d) => {
-    if (differ(share, row[d + 1])) {
-      xs.push(x[d + 1], x[d + 1], null);
-      ys.push(y[l], y[l + 1], null);
-    }
-    if (differ(share, shares[l + 1]?.[d])) {
-      xs.push(x[d], x[d + 1], null);
-      ys.push(y[l + 1], y[l + 1], null);
-    }
-  }));
-  return [xs, ys];
+/** Round numbers of an axis, with texts; on a logarithmic one also those without. */
+function ticksOf(low, high, isLog, most) {
+  if (!(high > low)) return [{value: low, text: tickText(low)}];
+  if (isLog && high / low > 4) {
+    const first = Math.floor(Math.log10(low));
+    const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 1}, (_, i) => first + i);
+    const named = high / low > 200 ? [1] : high / low > 20 ? [1, 3] : [1, 2, 3, 5];
+    const every = Math.max(1, Math.ceil((decades.length * named.length) / most));
+    return decades.flatMap((decade) => [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => {
+      const value = Number(`${digit}e${decade}`);
+      const isNamed = named.includes(digit) && (decade - first) % every === 0;
+      return {value, text: isNamed ? tickText(value) : ""};
+    })).filter(({value}) => value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9));
+  }
+  const rough = (high - low) / most;
+  const unit = 10 ** Math.floor(Math.log10(rough));
+  const step = unit * [1, 2, 5, 10].find((factor) => factor * unit >= rough * (1 - 1e-9));
+  const start = Math.ceil(low / step - 1e-9);
+  return Array.from({length: Math.floor(high / step + 1e-9) - start + 1}, (_, i) => {
+    const value = Number(((start + i) * step).toPrecision(12));
+    return {value, text: tickText(value)};
+  });
+}
+
+function tickText(value) {
+  const size = Math.abs(value);
+  if (value === 0 || (size >= 1e-3 && size < 1e5)) return String(value).replace("-", "−");
+  const [mantissa, exponent] = value.toExponential().split("e");
+  return `${mantissa === "1" ? "" : `${mantissa.replace("-", "−")} × `}10${superscript(Number(exponent))}`;
+}
+
+// ---- Measured surfaces ---------------------------------------------------------------------------------------------
+
+/** Mean of a sample, without what is not finite, and its interval by Student's t; as `intervals.of_sample`. */
+function ofSample(values, confidence, fewest) {
+  const known = values.filter(Number.isFinite);
+  const count = known.length;
+  const mean = known.reduce((sum, value) => sum + value, 0) / count;
+  if (count < fewest) return [mean, NaN, NaN];
+  const squares = known.reduce((sum, value) => sum + (value - mean) ** 2, 0);
+  const half = studentQuantile(0.5 + confidence / 2, count - 1) * Math.sqrt(squares / (count - 1) / count);
+  const least = known.some((value) => value < 0) ? -Infinity : 0;
+  return [mean, Math.max(mean - half, least), mean + half];
+}
+
+/** The friction coefficient by the slope of the gap alone; as `gentle_friction`. */
+function gentleFriction(mu0, tau0, {gradient, slope, modulus, kappa}, sliding) {
+  const m = mu0 + (kappa * tau0) / (modulus * gradient);
+  const mean = slope / (2 * Math.sqrt(2 * Math.PI));
+  if (sliding === "all") return m;
+  return m * mean < 1 ? (m / 2 + mean) / (1 - m * mean) : NaN;
 }
 
 // ---- Example profiles ----------------------------------------------------------------------------------------------
@@ -349,9 +428,8 @@ function nearest(indices, index) {
 }
 
 /** The contacts drawn of an example, from their packed rows, and how many are left out. */
-function exampleContactsOf({example, shear}, packed, d, a, k) {
-  const {amplitudes, approaches, counts, leftOut} = example;
-  const at = (d * amplitudes.length + a) * approaches.length + k;
+function exampleContactsOf({amplitudes, approaches, counts, leftOut}, packed, e, a, k, shear) {
+  const at = (e * amplitudes.length + a) * approaches.length + k;
   const total = packed.length / 4;
   const first = counts.slice(0, at).reduce((sum, count) => sum + count, 0);
   const contacts = Array.from({length: counts[at]}, (_, i) => {
@@ -361,21 +439,23 @@ function exampleContactsOf({example, shear}, packed, d, a, k) {
   return {contacts, leftOut: leftOut[at]};
 }
 
-/** The example nearest to a dimension, amplitude and approach: x in µm, heights and approach in nm, and contacts. */
-function exampleAt(facts, profiles, contacts, dimension, amplitude, k) {
+/** A pair near to a dimension, amplitude and approach: x in µm, heights and approach in nm, and contacts. The upper body
+ * moves to the right where shear is 1, to the left where it is -1. */
+function exampleAt(facts, profiles, contacts, {pair, dimension, amplitude, step, shear}) {
   const {dimensions, amplitudes, approaches, starts, spacing, points} = facts.example;
   const [d, a] = [nearest(dimensions, dimension), nearest(amplitudes, amplitude)];
-  const approach = 1000 * facts.approaches[approaches[k]];
+  const e = pair * dimensions.length + d;
+  const approach = 1000 * facts.steps[approaches[step]];
   const factor = (1000 * facts.amplitudes[amplitudes[a]]) / facts.amplitudes[amplitudes[0]];
   const body = (side) => {
-    const first = (2 * d + side) * points;
+    const first = (2 * e + side) * points;
     return Array.from(profiles.subarray(first, first + points), (z) => factor * z);
   };
   return {
     dimension: dimensions[d], amplitude: amplitudes[a], approach,
-    x: Array.from({length: points}, (_, i) => starts[d] + i * spacing),
+    x: Array.from({length: points}, (_, i) => starts[e] + i * spacing),
     lower: body(0), upper: body(1).map((z) => z - approach),
-    ...exampleContactsOf(facts, contacts, d, a, k),
+    ...exampleContactsOf(facts.example, contacts, e, a, step, shear),
   };
 }
 
@@ -383,13 +463,17 @@ function exampleAt(facts, profiles, contacts, dimension, amplitude, k) {
 
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
+function superscript(exponent) {
+  const digits = [...String(Math.abs(exponent))].map((digit) => SUPERSCRIPTS[digit]).join("");
+  return (exponent < 0 ? "⁻" : "") + digits;
+}
+
 /** A number for people. */
 function shown(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";
   if (value !== 0 && (Math.abs(value) < 1e-4 || Math.abs(value) >= 1e5)) {
     const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-    const power = [...String(Math.abs(Number(exponent)))].map((digit) => SUPERSCRIPTS[digit]).join("");
-    return `${mantissa.replace("-", "−")} × 10${exponent.startsWith("-") ? "⁻" : ""}${power}`;
+    return `${mantissa.replace("-", "−")} × 10${superscript(Number(exponent))}`;
   }
   return value.toPrecision(digits).replace("-", "−");
 }

@@ -1,5 +1,5 @@
-// How numbers are drawn: every function takes the element it draws in and what it draws, and knows nothing of the state
-// of the page.
+// How numbers are drawn, as SVG: every function takes the element it draws in and what it draws, and knows nothing of the
+// state of the page. Colours are variables of the style sheet, so that dark and print need no drawing anew.
 
 // ---- Elements -------------------------------------------------------------------------------------------------------
 
@@ -11,263 +11,383 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-function svg(width, ...shapes) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  for (const [key, value] of Object.entries({width, height: 16, viewBox: `0 0 ${width} 16`, "aria-hidden": "true"}))
-    made.setAttribute(key, value);
-  for (const [name, attributes] of shapes) {
-    const shape = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) shape.setAttribute(key, value);
-    made.append(shape);
-  }
+function shape(name, attributes = {}, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
   return made;
+}
+
+/** Words of an axis: _F_ is in italics, ~N~ below the line. */
+function rich(words, attributes) {
+  const text = shape("text", attributes);
+  let drop = 0;
+  for (const part of words.split(/(_[^_]+_|~[^~]+~)/).filter(Boolean)) {
+    const isSub = part.startsWith("~");
+    const style = isSub ? {"font-size": "75%"} : part.startsWith("_") ? {"font-style": "italic"} : {};
+    const dy = isSub ? 0.3 : -drop;
+    text.append(shape("tspan", {...style, dy: `${dy * (isSub ? 1 : 0.75)}em`}, part.replaceAll(/^[_~]|[_~]$/g, "")));
+    drop = isSub ? 0.3 : 0;
+  }
+  return text;
+}
+
+const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize);
+
+const path = (points) => points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
+
+/** Runs of points that are all known. */
+function runs(points, isKnown) {
+  const found = [[]];
+  for (const point of points) isKnown(point) ? found.at(-1).push(point) : found.push([]);
+  return found.filter((run) => run.length);
 }
 
 // ---- Axes -----------------------------------------------------------------------------------------------------------
 
-const FONT = {family: getComputedStyle(document.body).fontFamily, size: 13, color: "#1b1f24"};
-const MARGIN = {l: 72, r: 16, t: 8, b: 48};
-const CONFIG = {displayModeBar: false, responsive: true, scrollZoom: false, doubleClick: false};
-const AXIS = {
-  ticks: "outside", ticklen: 5, tickcolor: "#57606a", linecolor: "#57606a", linewidth: 1, mirror: true,
-  showline: true, zeroline: false, gridcolor: "#e6eaee", fixedrange: true, tickangle: 0,
-  exponentformat: "power", minexponent: 4,
-};
-const LOG_AXIS = {...AXIS, type: "log", minor: {ticks: "outside", ticklen: 3, tickcolor: "#8c959f"}};
-
-const titled = (text) => ({text, standoff: 6});
-
-function layout(xaxis, yaxis, more = {}) {
-  return {font: FONT, margin: MARGIN, dragmode: false, showlegend: false, hovermode: "closest",
-    paper_bgcolor: "#ffffff", plot_bgcolor: "#fefefe", xaxis, yaxis, ...more};
+/** Positions of values on an axis {low, high, isLog} between two ends, pixels. */
+function scaleOf({low, high, isLog}, from, to) {
+  const on = isLog ? Math.log : (value) => value;
+  const off = isLog ? Math.exp : (value) => value;
+  const [first, span] = [on(low), on(high) - on(low) || 1];
+  const at = (value) => from + ((on(value) - first) / span) * (to - from);
+  at.value = (position) => off(first + ((position - from) / (to - from)) * span);
+  return at;
 }
 
-/** A logarithmic axis over a range: powers of ten alone where there are several, else 2 and 5 between them. */
-function logAxis(text, low, high) {
-  const ticks = high / low > 300 ? {dtick: 1} : high / low >= DECADE ? {dtick: "D2"} : {};
-  return {...LOG_AXIS, title: titled(text), range: [low, high].map(Math.log10), ...ticks};
+/** Axes {low, high, isLog, title} in an element: what is drawn with the scales x and y into `inside` is clipped. */
+function axes(place, x, y, top = 0) {
+  const unit = rem();
+  const [width, height] = [Math.max(place.clientWidth, 8 * unit), Math.max(place.clientHeight, 8 * unit)];
+  const box = {left: 4.4 * unit, right: width - unit, top: (0.6 + top) * unit, bottom: height - 3.2 * unit};
+  const small = 0.8125 * unit;
+  const picture = shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`, "font-size": small,
+    "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)", "aria-hidden": "true"});
+  const [X, Y] = [scaleOf(x, box.left, box.right), scaleOf(y, box.bottom, box.top)];
+  const frame = {x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top};
+  const lines = shape("g", {style: "stroke: var(--muted)", fill: "none"});
+  const texts = shape("g");
+  for (const {value, text} of ticksOf(x.low, x.high, x.isLog, Math.max(2, Math.floor(frame.width / (3.6 * unit))))) {
+    const at = X(value);
+    lines.append(shape("path", {d: `M${at} ${box.bottom}v${(text ? 0.35 : 0.2) * unit}`}));
+    if (text) texts.append(shape("text", {x: at, y: box.bottom + 1.25 * unit, "text-anchor": "middle"}, text));
+  }
+  for (const {value, text} of ticksOf(y.low, y.high, y.isLog, Math.max(2, Math.floor(frame.height / (2.2 * unit))))) {
+    const at = Y(value);
+    lines.append(shape("path", {d: `M${box.left} ${at}h${-(text ? 0.35 : 0.2) * unit}`}));
+    if (text) texts.append(shape("text", {x: box.left - 0.5 * unit, y: at + 0.3 * small, "text-anchor": "end"}, text));
+  }
+  texts.append(
+    rich(x.title, {x: (box.left + box.right) / 2, y: height - 0.5 * unit, "text-anchor": "middle"}),
+    rich(y.title, {transform: `translate(${unit} ${(box.top + box.bottom) / 2}) rotate(-90)`, "text-anchor": "middle"}),
+  );
+  const clip = `${place.id}-clip`;
+  const inside = shape("g", {"clip-path": `url(#${clip})`});
+  picture.append(
+    shape("defs", {}, shape("clipPath", {id: clip}, shape("rect", frame))),
+    inside, lines, shape("rect", {...frame, style: "fill: none; stroke: var(--muted)"}), texts);
+  place.replaceChildren(picture);
+  return Object.assign(place, {axes: {X, Y, box, frame, picture, inside, unit, small}}).axes;
 }
 
-const loadAxis = (low, high) => logAxis("normal load <i>F</i><sub>N</sub> (mN)", low, high);
+/** What people do on axes: point, leave, pick, drag a rectangle, double-click. Called once; the axes may change. */
+function interactive(place, {point, leave, pick, zoom, all}) {
+  let from = null;
+  let rectangle = null;
+  const at = (event) => {
+    const {left, top} = place.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top];
+  };
+  const isInside = ([x, y]) => {
+    const {box} = place.axes ?? {};
+    return box && x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
+  };
+  const values = ([x, y]) => [place.axes.X.value(x), place.axes.Y.value(y)];
+  place.addEventListener("pointerdown", (event) => {
+    from = isInside(at(event)) && event.isPrimary && event.button === 0 ? at(event) : null;
+  });
+  place.addEventListener("pointermove", (event) => {
+    const here = at(event);
+    if (from && zoom && event.pointerType !== "touch" && Math.hypot(here[0] - from[0], here[1] - from[1]) > 8) {
+      const {box, picture} = place.axes;
+      const [x, y] = [Math.min(Math.max(here[0], box.left), box.right), Math.min(Math.max(here[1], box.top), box.bottom)];
+      rectangle?.remove();
+      rectangle = shape("rect", {x: Math.min(x, from[0]), y: Math.min(y, from[1]), width: Math.abs(x - from[0]),
+        height: Math.abs(y - from[1]), style: "fill: var(--accent); fill-opacity: 0.2; stroke: var(--accent)"});
+      rectangle.to = [x, y];
+      picture.append(rectangle);
+    }
+    else if (isInside(here) && event.pointerType !== "touch") point?.(...values(here));
+    else leave?.();
+  });
+  place.addEventListener("pointerleave", () => leave?.());
+  window.addEventListener("pointerup", (event) => {
+    if (from && rectangle) zoom(values(from), values(rectangle.to));
+    else if (from && event.target instanceof Node && place.contains(event.target)) pick?.(...values(from));
+    rectangle?.remove();
+    from = rectangle = null;
+  });
+  place.addEventListener("dblclick", () => all?.());
+}
+
+// ---- Colours --------------------------------------------------------------------------------------------------------
+
+// Sixteenths of viridis and eighths of cividis, which are in the public domain.
+const VIRIDIS = ["440154", "48186a", "472d7b", "424086", "3b528b", "33638d", "2c728e", "26828e", "21918c", "1fa088",
+  "28ae80", "3fbc73", "5ec962", "84d44b", "addc30", "d8e219", "fde725"];
+const GREYS = ["202428", "f4f5f6"];
+
+/** A colour, [red, green, blue], at a share of a scale. */
+function colourAt(scale, share) {
+  const place = Math.min(Math.max(share, 0), 1) * (scale.length - 1);
+  const [i, part] = [Math.min(Math.floor(place), scale.length - 2), place - Math.min(Math.floor(place), scale.length - 2)];
+  const bytes = (hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
+  const [one, other] = [bytes(scale[i]), bytes(scale[i + 1])];
+  return one.map((byte, k) => Math.round(byte + part * (other[k] - byte)));
+}
+
+const LEVELS = 96;
+const LEVEL_COLOURS = Array.from({length: LEVELS}, (_, i) => `rgb(${colourAt(VIRIDIS, i / (LEVELS - 1))})`);
 
 // ---- The map ---------------------------------------------------------------------------------------------------------
 
-// Fill patterns of the map and of its legend. The first is the map's background, which costs nothing to draw.
-const BACKGROUND = "not-reached";
-const MARKS = {
-  "not-reached": {shape: "/", fgcolor: "#8c959f", bgcolor: "#ffffff"},
-  "below-range": {shape: "\\", fgcolor: "#57606a", bgcolor: "#e6eaee"},
-  "no-contact": {shape: ".", fgcolor: "#57606a", bgcolor: "#ffffff"},
-  "self-locked": {shape: "", fgcolor: "#7a0019", bgcolor: "#7a0019"},
+const HATCHES = {
+  "not-reached": ["var(--paper)", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
+  "below-range": ["var(--line)", "M-2 6L2 10M0 0L8 8M6 -2L10 2"],
+  "no-contact": ["var(--paper)", "M3.9 4h.2"],
+  "self-locked": ["#7a0019", ""],
 };
-const VALIDITY_LINES = {share_beyond_hertz: "solid", share_below_grid: "2px,2px"};
 
-/** Round numbers on the scale of colours, no closer than their labels are long. */
-function colourTicks(ticks, low, high, width) {
-  const place = (tick) => (width * Math.log(tick / low)) / Math.log(high / low);
-  let last = -Infinity;
-  return ticks.filter((tick) => {
-    const isFree = tick >= low * 0.999 && tick <= high * 1.001 && place(tick) - last >= 36;
-    if (isFree) last = place(tick);
-    return isFree;
-  });
+function hatch(name, id) {
+  const [ground, lines] = HATCHES[name];
+  return shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"},
+    shape("rect", {width: 8, height: 8, style: `fill: ${ground}`}),
+    shape("path", {d: lines, "stroke-width": 1.3, "stroke-linecap": "round", style: "stroke: var(--muted); fill: none"}));
 }
 
-function swatch(mark) {
-  const stroke = {stroke: mark.fgcolor, "stroke-width": 1.3};
-  const rising = mark.shape === "/";
-  const slanted = [-8, 0, 8, 16].map((x) => ["path", {d: rising ? `M${x} 16 l16 -16` : `M${x} 0 l16 16`, ...stroke}]);
-  const dots = [4, 12, 20].flatMap((x) => [4, 12].map((y) => ["circle", {cx: x, cy: y, r: 1.3, fill: mark.fgcolor}]));
-  const pattern = {"/": slanted, "\\": slanted, ".": dots, "": []}[mark.shape];
+function swatch(...shapes) {
   const frame = {x: 0.5, y: 0.5, width: 23, height: 15};
-  const outline = {...frame, fill: "none", stroke: "#57606a"};
-  return svg(24, ["rect", {...frame, fill: mark.bgcolor}], ...pattern, ["rect", outline]);
+  return shape("svg", {width: 24, height: 16, "aria-hidden": "true"}, ...shapes.map((each) => each(frame)),
+    shape("rect", {...frame, style: "fill: none; stroke: var(--muted)"}));
 }
 
-const colour = (fill) => svg(24, ["rect", {x: 0.5, y: 0.5, width: 23, height: 15, fill, stroke: "#57606a"}]);
+const ringed = (x, y, size, width = 2.5) => [["var(--paper)", 2 * width + 1], ["var(--ring)", width]].map(([colour, w]) =>
+  shape("circle", {cx: x, cy: y, r: size, "stroke-width": w, style: `fill: none; stroke: ${colour}`}));
 
-function line(dash) {
-  const stroke = {stroke: "#ffffff", "stroke-width": 2, "stroke-dasharray": dash === "solid" ? "none" : "2 2"};
-  return svg(28, ["rect", {width: 28, height: 16, fill: "#3b528b"}], ["path", {d: "M0 8 H28", ...stroke}]);
-}
-
-const ring = () => svg(16, ["circle", {cx: 8, cy: 8, r: 5.5, fill: "none", stroke: "#d1005d", "stroke-width": 2.5}]);
-
-/** The friction coefficient over dimension and load: map of `frictionMap`, ends of the colours, picked [d, l]. */
-function drawMap(place, legendPlace, facts, map, loads, [low, high], picked) {
+/** A quantity over dimension and load: map of `mapOf` between dimensions [first, last], colours between low and high, and
+ * the picked cell [d, l]. Returns the entries of the legend. */
+function drawMap(place, {facts, map, loads, seen: [first, last], colours: [low, high], ticks, picked, title}) {
   const x = edges(facts.dimensions);
   const y = edges(loads.map(Math.log)).map(Math.exp);
-  const ticks = colourTicks(facts.ticks, low, high, place.clientWidth - MARGIN.l - MARGIN.r);
-  const traces = [];
+  const {X, Y, box, frame, inside, picture, unit} = axes(
+    place, {low: x[first], high: x[last + 1], title: `fractal dimension _D_${facts.convention}`},
+    {low: y[0], high: y.at(-1), isLog: true, title: "normal load _F_~N~ (mN)"}, 2.4);
+  const [xs, ys] = [x.map(X), y.map(Y)];
+  const cell = (d, l) =>
+    `M${xs[d].toFixed(1)} ${ys[l].toFixed(1)}V${ys[l + 1].toFixed(1)}H${xs[d + 1].toFixed(1)}V${ys[l].toFixed(1)}z`;
+  const levels = Array.from({length: LEVELS}, () => []);
+  const others = {};
+  const veiled = [];
+  const scale = (LEVELS - 1) / Math.log(high / low);
+  map.value.forEach((row, l) => row.forEach((value, d) => {
+    if (value === null || (map.status[l][d] !== "ok")) {
+      (others[map.status[l][d]] ??= []).push(cell(d, l));
+      return;
+    }
+    const level = value > 0 ? Math.round(Math.log(value / low) * scale) : 0;
+    levels[Math.min(Math.max(level, 0), LEVELS - 1)].push(cell(d, l));
+    if (!map.trusted[l][d]) veiled.push(cell(d, l));
+  }));
   const legend = [];
-  for (const [name, mark] of Object.entries(MARKS)) {
-    const [xs, ys] = outlines(map.status, name, x, y);
-    if (!xs.length) continue;
-    legend.push([swatch(mark), facts.statuses[name].short]);
-    if (name === BACKGROUND) continue;
-    traces.push({
-      type: "scatter", mode: "lines", x: xs, y: ys, fill: "toself", hoverinfo: "skip", line: {width: 0},
-      fillcolor: mark.bgcolor,
-      fillpattern: {shape: mark.shape, fgcolor: mark.fgcolor, bgcolor: mark.bgcolor, size: 7, solidity: 0.2},
-    });
+  levels.forEach((cells, i) => {
+    if (cells.length) inside.append(shape("path", {d: cells.join(""), fill: LEVEL_COLOURS[i], stroke: LEVEL_COLOURS[i],
+      "stroke-width": 0.4}));
+  });
+  for (const [name, cells] of Object.entries(others)) {
+    if (name === "ok") continue; // a value without an interval
+    const id = `${place.id}-${name}`;
+    inside.append(hatch(name, id), shape("path", {d: cells.join(""), fill: `url(#${id})`}));
+    legend.push([swatch(() => hatch(name, `${id}-legend`), (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
+      facts.statuses[name].short]);
   }
+  if (veiled.length) {
+    const veil = {style: "fill: var(--paper); fill-opacity: 0.5"};
+    const lines = boundary(map.trusted, xs, ys).map(([x0, y0, x1, y1]) => `M${x0} ${y0}L${x1} ${y1}`).join("");
+    inside.append(shape("path", {d: veiled.join(""), ...veil}));
+    for (const [colour, width] of [["var(--paper)", 3.5], ["var(--ink)", 1.5]])
+      inside.append(shape("path", {d: lines, "stroke-width": width, style: `fill: none; stroke: ${colour}`}));
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[48]}), (each) => shape("rect", {...each, ...veil})),
+      "veiled: over half of the load beyond Hertz (overlap > radius / 10) or on radii below the grid spacing"]);
+  }
+  inside.append(...ringed((xs[picked[0]] + xs[picked[0] + 1]) / 2, (ys[picked[1]] + ys[picked[1] + 1]) / 2, 0.42 * unit));
+  legend.push([swatch(() => shape("rect"), () => ringed(12, 8, 5)[1]), "picked point"]);
   const values = map.value.flat().filter((value) => value !== null);
-  // Plotly has no pointer for a map without any value, so a row beyond the axis always has some.
-  const beyond = facts.dimensions.map(() => low);
-  const logarithm = (value) => (value === null ? null : Math.log10(Math.max(value, 1e-12)));
-  traces.push({
-    type: "heatmap", x, y: [...y, 2 * y.at(-1)], z: [...map.value, beyond].map((row) => row.map(logarithm)),
-    zmin: Math.log10(low), zmax: Math.log10(high), colorscale: "Viridis", hoverinfo: "none", hoverongaps: true,
-    colorbar: {
-      orientation: "h", yref: "container", y: 1, yanchor: "top", ypad: 0, len: 1, thickness: 14, outlinewidth: 0,
-      ticks: "outside",
-      tickvals: ticks.map(Math.log10), ticktext: ticks.map(String), tickangle: 0,
-    },
-  });
-  for (const [name, dash] of Object.entries(VALIDITY_LINES)) {
-    const {limit, onMap} = facts.validity[name];
-    const [xs, ys] = boundary(map[name], limit, x, y);
-    if (!xs.length) continue;
-    traces.push({
-      type: "scatter", mode: "lines", x: xs, y: ys, hoverinfo: "skip", line: {color: "#ffffff", dash, width: 2},
-    });
-    legend.push([line(dash), onMap]);
-  }
-  const [dimension, load] = [facts.dimensions[picked[0]], loads[picked[1]]];
-  traces.push({ // a ring on a wider one
-    type: "scatter", mode: "markers", x: [dimension, dimension], y: [load, load], hoverinfo: "skip",
-    marker: {symbol: "circle-open", size: 13, color: ["#ffffff", "#d1005d"], line: {width: [5.5, 2.5]}},
-  });
-  legend.push([ring(), "picked point"]);
-  if (values.some((value) => value > high)) legend.push([colour("#fde725"), `${shown(high, 2)} and above`]);
-  if (values.some((value) => value < low)) legend.push([colour("#440154"), `${shown(low, 2)} and below`]);
-  Plotly.react(place, traces, layout(
-    {...AXIS, title: {text: `fractal dimension <i>D</i>${facts.convention}`}, range: [x[0], x.at(-1)]},
-    loadAxis(y[0], y.at(-1)),
-    {margin: {...MARGIN, t: 44}, annotations: [{
-      text: "<i>μ</i><sub>s</sub>", font: {...FONT, size: 15}, showarrow: false,
-      xref: "paper", x: 0, xanchor: "right", xshift: -6, yref: "paper", y: 1, yanchor: "middle", yshift: 37,
-    }]},
-  ), CONFIG);
-  legendPlace.replaceChildren(...legend.map(([picture, text]) => element("li", {}, picture, text)));
+  if (values.some((value) => value > high))
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS.at(-1)})), `${shown(high, 2)} and above`]);
+  if (values.some((value) => value < low))
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[0]})), `${shown(low, 2)} and below`]);
+  picture.append(...colourBar(`${place.id}-scale`, {...frame, y: 0.9 * unit, height: 0.8 * unit}, low, high, ticks, title, unit));
+  return legend;
 }
 
-// ---- Curves against load --------------------------------------------------------------------------------------------
+function colourBar(id, frame, low, high, ticks, title, unit) {
+  const stops = VIRIDIS.map((hex, i) => shape("stop", {offset: i / (VIRIDIS.length - 1), "stop-color": `#${hex}`}));
+  const at = scaleOf({low, high, isLog: true}, frame.x, frame.x + frame.width);
+  let last = -Infinity;
+  const marks = (ticks ?? ticksOf(low, high, true, 8).filter(({text}) => text).map(({value}) => value))
+    .filter((tick) => tick >= low * 0.999 && tick <= high * 1.001)
+    .filter((tick) => at(tick) - last >= 2.6 * unit && (last = at(tick), true));
+  return [
+    shape("linearGradient", {id}, ...stops),
+    shape("rect", {...frame, fill: `url(#${id})`}),
+    ...marks.flatMap((tick) => [
+      shape("path", {d: `M${at(tick)} ${frame.y + frame.height}v${0.25 * unit}`, style: "stroke: var(--muted)"}),
+      shape("text", {x: at(tick), y: frame.y + frame.height + 1.1 * unit, "text-anchor": "middle"}, tickText(tick)),
+    ]),
+    rich(title, {x: frame.x - 0.5 * unit, y: frame.y + 0.7 * unit, "text-anchor": "end"}),
+  ];
+}
 
-const CURVE = "#0b5cad";
+// ---- Curves ---------------------------------------------------------------------------------------------------------
+
 const MOST_BAND = 2.5; // times the highest value, of a band on a linear scale
 const MOST_BAND_LOG = 100; // times the highest or lowest value, on a logarithmic one
-const DECADE = 10; // and at least as much of it, so that a power of ten is among its ticks
+const LEAST_LOG = 10; // of a logarithmic scale, its ends' ratio
 
-/** Points of `frictionAt` or `areaAt` against load, one of them ringed; returns the range that is drawn. */
-function drawCurve(place, facts, points, picked, title, wantsLog) {
-  const ok = points.filter((point) => point.status === "ok");
+/** Range of an axis of values with intervals: a band may be cut off, or a wide one would make a flat line of the rest. */
+function rangeOf(points, isLog) {
+  const ok = points.filter((point) => Number.isFinite(point.value));
   const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
   const values = ok.map((point) => point.value).filter((value) => value > 0);
+  if (!values.length) return [isLog ? 0.1 : 0, 1];
   const [least, most] = [Math.min(...values), Math.max(...values)];
-  const isLog = wantsLog && values.length > 0;
-  let low = 0;
-  let high = 1;
-  // A band may be cut off, or a wide one would make a flat line of all the rest.
-  if (isLog) {
-    low = Math.max(Math.min(...ends) / 1.3, least / MOST_BAND_LOG);
-    high = Math.min(Math.max(...ends) * 1.3, most * MOST_BAND_LOG);
-    const missing = Math.max(1, Math.sqrt((1.01 * DECADE) / (high / low)));
-    [low, high] = [low / missing, high * missing];
-  } else if (values.length) {
-    high = Math.min(1.05 * Math.max(...ends), MOST_BAND * most);
+  if (!isLog) return [0, Math.min(1.05 * Math.max(...ends), MOST_BAND * most)];
+  const low = Math.max(Math.min(...ends) / 1.3, least / MOST_BAND_LOG);
+  const high = Math.min(Math.max(...ends) * 1.3, most * MOST_BAND_LOG);
+  const missing = Math.max(1, Math.sqrt((1.01 * LEAST_LOG) / (high / low)));
+  return [low / missing, high * missing];
+}
+
+/** Series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, one x of them ringed. The
+ * points that are known are marked if there are few. Returns the range of values that is drawn. */
+function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
+  const all = series.flatMap(({points}) => points);
+  const isUsed = isLog && all.some(({value}) => value > 0);
+  const [low, high] = rangeOf([...all, ...levels.map((each) => ({...each, lower: NaN, upper: NaN}))], isUsed);
+  const {X, Y, box, inside, unit, small} = axes(place, x, {low, high, isLog: isUsed, title});
+  const at = ({x: value}, y) => [X(value), Y(Math.min(Math.max(y, low), high))];
+  const isDrawn = ({value}) => Number.isFinite(value) && !(isUsed && value <= 0);
+  for (const {points, colour} of series)
+    for (const run of runs(points, ({lower, value}) => Number.isFinite(lower) && isDrawn({value})))
+      inside.append(shape("path", {
+        d: `${path([...run.map((p) => at(p, p.lower)), ...run.map((p) => at(p, p.upper)).reverse()])}z`,
+        style: `fill: ${colour}; fill-opacity: 0.2`,
+      }));
+  for (const {value, name, colour} of levels) {
+    inside.append(shape("path", {d: path([[box.left, Y(value)], [box.right, Y(value)]]), "stroke-width": 1.5,
+      "stroke-dasharray": "7 4", style: `fill: none; stroke: ${colour}`}),
+    shape("text", {x: box.right - 0.4 * unit, y: Y(value) - 0.3 * unit, "text-anchor": "end"}, name));
   }
-  const axis = isLog ? logAxis(title, low, high) : {...AXIS, title: titled(title), range: [low, high]};
-  const nothing = {
-    text: "no value in this range of loads", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5,
-  };
-  Plotly.react(place, curveTraces(facts, points, picked, low, high), layout(
-    loadAxis(points[0].load, points.at(-1).load), axis, {annotations: ok.length ? [] : [nothing]},
-  ), CONFIG);
+  for (const {points, colour, name} of series) {
+    const stroke = (d, more) => shape("path", {d, "stroke-width": 2.2, style: `fill: none; stroke: ${colour}`, ...more});
+    for (const run of runs(points, isDrawn)) {
+      inside.append(stroke(path(run.map((p) => at(p, p.value))), {"stroke-dasharray": "2 4"}));
+      for (const solid of runs(run, ({trusted}) => trusted)) inside.append(stroke(path(solid.map((p) => at(p, p.value)))));
+      if (points.length <= 30) inside.append(...run.map((p) => at(p, p.value)).map(([cx, cy]) =>
+        shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`})));
+    }
+    const here = points.find((point) => point.x === picked && isDrawn(point));
+    if (here) inside.append(...ringed(...at(here, here.value), 0.35 * unit));
+    const last = points.findLast(isDrawn);
+    if (series.length > 1 && last) inside.append(shape("text", {x: Math.min(at(last, 0)[0], box.right) - 0.4 * unit,
+      y: Math.max(Y(last.value) - 0.5 * unit, box.top + small), "text-anchor": "end",
+      style: `fill: ${colour}; font-weight: 600; paint-order: stroke; stroke: var(--paper); stroke-width: 3px`}, name));
+  }
+  if (!all.some(isDrawn)) inside.append(shape("text", {x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2,
+    "text-anchor": "middle"}, "no value in this range"));
+  place.drawn = {series, low, high, x};
   return [low, high];
 }
 
-function curveTraces(facts, points, picked, low, high) {
-  const x = points.map((point) => point.load);
-  const put = (name) => points.map((point) => (Number.isFinite(point[name]) ? point[name] : null));
-  const band = points.filter((point) => Number.isFinite(point.lower));
-  const trusted = points.map((point) => (isTrusted(facts, point) ? point.value : null));
-  const ends = (point) => (Number.isFinite(point.lower) ? ` [${shown(point.lower)}, ${shown(point.upper)}]` : "");
-  const text = points.map((point) => `${shown(point.value)}${ends(point)}<br>at ${shown(point.load)} mN`);
-  const plain = {type: "scatter", hoverinfo: "skip"};
-  return [
-    {...plain, mode: "lines", line: {width: 0}, fill: "toself", fillcolor: "rgba(11, 92, 173, 0.2)",
-      x: [...band.map((point) => point.load), ...band.map((point) => point.load).reverse()],
-      y: [...band.map((point) => Math.max(point.lower, low)),
-        ...band.map((point) => Math.min(point.upper, high)).reverse()]},
-    {...plain, mode: "lines", x, y: put("value"), line: {color: CURVE, width: 2, dash: "dot"}, hoverinfo: "text", text},
-    {...plain, mode: "lines", x, y: trusted, line: {color: CURVE, width: 2.5}},
-    {...plain, mode: "markers", x: [points[picked].load], y: [points[picked].value],
-      marker: {symbol: "circle-open", size: 12, color: "#d1005d", line: {width: 2.5}}},
-  ];
+/** Words in the upper right corner of axes, in place of those that were there. */
+function note(place, words) {
+  const {picture, box, unit} = place.axes;
+  picture.querySelector(".note")?.remove();
+  if (words) picture.append(shape("text", {class: "note", x: box.right - 0.5 * unit, y: box.top + 1.2 * unit,
+    "text-anchor": "end", style: "paint-order: stroke; stroke: var(--paper); stroke-width: 4px"}, words));
 }
-
-/** Whether a point has a value that Hertz stands for. */
-const isTrusted = (facts, {validity}) => validity?.share_beyond_hertz <= facts.validity.share_beyond_hertz.limit;
 
 // ---- Example profiles ----------------------------------------------------------------------------------------------
 
-const ELASTIC = "#0b5cad";
-const OPPOSING = "#b34700";
-
 /** The bodies and contacts of `exampleAt`; returns how many times heights are drawn larger than lengths. */
-function drawExample(place, facts, {x, lower, upper, approach, contacts}) {
+function drawExample(place, shear, spacing, {x, lower, upper, approach, contacts}) {
   const bottom = Math.min(...lower, ...upper);
   const top = Math.max(...upper) + approach;
   const pad = 0.06 * (top - bottom || 1);
-  const range = [bottom - pad, top + pad];
-  const span = x.at(-1) - x[0] || facts.example.spacing;
-
-  const margin = {...MARGIN, t: 16};
-  const width = place.clientWidth - margin.l - margin.r;
-  const height = place.clientHeight - margin.t - margin.b;
-  const perPixel = [span / width, (range[1] - range[0]) / height]; // µm and nm
+  const {X, Y, box, frame, inside, unit} = axes(place,
+    {low: x[0], high: Math.max(x.at(-1), x[0] + spacing), title: "position _x_ (µm)"},
+    {low: bottom - pad, high: top + pad, title: "height (nm)"});
+  const line = (heights) => path(heights.map((z, i) => [X(x[i]), Y(z)]));
+  for (const [heights, end, colour] of [[lower, box.bottom, "var(--lower)"], [upper, box.top, "var(--upper)"]])
+    inside.append(shape("path", {d: `${line(heights)}V${end}H${box.left}z`, style: `fill: ${colour}; fill-opacity: 0.25`}),
+      shape("path", {d: line(heights), style: `fill: none; stroke: ${colour}`}));
+  const perPixel = [(X.value(box.right) - x[0]) / frame.width, (top - bottom + 2 * pad) / frame.height]; // µm and nm
   const strongest = Math.max(...contacts.map((contact) => contact.force));
-
-  const plain = {type: "scatter", hoverinfo: "skip", mode: "lines"};
-  const flat = (z) => ({...plain, x: [x[0], x.at(-1)], y: [z, z], line: {width: 0}});
-  const traces = [
-    flat(range[0]),
-    {...plain, x, y: lower, line: {color: "#57606a", width: 1.2}, fill: "tonexty", fillcolor: "rgba(87,96,106,0.25)"},
-    flat(range[1]),
-    {...plain, x, y: upper, line: {color: "#5b3b8c", width: 1.2}, fill: "tonexty", fillcolor: "rgba(91,59,140,0.18)"},
-  ];
-  for (const [opposes, color, symbol] of [[false, ELASTIC, "circle"], [true, OPPOSING, "diamond"]]) {
-    const some = contacts.filter((contact) => contact.opposes === opposes);
-    const arrows = {x: [], y: [], size: []};
-    const bases = {x: [], y: [], text: []};
-    for (const {x: cx, z, normal, force} of some) {
-      const length = 14 + 46 * Math.sqrt(force / strongest); // pixels, in the direction that the force has in truth
-      const from = [x[0] + cx, 1000 * z];
-      arrows.x.push(from[0], from[0] + length * normal * perPixel[0], null);
-      arrows.y.push(from[1], from[1] + length * Math.sqrt(1 - normal ** 2) * perPixel[1], null);
-      arrows.size.push(0, 11, 0);
-      bases.x.push(from[0]);
-      bases.y.push(from[1]);
-      bases.text.push(`${shown(force, 3)} mN, slope ${shown((Math.asin(-facts.shear * normal) * 180) / Math.PI, 3)}°`);
-    }
-    traces.push({
-      ...plain, mode: "lines+markers", x: arrows.x, y: arrows.y, line: {color, width: 2},
-      marker: {color, size: arrows.size, opacity: 1, symbol: "arrow", angleref: "previous"},
-    }, {
-      ...plain, mode: "markers", x: bases.x, y: bases.y, hoverinfo: "text", text: bases.text,
-      marker: {color, size: 10, symbol, opacity: 1, line: {color: "#ffffff", width: 1.5}},
-    });
+  for (const {x: cx, z, normal, force, opposes} of contacts) {
+    const length = (0.9 + 2.9 * Math.sqrt(force / strongest)) * unit; // in the direction that the force has in truth
+    const [fromX, fromY] = [X(x[0] + cx), Y(1000 * z)];
+    const [dx, dy] = [normal, -Math.sqrt(1 - normal ** 2)];
+    const [toX, toY] = [fromX + length * dx, fromY + length * dy];
+    const colour = opposes ? "var(--opposing)" : "var(--accent)";
+    const head = [[-0.6 * dx - 0.35 * dy, -0.6 * dy + 0.35 * dx], [-0.6 * dx + 0.35 * dy, -0.6 * dy - 0.35 * dx]]
+      .map(([px, py]) => [toX + unit * px, toY + unit * py]);
+    const r = 0.32 * unit;
+    const words = `${shown(force, 3)} mN, slope ${shown((Math.asin(-shear * normal) * 180) / Math.PI, 3)}°`;
+    inside.append(shape("g", {style: `fill: ${colour}; stroke: ${colour}; stroke-width: 2px`},
+      shape("title", {}, words),
+      shape("path", {d: path([[fromX, fromY], [toX, toY]])}),
+      shape("path", {d: `${path([[toX, toY], ...head])}z`, "stroke-width": 0.5}),
+      opposes
+        ? shape("path", {d: `M${fromX - 1.2 * r} ${fromY}l${1.2 * r} ${-1.2 * r}l${1.2 * r} ${1.2 * r}l${-1.2 * r} ${1.2 * r}z`,
+          style: "stroke: var(--paper)"})
+        : shape("circle", {cx: fromX, cy: fromY, r, style: "stroke: var(--paper)"})));
   }
-  const label = (text, y, yanchor, color) => ({text, xref: "paper", yref: "paper", x: 0.01, y, xanchor: "left", yanchor,
-    showarrow: false, font: {...FONT, color}, bgcolor: "rgba(255, 255, 255, 0.8)"});
-  Plotly.react(place, traces, layout(
-    {...AXIS, title: {text: "position <i>x</i> (µm)"}, range: [x[0], x.at(-1)]},
-    {...AXIS, title: titled("height (nm)"), range},
-    {margin, annotations: [
-      label(`upper body, about to move ${facts.shear > 0 ? "right →" : "left ←"}`, 0.99, "top", "#4a2f75"),
-      label("lower body", 0.01, "bottom", "#3d444d"),
-    ]},
-  ), CONFIG);
+  const label = (words, y, colour) => inside.append(shape("text", {x: box.left + 0.6 * unit, y,
+    style: `fill: ${colour}; paint-order: stroke; stroke: var(--paper); stroke-width: 4px; font-weight: 600`}, words));
+  label(`upper body, about to move ${shear > 0 ? "right →" : "left ←"}`, box.top + 1.2 * unit, "var(--upper)");
+  label("lower body", box.bottom - 0.6 * unit, "var(--lower)");
   return perPixel[0] / (perPixel[1] / 1000);
+}
+
+// ---- Files ----------------------------------------------------------------------------------------------------------
+
+/** A picture of axes as text of SVG that stands by itself, in the colours of paper. */
+function pictureText(place) {
+  const picture = place.querySelector("svg").cloneNode(true);
+  picture.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  picture.querySelector(".note")?.remove();
+  picture.prepend(shape("rect", {width: "100%", height: "100%", fill: "#ffffff"}));
+  const paper = [...document.styleSheets[0].cssRules].find((rule) => rule.selectorText === ":root").style;
+  return new XMLSerializer().serializeToString(picture)
+    .replaceAll(/var\((--\w+)\)/g, (_, name) => paper.getPropertyValue(name).trim());
+}
+
+/** A picture of axes as PNG, so many times as fine as the screen. */
+async function pictureBytes(place, times) {
+  const image = new Image();
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(pictureText(place))}`;
+  await image.decode();
+  const canvas = element("canvas", {width: Math.round(times * image.width), height: Math.round(times * image.height)});
+  canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+  return new Promise((done) => canvas.toBlob(done, "image/png"));
+}
+
+/** A table as CSV; no text of it can be taken for a formula. */
+function csvText(rows) {
+  const field = (value) => {
+    if (typeof value === "number") return Number.isFinite(value) ? String(value) : "";
+    const text = String(value ?? "").replace(/^([=+\-@\t\r])/, "'$1");
+    return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  };
+  return rows.map((row) => row.map(field).join(",")).join("\n") + "\n";
 }

@@ -1,0 +1,59 @@
+"""Which page a result has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from stiction._files import replaced_file
+from stiction.views.report.page import MARK, ReportError
+from stiction.views.report.study import MOST_RESULTS, study_page
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def save_report(
+    dataset: xarray.Dataset | Sequence[xarray.Dataset], path: str | Path, *, names: Sequence[str] = ()
+) -> None:
+    """Write the page of a result; an older report of that name is replaced when the new one is whole.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset, or two of them
+        As for `report_page`.
+    path : path
+    names : sequence of str
+        As for `report_page`.
+
+    Raises
+    ------
+    ReportError
+        As `report_page`, and if the path holds something that is no report or cannot be written.
+    """
+    with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
+        partial.write_bytes(report_page(dataset, names=names).encode("utf-8", "replace"))
+
+
+def report_page(dataset: xarray.Dataset | Sequence[xarray.Dataset], *, names: Sequence[str] = ()) -> str:
+    """The page of a result, or of two studies side by side, as HTML, which needs nothing else.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset, or two of them
+        What `run` returns.
+    names : sequence of str
+        What each is called on the page; a built-in study has its own name otherwise.
+
+    Raises
+    ------
+    ReportError
+        If there are more than two, one is too large for a page or has no repetitions, or one of its numbers is not
+        finite.
+    """
+    datasets: list[xarray.Dataset] = list(dataset) if isinstance(dataset, (list, tuple)) else [cast("Any", dataset)]
+    if not 1 <= len(datasets) <= MOST_RESULTS:
+        raise ReportError(f"a page is of one result or two, got {len(datasets)}")
+    named = [*names, *[""] * len(datasets)][: len(datasets)]
+    return study_page(datasets, named).html()
