@@ -370,10 +370,10 @@ function boundary(cells, x, y) {
 function ticksOf(low, high, isLog, most) {
   if (!(high > low)) return [{value: low, text: tickText(low)}];
   if (isLog && high / low > 4) {
-    const first = Math.floor(Math.log10(low));
-    const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 1}, (_, i) => first + i);
+    const first = Math.ceil(Math.log10(low) - 1e-9); // and the digits of the decade before it
+    const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 2}, (_, i) => first - 1 + i);
     const named = high / low > 200 ? [1] : high / low > 20 ? [1, 3] : [1, 2, 3, 5];
-    const every = Math.max(1, Math.ceil((decades.length * named.length) / most));
+    const every = Math.max(1, Math.ceil((Math.log10(high / low) * named.length) / most));
     return decades.flatMap((decade) => [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => {
       const value = Number(`${digit}e${decade}`);
       const isNamed = named.includes(digit) && (decade - first) % every === 0;
