@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import threading
 import warnings
 from collections.abc import Callable
 from concurrent.futures import Executor
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -270,6 +272,7 @@ def _result(study: Study, directory: Path, executor: Executor, said: Callable[[s
         raise StudyError(f"{named(directory)} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
     stored = store.info(path).finished if path.exists() else 0
+    threading.Thread(target=_import_ahead, daemon=True).start()
     try:
         dataset = run(study, executor=executor, store=path, progress=True)
     except KeyboardInterrupt:
@@ -294,6 +297,13 @@ def _how_to_go_on(path: Path) -> str:
     kept = store.info(path)
     total = kept.study.ensemble.repetitions
     return f"; {kept.finished} of {total} repetitions are finished and kept: the same command goes on from there"
+
+
+def _import_ahead() -> None:
+    """What figures will need, imported while the repetitions are computed; first what the result needs itself."""
+    with contextlib.suppress(ImportError):  # said where it is needed
+        for name in ("xarray", "zarr", "scipy.special", "matplotlib.figure", "matplotlib.backends.backend_agg"):
+            import_module(name)
 
 
 def _draw(dataset: Any, directory: Path, said: Callable[[str], None] = tell) -> None:

@@ -7,7 +7,6 @@ extrapolated.
 
 from __future__ import annotations
 
-import functools
 import operator
 from typing import TYPE_CHECKING, Any
 
@@ -146,6 +145,7 @@ def _map(
     for d, a in np.ndindex(shape[:2]):
         pair = sums.each(operator.itemgetter((d, a)))
         touched = bool(pair.contact_count.any())
+        means = np.array([getattr(pair, name).mean(axis=0) for name in SUMS])
         for m, t in np.ndindex(shape[3:]):
             normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
             match what:
@@ -162,7 +162,8 @@ def _map(
             mean[here], lower[here], upper[here], crossing = _read_off(normal, values, load_values)
             status[here] = _status(touched, _locked(pair, normal), crossing)
             if judged:
-                for name, figure in vars(Validity.of(pair.each(functools.partial(_mean_at, crossing)))).items():
+                there = Sums(**dict(zip(SUMS, crossing.at(means), strict=True)))
+                for name, figure in vars(Validity.of(there)).items():
                     validity[name][here] = np.where(crossing.reached[0], figure, np.nan)
     if what == "friction_coefficient":
         for array in (mean, lower, upper):
@@ -205,11 +206,6 @@ def _sums_of(data: xarray.Dataset, what: str) -> Sums:
             raise ValueError(f"the dataset has no variable {name!r}")
     missing = np.full(data["contact_count"].shape, np.nan)
     return Sums.of({name: data[name].values if name in data else missing for name in SUMS})
-
-
-def _mean_at(crossing: Crossing, values: NDArray[Any]) -> Floats:
-    """Mean over the repetitions where the loads are reached."""
-    return np.asarray(crossing.at(values.mean(axis=0)[None])[0])
 
 
 def _parameters(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:

@@ -235,17 +235,17 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
     A map for each tau0, of more than three the lowest and the two highest; a row for each amplitude. Veiled where the
     model is beyond its validity, pale where the 95 % interval is wide. The curves, of the lowest and the highest tau0
-    with their intervals, are at the highest power of ten that every fractal dimension reaches.
+    with their intervals, are at the highest power of ten that nine of ten fractal dimensions reach.
     """
     from matplotlib.figure import Figure
 
     study = study_of(dataset)
     chosen = _chosen_strengths(len(study.friction.tau0))
     strengths = [study.friction.tau0[index] for index in chosen]
-    maps = friction_map(dataset, reached_loads(dataset), mu0=[mu0], tau0=[float(each) for each in strengths])
-    maps = maps.isel(mu0=0)
     load = _common_load(dataset)
-    curves = friction_map(dataset, [load], mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0, load=0)
+    loads = [*reached_loads(dataset), load]
+    maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0)
+    maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
     amplitudes = dataset["amplitude"].values
     lines = _headlines(dataset, study)
     meanings = _meanings(maps, asperities=study.contact.mechanics == "asperities")
@@ -277,6 +277,8 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
                 ax.text(0.97, 0.96, f"$a$ = {several}", transform=ax.transAxes, ha="right", va="top", fontsize=6)
         ax = axes_at(127, row, 40)
         _friction_curves(ax, curves.isel(amplitude=row), [each.text for each in strengths], mu0)
+        if row == amplitudes.size // 2:
+            ax.set_ylabel(label("friction_coefficient"))
         if row == 0:
             ax.set_title(f"at $F_N$ = {force_text(load)}", pad=2)
         _dimension_axis(ax, dataset, last=row == amplitudes.size - 1, long=True)
@@ -295,9 +297,9 @@ def _chosen_strengths(count: int) -> list[int]:
 
 
 def _common_load(dataset: xarray.Dataset) -> float:
-    """The highest power of ten (mN) that every ensemble reaches, or the highest load if that is below the range."""
-    elastic = dataset["normal_elastic"].mean("repetition").max(step_of(dataset))
-    lowest, common = float(reached_loads(dataset)[0]), float(elastic.where(elastic > 0).min())
+    """The highest power of ten (mN) that nine of ten ensembles reach, or their highest load if that is out of range."""
+    elastic = dataset["normal_elastic"].mean("repetition").max(step_of(dataset)).values
+    lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
     return float(power if power >= lowest else max(common, lowest))
 
@@ -350,7 +352,6 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
             name = rf"$\tau_0$ = {strengths[index]}"
             box = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.5}
             axes.text(dimension[at] + 0.03 * span, height, name, color=colour, fontsize=6, va="bottom", bbox=box)
-    axes.set_ylabel(label("friction_coefficient"))
 
 
 def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: Any, mu0: float) -> None:

@@ -27,6 +27,7 @@ FULL_WIDTH = 170 * MILLIMETRE
 STYLE: dict[Any, Any] = {
     "font.size": 7,
     "axes.titlesize": 7,
+    "axes.titley": 1.0,  # where it is put; finding a free place takes as long as drawing
     "axes.labelsize": 7,
     "xtick.labelsize": 6,
     "ytick.labelsize": 6,
@@ -109,7 +110,7 @@ def spread_out(places: ArrayLike, least: float) -> Floats:
 
 
 def few_ticks(axes: Axes) -> None:
-    """No small ticks on scales of many decades, which take most of the time of drawing, and no label but powers."""
+    """No small ticks on scales of many decades, which take most of the time of drawing, and plain powers of ten."""
     from matplotlib.ticker import LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -118,6 +119,15 @@ def few_ticks(axes: Axes) -> None:
             if high > 1e3 * low:
                 axis.set_major_locator(LogLocator(numticks=8))
                 axis.set_minor_locator(NullLocator())
+                axis.set_major_formatter(_power_of_ten)
+
+
+def _power_of_ten(value: float, _: object) -> str:
+    """As plain text: setting a formula takes longer than the axis."""
+    return "10" + str(round(np.log10(value))).translate(_SUPERSCRIPTS)
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def save_picture(figure: Figure, path: Path) -> None:
