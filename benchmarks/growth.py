@@ -1,14 +1,9 @@
 """How does the cost grow with points, dimensions and approaches, and how much memory does it take?"""
 
-from pathlib import Path
-
-import numpy as np
-from matplotlib.figure import Figure
 from measure import in_units, peak_mebibytes
 from stiction import Study, run
 from stiction.studies.runner import repetition_sums
 
-HERE = Path(__file__).parent
 BASE = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
 
@@ -47,20 +42,6 @@ def rows() -> list[tuple[str, str]]:
         cost({"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}})
         for n in approaches
     ]
-    figure = Figure(figsize=(6.7, 2.3), dpi=200, layout="constrained")
-    axes = figure.subplots(1, 3)
-    for ax, x, y, label, unit in (
-        (axes[0], points, by_points, "points (one dimension)", "U per 150 000 points"),
-        (axes[1], dimensions, by_dimensions, "fractal dimensions", "U per pair"),
-        (axes[2], approaches, by_approaches, "approaches (50 dimensions)", "U per pair"),
-    ):
-        ax.plot(x, y, "o-", ms=3, lw=1)
-        ax.set_xscale("log")
-        ax.set_ylim(0, 1.15 * np.max(y))
-        ax.set_xlabel(label, fontsize=7)
-        ax.set_ylabel(unit, fontsize=7)
-        ax.tick_params(labelsize=6)
-    figure.savefig(HERE.parent / "docs/images/performance.png")
     join = "; ".join
     return [
         ("cost of a single pair by points, U per 150 000 points",

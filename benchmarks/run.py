@@ -18,6 +18,7 @@ def main() -> None:
         lines.append("")
     if len(sys.argv) == 1:
         (HERE.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
+        import_module("chart").draw()
 
 
 if __name__ == "__main__":

@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.mechanics.friction import normal_load, tangential_load
+from stiction.studies.intervals import half_width_of
+from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, dimension_colours, save_picture
 
 DOCS = Path(__file__).parents[1]
 POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
@@ -35,9 +38,33 @@ def measured(detection: str) -> dict[str, np.ndarray]:
     return {name: np.stack(values, axis=1) for name, values in columns.items()}
 
 
+def ratio_of_means(above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Over repetitions, the last axis, and its 95 % interval by the jackknife of its logarithm."""
+    above, below = np.broadcast_arrays(above, below)
+    repetitions = above.shape[-1]
+
+    def without(each: np.ndarray) -> np.ndarray:
+        return (each.sum(axis=-1, keepdims=True) - each) / (repetitions - 1)
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(below.mean(axis=-1) > 0, above.mean(axis=-1) / below.mean(axis=-1), np.nan)
+        left_out = np.log(without(above) / without(below))
+        flat = left_out.reshape(-1, repetitions).T
+        known = np.isfinite(flat).all(axis=0)
+        half = np.full(flat.shape[1], np.nan)
+        half[known] = half_width_of(flat[:, known])
+    half = half.reshape(ratio.shape)
+    return ratio, ratio * np.exp(-half), ratio * np.exp(half)
+
+
 def main() -> None:
+    with mpl.rc_context(STYLE):
+        draw()
+
+
+def draw() -> None:
     results = {detection: measured(detection) for detection in ("cell", "gap-minimum")}
-    figure = Figure(figsize=(6.7, 4.6), dpi=200, layout="constrained")
+    figure = Figure(figsize=(FULL_WIDTH, 115 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [
         "| D | detection | load at 37 500 | 150 000 | 600 000 points (mN) | μ_s at 37 500 | 150 000 | 600 000 "
@@ -45,12 +72,18 @@ def main() -> None:
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for row, (detection, sums) in enumerate(results.items()):
-        load, area, normal, tangential = (sums[name].mean(axis=2) for name in ("load", "area", "normal", "tangential"))
-        friction = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=normal > 0)
-        for d, dimension in enumerate(DIMENSIONS):
-            colour = f"C{d}"
-            for column, values in enumerate((load / load[:, [-1]], area / area[:, [-1]], friction)):
-                axes[row, column].plot(POINTS, values[d], "o-", ms=2.5, lw=1, color=colour, label=f"{dimension:.1f}")
+        load, normal = sums["load"].mean(axis=2), sums["normal"].mean(axis=2)
+        ratios = (
+            ratio_of_means(sums["load"], sums["load"][:, [-1]]),
+            ratio_of_means(sums["area"], sums["area"][:, [-1]]),
+            ratio_of_means(sums["tangential"], sums["normal"]),
+        )
+        friction = ratios[2][0]
+        for d, (dimension, colour) in enumerate(zip(DIMENSIONS, dimension_colours(DIMENSIONS), strict=True)):
+            for column, (values, lower, upper) in enumerate(ratios):
+                ax = axes[row, column]
+                ax.fill_between(POINTS, lower[d], upper[d], color=colour, alpha=0.18, linewidth=0)
+                ax.plot(POINTS, values[d], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}")
             shown = [f"{load[d, k]:.3g}" for k in (0, 2, 4)] + [
                 f"{friction[d, k]:.3f}" if normal[d, k] > 0 else "locked" for k in (0, 2, 4)
             ]
@@ -58,12 +91,10 @@ def main() -> None:
             lines.append(f"| {dimension:.1f} | {detection} | {' | '.join(shown)} | {below} |")
         axes[row, 0].set_ylabel(f"{detection}\n$\\Sigma F n_z$ / that at 600 000 points")
         axes[row, 1].set_ylabel("$A$ / that at 600 000 points")
-        axes[row, 2].set_ylabel(r"$\mu_s$")
+        axes[row, 2].set_ylabel(r"coefficient of static friction $\mu_s$")
     for ax in axes.flat:
         ax.set_xscale("log")
         ax.set_yscale("log")
-        ax.tick_params(labelsize=7)
-        ax.yaxis.label.set_size(7)
         ax.xaxis.set_ticks(POINTS, labels=["37.5", "75", "150", "300", "600"])
         ax.minorticks_off()
     for ax in axes[:, :2].flat:
@@ -76,11 +107,9 @@ def main() -> None:
         ax.set_ylim(0.12, 10)
         ax.yaxis.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     for ax in axes[-1]:
-        ax.set_xlabel("points (thousands)", fontsize=7)
-    figure.legend(
-        *axes[0, 0].get_legend_handles_labels(), title="$D$", loc="outside right center", fontsize=7, frameon=False
-    )
-    figure.savefig(DOCS / "images/grid_dependence.png")
+        ax.set_xlabel("points (thousands)")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), title="$D$\nbands: 95 %", loc="outside right center")
+    save_picture(figure, DOCS / "images/grid_dependence.png")
     (DOCS / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -168,12 +168,12 @@ def profiles_figure(study: Study) -> Figure:
         for ax, end in zip(axes[row], (profile.extent, window), strict=True):
             shown = profile.x <= end
             ax.fill_between(profile.x[shown], profile.heights[shown], profile.heights.min(), color="0.85", linewidth=0)
-            ax.plot(profile.x[shown], profile.heights[shown], color="C0", linewidth=0.4, rasterized=True)
+            ax.plot(profile.x[shown], profile.heights[shown], color="0.2", linewidth=0.4)
             ax.set_xlim(0, end)
         axes[row, 0].set_title(f"$D$ = {dimension:.3g}", loc="left", pad=2)
     for ax in axes[-1]:
         ax.set_xlabel("$x$ (µm)")
-    axes[dimensions.size // 2, 0].set_ylabel("height (µm)")
+    axes[dimensions.size // 2, 0].set_ylabel("height $z$ (µm)")
     return figure
 
 
@@ -196,19 +196,19 @@ def length_scales_figure(study: Study) -> Figure:
             gamma=generator.gamma, convention=generator.convention, band_limit="nyquist",
         )  # fmt: skip
         top, bottom = axes[:, column]
-        top.plot(profile.x, profile.heights - profile.heights.mean(), color="C0", linewidth=0.4, rasterized=True)
+        top.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
         top.set_title(f"$L$ = {scale:.3g} µm")
         top.set_xlim(0, extent)
         heights = surface.heights - surface.heights.mean()
         image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap="cividis")
         bar = figure.colorbar(image, ax=bottom, location="bottom", pad=0.02)
         bar.locator = MaxNLocator(3)
-        bar.set_label("height (µm)")
+        bar.set_label("height $z$ (µm)")
         bottom.set_xlabel("$x$ (µm)")
         bottom.tick_params(axis="x", labelbottom=True)
         if column > 0:
             bottom.tick_params(labelleft=False)
-    axes[0, 0].set_ylabel("height (µm)")
+    axes[0, 0].set_ylabel("height $z$ (µm)")
     axes[1, 0].set_ylabel("$y$ (µm)")
     return figure
 
@@ -412,7 +412,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     colours[..., :3] = (1 - white) * colours[..., :3] + white
     colours[..., 3] = known
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
-    axes.pcolormesh(*edges, colours, rasterized=True)
+    axes.pcolormesh(*edges, colours)
     if min(values.shape) > 1:
         share = np.ma.masked_invalid(share)
         if share.count() and share.min() < SHARE_LIMIT < share.max():

@@ -54,6 +54,8 @@ FRICTION = "#cc79a7"
 """Friction forces."""
 STRENGTHS = ("#444444", "#56b4e9", "#009e73")
 """Adhesive shear strengths, from the lowest to the highest that is drawn."""
+DIRECTIONS = {"+x": "#332288", "-x": "#999933"}
+"""Of the motion along a line (Tol 2021)."""
 LOCKED = "#7a0019"
 """Where contacts lock themselves."""
 FRICTION_MAP = "plasma"

@@ -14,7 +14,7 @@ from stiction.mechanics.contact import contacts
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.views.digits import with_interval
-from stiction.views.style import MILLIMETRE, STYLE, WIDTH, save_picture
+from stiction.views.style import DIRECTIONS, FORCE, FRICTION, MILLIMETRE, STYLE, WIDTH, label, save_picture
 
 if TYPE_CHECKING:
     import xarray
@@ -54,7 +54,6 @@ level contacts carry no friction. What rubs on a flat is mu0 + tau0 A/F_N."""
 HIGHEST_MU0 = 2.0
 """Above it a molecular friction coefficient is a slip: clean metals in vacuum come near."""
 
-_COLOURS = {"+x": "C0", "-x": "C1"}
 _SHOWN = 4.0
 """How many times the highest mean the axis of coefficients reaches at most."""
 
@@ -376,10 +375,10 @@ def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
     from matplotlib.figure import Figure
 
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 88 * MILLIMETRE), layout="constrained")
-        axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.2, 1])
+        figure = Figure(figsize=(WIDTH, 98 * MILLIMETRE), layout="constrained")
+        axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
         some = (mean["ok"] < mean["positions"]) & (mean["ok"] > 0)
-        for shear, colour in _COLOURS.items():
+        for shear, colour in DIRECTIONS.items():
             at = mean.sel(shear=shear)
             for ax, name in zip(axes, ("friction_coefficient", "contact_area"), strict=True):
                 values = at[name].transpose("load", "statistic").values
@@ -401,8 +400,8 @@ def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         if (highest := float(mean["friction_coefficient"].sel(statistic="mean").max())) > 0:
             # An interval of two or three positions may be wider than all that is worth looking at.
             axes[0].set_ylim(top=min(axes[0].get_ylim()[1], _SHOWN * highest))
-        axes[0].set_ylabel(r"friction coefficient $\mu_s$")
-        axes[1].set_ylabel("contact area $A$ (µm²)")
+        axes[0].set_ylabel(label("friction_coefficient"))
+        axes[1].set_ylabel(label("contact_area"))
         axes[1].set_xlabel("normal load $F_N$ on the slider, 1 µm thick (mN)")
         axes[0].set_title(_choices(mean), loc="left", fontsize=6, pad=3)
         figure.legend(*axes[0].get_legend_handles_labels(), title="shaded: 95 %", loc="outside lower center", ncols=2)
@@ -436,7 +435,7 @@ def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) 
         values = at["friction_coefficient"].values
         highest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
         bins = np.linspace(0, 1.05 * max(highest, 1e-3), 13)
-        for shear, colour in _COLOURS.items():
+        for shear, colour in DIRECTIONS.items():
             here = at.sel(shear=shear).transpose(along, ...)
             coefficients = here["friction_coefficient"].values.reshape(here.sizes[along], -1)
             places.plot(
@@ -451,7 +450,8 @@ def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) 
                 ax.axhline(middle[0], color=colour, linewidth=0.6)
             places.plot([], [], "o", color=colour, markersize=3, label=f"upper body to {_sign(shear)}")
         places.set_ylim(bins[0] - 0.02 * bins[-1], bins[-1])
-        places.set_ylabel(rf"$\mu_s$ at $F_N$ = {float(at['load']):.4g} mN")
+        places.set_ylabel(label("friction_coefficient"))
+        places.set_title(f"at $F_N$ = {float(at['load']):.4g} mN", loc="left", pad=3)
         places.set_xlabel("offset of the upper body (µm)" if along == "offset" else "pair of lines")
         if along == "line":
             places.xaxis.set_major_locator(MaxNLocator(5, integer=True))
@@ -502,7 +502,7 @@ def contact_figure(
         figure = Figure(figsize=(WIDTH, 84 * MILLIMETRE), layout="constrained")
         whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
         _bodies(whole, x, *bodies)
-        whole.plot(*touching.centre[:, ::2].T, "o", color="C3", markersize=2, markeredgewidth=0)
+        whole.plot(*touching.centre[:, ::2].T, "o", color=FORCE, markersize=2, markeredgewidth=0)
         whole.set_title(
             f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm"
             + ("" if load is None else f", $F_N$ = {load:.4g} mN"),
@@ -516,20 +516,23 @@ def contact_figure(
             shown = np.abs(x - centre[0]) <= half
             _bodies(large, x[shown], *(body[shown] for body in bodies))
             large.set_xlim(x[shown][0], x[shown][-1])
-            _forces(large, touching, np.abs(touching.centre[:, 0] - centre[0]) <= half, mu0, tau0)
             whole.axvspan(centre[0] - half, centre[0] + half, color="0.5", alpha=0.25, linewidth=0)
             large.set_title("where most of the load is", loc="left", pad=3)
+            arrows = np.abs(touching.centre[:, 0] - centre[0]) <= half
         whole.set_xlim(x[0], x[-1])
         for ax in (whole, large):
             _label_heights(ax)
         whole.set_xlabel("$x$ (µm)")
         large.set_xlabel("$x$ from the start of the upper profile (µm)")
-        figure.legend(
-            *large.get_legend_handles_labels(), title="heights drawn larger than lengths; arrows in true directions",
-            loc="outside lower center", ncols=2,
-        )  # fmt: skip
+        handles = _force_handles()
+        figure.legend(handles=handles, title=_EXAGGERATED, loc="outside lower center", ncols=len(handles))
         figure.draw_without_rendering()
+        if len(touching):
+            _forces(large, touching, arrows, mu0, tau0)
     return figure
+
+
+_EXAGGERATED = "heights drawn larger than lengths; arrows are normal\nand tangent to the surfaces as they are drawn"
 
 
 def _label_heights(axes: Axes) -> None:
@@ -537,8 +540,8 @@ def _label_heights(axes: Axes) -> None:
     low, high = axes.get_ylim()
     fine = high - low < _FINE
     if fine:
-        axes.yaxis.set_major_formatter(lambda value, _: f"{1000 * value:g}")
-    axes.set_ylabel("height (nm)" if fine else "height (µm)")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{1000 * value:g}".replace("-", "\N{MINUS SIGN}"))
+    axes.set_ylabel("height $z$ (nm)" if fine else "height $z$ (µm)")
 
 
 _FINE = 0.5
@@ -548,28 +551,45 @@ _FINE = 0.5
 def _bodies(axes: Axes, x: Any, upper: Any, lower: Any) -> None:
     top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
     margin = 0.05 * (top - bottom)
-    axes.fill_between(x, upper, top + margin, color="C0", alpha=0.25, linewidth=0)
-    axes.fill_between(x, bottom - margin, lower, color="0.55", alpha=0.35, linewidth=0)
-    axes.plot(x, upper, color="C0", linewidth=0.5)
-    axes.plot(x, lower, color="0.3", linewidth=0.5)
+    axes.fill_between(x, upper, top + margin, color="0.82", linewidth=0)
+    axes.fill_between(x, bottom - margin, lower, color="0.45", alpha=0.5, linewidth=0)
+    axes.plot(x, upper, color="0.5", linewidth=0.5)
+    axes.plot(x, lower, color="0.2", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
 
 
+def _force_handles() -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
+    return [
+        Line2D([], [], color=FORCE, marker=r"$\uparrow$", label="elastic force on the upper body", **style),
+        Line2D([], [], color=FRICTION, marker=r"$\leftarrow$", label="friction", **style),
+    ]
+
+
 def _forces(axes: Axes, touching: Any, shown: Any, mu0: float, tau0: float) -> None:
-    """Elastic forces on the upper body and the friction of the opposing contacts, all to one scale."""
-    places, (normals, tangents) = touching.centre[:, ::2], (touching.normal[:, ::2], touching.tangent[:, ::2])  # x, z
-    elastic = touching.force[:, np.newaxis] * normals
-    size = mu0 * touching.force + tau0 * touching.area
-    resisting = np.where(touching.opposing, size, 0.0)[:, np.newaxis] * tangents
-    longest = float(np.hypot(*elastic[shown].T).max())
-    for force, colour, label in (
-        (elastic, "C3", "elastic force on the upper body"),
-        (resisting, "C2", "friction of opposing contacts"),
-    ):
-        drawn = shown & (np.hypot(*force.T) > 0)
-        # In inches on the page, so that an arrow has the direction of its force whatever the axes are stretched by.
+    """Elastic forces on the upper body and the friction of the opposing contacts, all to one scale.
+
+    As the surface is drawn: where heights are drawn larger by a factor, so are the slopes that arrows stand on.
+    """
+    places, normals, tangents = (each[:, ::2] for each in (touching.centre, touching.normal, touching.tangent))  # x, z
+    (right, _), (_, up), (x, z) = axes.transData.transform([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)])
+    larger = (up - z) / (right - x)
+
+    def drawn(vectors: Any, factors: Any) -> Any:
+        bent = vectors * factors
+        return bent / np.hypot(*bent.T)[:, np.newaxis]
+
+    elastic = touching.force[:, np.newaxis] * drawn(normals, (larger, 1.0))
+    size = np.where(touching.opposing, mu0 * touching.force + tau0 * touching.area, 0.0)
+    resisting = size[:, np.newaxis] * drawn(tangents, (1.0, larger))
+    longest = float(touching.force[shown].max())
+    for force, colour in ((elastic, FORCE), (resisting, FRICTION)):
+        there = shown & (np.hypot(*force.T) > 0)
+        # In inches on the page, so that an arrow has the direction that is given whatever the axes are stretched by.
         axes.quiver(
-            *places[drawn].T, *force[drawn].T, color=colour, angles="uv", scale=longest / 0.45,
-            scale_units="inches", width=0.012, units="inches", zorder=3, label=label,
+            *places[there].T, *force[there].T, color=colour, angles="uv", scale=longest / 0.45,
+            scale_units="inches", width=0.012, units="inches", zorder=3,
         )  # fmt: skip
-    axes.plot(*places[shown].T, "o", color="C3", markersize=2.5, markeredgewidth=0, zorder=4, label="contact")
+    axes.plot(*places[shown].T, "o", color=FORCE, markersize=2.5, markeredgewidth=0, zorder=4)

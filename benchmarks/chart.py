@@ -1,0 +1,91 @@
+"""Draws docs/images/performance.png from the table in docs/generated/performance.md: other ways, in times of ours."""
+
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from stiction.views.style import FULL_WIDTH, LEANING, MILLIMETRE, STYLE, save_picture
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+
+BARS = {
+    "Lines: a pair of 150 000 points at 40 approaches": {
+        "NumPy and SciPy": r"straightforward NumPy/SciPy program over a pair.*",
+    },
+    "Lines: 50 profiles of 150 000 points by Eq. 1": {
+        "NumPy, direct sum": r"direct sum in NumPy over the family.*",
+        "FINUFFT and BLAS": r"FINUFFT .* and a BLAS product.*",
+    },
+    "Lines: 8192 points pressed at 40 approaches, theirs at one load": {
+        "tamaas (elastic half-plane)": r"tamaas, one load of a profile.*",
+    },
+    "Areas: 1024 × 1024 pressed at 40 approaches, theirs at one load": {
+        "tamaas (elastic half-space)": r"tamaas, one load at 1024 x 1024.*",
+    },
+    "Half-space: 512 × 512 at one load, equal error": {
+        "tamaas": r"512 x 512, mean pressure 0.03 .*",
+        "aspher": r"512 x 512, mean pressure 0.03 .*",
+    },
+}
+"""Of each task the other ways, and the row of the table that holds how many times our time they take."""
+
+
+def answers(table: str) -> dict[str, str]:
+    rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, flags=re.MULTILINE)
+    return {question.removeprefix("the "): answer for question, answer in rows}
+
+
+def times(answer: str, name: str) -> float | None:
+    """How many times our time: the whole answer, or what stands behind a name in it."""
+    if ";" in answer or " s, " in answer:
+        found = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
+        return float(found[1]) if found else None
+    return float(answer)
+
+
+def measured(table: str) -> dict[str, dict[str, float]]:
+    known = answers(table)
+    result: dict[str, dict[str, float]] = {}
+    for task, ways in BARS.items():
+        for name, pattern in ways.items():
+            answer = next((known[each] for each in known if re.fullmatch(pattern, each)), None)
+            ratio = None if answer is None else times(answer, name)
+            if ratio is not None:
+                result.setdefault(task, {})[name] = ratio
+    return result
+
+
+def draw() -> None:
+    """A group of bars for each task, ours the first of each."""
+    groups = measured((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
+    with mpl.rc_context(STYLE):
+        bars = sum(1 + len(group) for group in groups.values())
+        height = 3.2 * bars + 5.5 * len(groups) + 11
+        figure = Figure(figsize=(FULL_WIDTH, height * MILLIMETRE))
+        axes = figure.add_axes((0.2, 9 / height, 0.75, 1 - 10 / height))
+        place, places, names = 0.0, [], []
+        for task, group in groups.items():
+            axes.text(0.7, place, task, va="center", fontsize=7, fontweight="bold")
+            for name, ratio in {"stiction": 1.0, **group}.items():
+                place -= 1
+                places.append(place)
+                names.append(name)
+                colour = LEANING if name == "stiction" else "0.65"
+                axes.barh(place, ratio - 0.7, left=0.7, color=colour, height=0.75)
+                text = f"{ratio:.2g} ×" if ratio < 100 else f"{ratio:.0f} ×"
+                axes.text(1.1 * ratio, place, text, va="center", fontsize=6)
+            place -= 1.7
+        axes.set_xscale("log")
+        axes.set_xlim(0.7, 3 * max(ratio for group in groups.values() for ratio in group.values()))
+        axes.set_ylim(place + 1.2, 0.9)
+        axes.set_yticks(places, labels=names)
+        axes.tick_params(axis="y", length=0)
+        axes.set_xlabel("time on one thread, in times of stiction's")
+        for side in ("top", "right", "left"):
+            axes.spines[side].set_visible(False)
+        save_picture(figure, DOCS / "images/performance.png")
+
+
+if __name__ == "__main__":
+    draw()
