@@ -31,8 +31,8 @@ def measured(detection: str) -> dict[str, np.ndarray]:
         )
         data = run(study).isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
         columns["load"].append(data["normal_elastic"].values)
-        columns["normal"].append(normal_load(data, MU0, 0.0).values)
-        columns["tangential"].append(tangential_load(data, MU0, 0.0).values)
+        columns["normal"].append(normal_load(data, MU0, 0.0))
+        columns["tangential"].append(tangential_load(data, MU0, 0.0))
         columns["area"].append(data["contact_area"].values)
         columns["below"].append((data["load_below_grid"] / data["normal_elastic"].sum("repetition")).values)
     return {name: np.stack(values, axis=1) for name, values in columns.items()}
