@@ -46,20 +46,21 @@ def test_friction_has_maps_of_three_strengths_and_curves_for_each_amplitude_and_
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
         assert "load not reached" in labels
         assert drawn[0].get_ylabel() == "normal load $F_N$ (mN)"
-        assert drawn[3].get_ylabel() == r"coefficient of static friction $\mu_s$"
+        middle = drawn[4 * (rows // 2) + 3]
+        assert middle.get_ylabel() == r"coefficient of static friction $\mu_s$"
         assert any("fractal dimension" in ax.get_xlabel() for ax in drawn)
         bars = [ax.get_xlabel() for ax in figure.axes if ax.get_label() == "<colorbar>"]
         assert bars == [r"coefficient of static friction $\mu_s$, at $\mu_0$ = 0.4"]
 
 
-def test_friction_curves_are_those_of_the_map_at_a_load_that_all_dimensions_reach(result):
+def test_friction_curves_are_those_of_the_map_at_a_load_that_most_dimensions_reach(result):
     one = result.isel(amplitude=[1])
     figure = friction_figure(one, 0.4)
     curves = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"][3]
     amount, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(amount) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     expected = friction_map(one, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
-    assert (expected["status"] == "ok").all()
+    assert ((expected["status"] == "ok").sum("fractal_dimension") >= 3).all()  # of 4
     dotted = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
     for values, tau0 in zip(dotted, (0, -1), strict=True):
         np.testing.assert_array_equal(values, expected["friction_coefficient"].isel(tau0=tau0).values)
