@@ -55,6 +55,9 @@ VEIL = 0.7
 FADE = (0.3, 1.2, 0.75)
 """Width of an interval, over the value, from which and up to which a cell fades, and to what share of white."""
 
+LINE_HEIGHT = 2.4
+"""Millimetres from one name of a curve to the next."""
+
 MOST_BAND = 2.0
 """Times the highest or lowest value, as far as an axis goes for a band."""
 
@@ -274,7 +277,9 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
                 ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
             _dimension_axis(ax, dataset, last=row == amplitudes.size - 1, long=column == len(strengths) // 2)
             if several:
-                ax.text(0.97, 0.96, f"$a$ = {several}", transform=ax.transAxes, ha="right", va="top", fontsize=6)
+                box = {"facecolor": "white", "linewidth": 0, "pad": 0.8}
+                corner = ax.text(0.96, 0.96, f"$a$ = {several}", transform=ax.transAxes, fontsize=6, bbox=box)
+                corner.set(horizontalalignment="right", verticalalignment="top")
         ax = axes_at(127, row, 40)
         _friction_curves(ax, curves.isel(amplitude=row), [each.text for each in strengths], mu0)
         if row == amplitudes.size // 2:
@@ -497,7 +502,8 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     for row, amplitude in enumerate(amplitudes):
         bottom = below + (amplitudes.size - 1 - row) * (height + between)
         pair = [figure.add_axes((left / 170, bottom / total, 70 / 170, height / total)) for left in (13, 98)]
-        _area_curves(pair, areas.isel(amplitude=row), exact=study.contact.mechanics == "half-space")
+        exact = study.contact.mechanics == "half-space"
+        _area_curves(pair, areas.isel(amplitude=row), exact=exact, apart=LINE_HEIGHT / height)
         for ax in pair:
             if row < amplitudes.size - 1:
                 ax.tick_params(labelbottom=False)
@@ -518,8 +524,8 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool) -> None:
-    """Area, and area over load, of each fractal dimension, which stands where its curve begins."""
+def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart: float) -> None:
+    """Area, and area over load, of each fractal dimension; names where curves begin, this share of an axis apart."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load")
     area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
@@ -546,9 +552,8 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool) -> Non
                 names.append((load[starts[0]], dimensions[curve], colour))
                 places.append(np.log(scale[starts[0]] * area[curve, starts[0]]))
         low, high = np.log(ax.get_ylim())
-        apart = 0.045 * (high - low)
-        spread = spread_out(places, apart)
-        spread += max(0, low + apart - spread.min(initial=high))
+        spread = spread_out(places, apart * (high - low))
+        spread += max(0, low + apart * (high - low) - spread.min(initial=high))
         for (start, dimension, colour), place in zip(names, spread, strict=True):
             text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
             ax.text(start / 1.12, np.exp(place), text, color=colour, fontsize=6, ha="right", va="center")
