@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 from stiction import HalfSpaceCurve, Profile, Surface, half_space
+from stiction.mechanics.half_space import Boundary
 
 MODULUS = 10.0
 SLOPE = 0.1
@@ -44,7 +45,7 @@ def ours(heights: np.ndarray, load: float) -> HalfSpaceCurve:
     return half_space(flat, body, [load], effective_modulus=MODULUS, boundary="periodic", tolerance=TOLERANCE)
 
 
-def of_tamaas(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
+def of_tamaas(tolerance: float, *, free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
     import tamaas
 
     tamaas.initialize(1)
@@ -54,6 +55,9 @@ def of_tamaas(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
         model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
         model.E, model.nu = MODULUS, 0.0
         solver = tamaas.PolonskyKeerRey(model, heights.copy(), tolerance)
+        if free:
+            tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
+            solver.setIntegralOperator("dcfft")
         solver.max_iter = 20_000
         solver.solve(load)
         return np.array(model.traction).reshape(heights.shape)
@@ -107,6 +111,22 @@ def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
             print(*result[-1], flush=True)
     result.append(line())
     return result
+
+
+def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
+    """Prints the largest difference from tamaas' pressures, of the highest one; minutes."""
+    for n in sides:
+        heights = rough((n, n), 4, n // 16)
+        body = Surface(heights, spacing=1 / n)
+        flat = Surface(np.zeros(heights.shape), spacing=1 / n)
+        for free in (False, True):
+            solve = of_tamaas(1e-10, free=free)
+            for pressure in (0.002, 0.03, 0.5):
+                load = pressure * MODULUS * SLOPE
+                boundary: Boundary = "free" if free else "periodic"
+                curve = half_space(flat, body, [load], effective_modulus=MODULUS, boundary=boundary, tolerance=1e-7)
+                ours, theirs = curve.contact(0).pressure, solve(heights, load)
+                print(n, boundary, pressure, f"{np.abs(ours - theirs).max() / theirs.max():.0e}", flush=True)
 
 
 def line(points: int = 131_072) -> tuple[str, str]:

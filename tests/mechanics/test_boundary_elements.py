@@ -1,4 +1,4 @@
-"""What neglecting the interaction of asperities costs: points of docs/boundary_elements.md, and what they stand on."""
+"""What neglecting the interaction of asperities costs: points of docs/half_space.md, and what they stand on."""
 
 import numpy as np
 import pytest

@@ -242,8 +242,9 @@ def test_stiffness_is_the_slope_of_load_over_approach():
     assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("pressed", [0.002, 0.05, 0.5])
-def test_agrees_with_tamaas(pressed):
+def test_agrees_with_tamaas(pressed, boundary):
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n = 64
@@ -252,9 +253,12 @@ def test_agrees_with_tamaas(pressed):
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = MODULUS, 0.0
     solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-14)
+    if boundary == "free":
+        tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
+        solver.setIntegralOperator("dcfft")
     solver.max_iter = 20_000
     solver.solve(load)
-    found = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=1e-9).contact(0).pressure
+    found = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
     # Its measure of error is an energy, so that pressures err by more.
     assert np.abs(found - exact).max() < 2e-5 * exact.max()

@@ -1,0 +1,217 @@
+"""What asperities are worth beside the elastic half-space: writes images/half_space.png and generated/half_space.md.
+
+Takes about a minute of one core.
+"""
+
+import math
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.stats import t as student
+from stiction import (
+    HertzCylinder,
+    Profile,
+    Surface,
+    half_space,
+    press,
+    self_affine,
+    self_affine_surface,
+)
+
+DOCS = Path(__file__).parents[1]
+
+MODULUS = 10.0
+SLOPE = 0.1
+"""Of each body, along the profile or in all directions."""
+MU0 = 0.4
+STRENGTHS = (0.0, 0.02)
+"""tau0 in units of E*."""
+LOADS = (0.002, 0.02, 0.1)
+"""Mean pressure in units of E* h', h' being the rms slope or gradient of the gap."""
+HURST = (0.5, 0.8)
+CASES = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
+"""Kind and longest over shortest wave: pairs."""
+WAVES = {"lines": 4, "surfaces": 2}
+"""Of the longest, in the length."""
+POINTS = {"lines": 16, "surfaces": 8}
+"""In the shortest wave."""
+RULES = ("opposing", "all")
+SEED = 2016
+COLOURS, MARKERS = {8: "#0072B2", 32: "#D55E00", 128: "#009E73"}, {0.5: "o", 0.8: "s"}  # Okabe & Ito
+
+# Columns of what is measured of a pair at a load: area, stiffness, then friction by rule and strength.
+AREA, STIFFNESS, FRICTION = 0, 1, 2
+NAMES = ["area", "stiffness", *(f"{rule}, {strength:g}" for rule, strength in product(RULES, STRENGTHS))]
+
+
+def body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
+    """One of a pair: periodic on a length of one, with the rms slope SLOPE."""
+    n = WAVES[kind] * band * POINTS[kind]
+    common = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
+    common |= {"longest_wavelength": 1 / WAVES[kind], "shortest_wavelength": 1 / (WAVES[kind] * band)}
+    one = (
+        self_affine(SEED, points=n, periodic=True, **common)
+        if kind == "lines"
+        else self_affine_surface(SEED, shape=(n, n), **common)
+    )
+    steps = [
+        np.diff(one.heights, axis=axis, append=np.take(one.heights, [0], axis)) * n for axis in range(one.heights.ndim)
+    ]
+    scale = SLOPE / math.sqrt(sum(float(np.mean(step**2)) for step in steps))
+    return type(one)(one.heights * scale, spacing=one.spacing)
+
+
+def friction(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
+    tangential, normal = (
+        sums[f"{way}_elastic"] + MU0 * sums[f"{way}_frictional"] + strength * MODULUS * sums[f"{way}_adhesive"]
+        for way in ("tangential", "normal")
+    )
+    return tangential / normal
+
+
+def exact(upper, lower, loads: np.ndarray) -> np.ndarray:
+    """(load, column) by the half-space, friction as the mean of both senses along x."""
+    curves = [half_space(upper, lower, loads, boundary="periodic", direction=way) for way in ("+x", "-x")]
+    columns = [curves[0].contact_area, curves[0].stiffness]
+    for rule in RULES:
+        both = [curve.with_sliding(rule) for curve in curves]
+        columns += [
+            np.mean([one.friction_coefficient(mu0=MU0, tau0=strength * MODULUS) for one in both], axis=0)
+            for strength in STRENGTHS
+        ]
+    return np.array(columns).T
+
+
+def asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
+    """The same by asperities, where their elastic load first reaches that of the half-space."""
+    law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
+    approaches = np.geomspace(1e-5, 1.0, 400) * deepest
+    names = [f"{way}_{part}" for way in ("tangential", "normal") for part in ("elastic", "frictional", "adhesive")]
+    columns: list[np.ndarray] = []
+    for rule in RULES:
+        both = [press(upper, lower, approaches, sliding=rule, direction=way, **law) for way in ("+x", "-x")]
+        load = both[0].normal_elastic
+        first = np.array([int(np.argmax(load >= wanted)) for wanted in loads])
+        assert (load[first] >= loads).all(), "a load is not reached"
+        part = (loads - load[first - 1]) / (load[first] - load[first - 1])
+
+        def between(values, first=first, part=part):
+            return values[first - 1] + part * (values[first] - values[first - 1])
+
+        if not columns:
+            columns = [between(both[0].contact_area), between(np.gradient(load, approaches))]
+        for strength in STRENGTHS:
+            each = [friction({name: between(getattr(one, name)) for name in names}, strength) for one in both]
+            columns.append(np.mean(each, axis=0))
+    return np.array(columns).T
+
+
+def measured(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
+    """(load, exact or asperities, column) of a pair."""
+    upper, lower = (body(kind, hurst, band, repetition, side) for side in ("upper", "lower"))
+    slope = SLOPE * math.sqrt(2)
+    loads = np.array(LOADS) * MODULUS * slope  # mN on 1 µm²
+    gap = upper.heights - lower.heights
+    return np.stack([exact(upper, lower, loads), asperities(upper, lower, loads, float(np.ptp(gap)))], axis=1)
+
+
+def interval(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean over axis 0 and half of its 95 % interval, by Student's t."""
+    n = len(values)
+    return values.mean(axis=0), student.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / math.sqrt(n)
+
+
+def ratio(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(load,) asperities over half-space, a geometric mean, and the ends of its interval."""
+    mean, half = interval(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
+    return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
+
+
+def draw(results: dict) -> None:
+    figure = Figure(figsize=(6.7, 7.6), dpi=200, layout="constrained")
+    rows = [
+        (AREA, "true area"),
+        (STIFFNESS, "normal stiffness"),
+        (FRICTION, r"friction, $\tau_0 = 0$" + "\nopposing"),
+        (FRICTION + 1, r"friction, $\tau_0 = 0.02\,E^*$" + "\nopposing"),
+        (FRICTION + 3, r"friction, $\tau_0 = 0.02\,E^*$" + "\nall"),
+    ]
+    axes = figure.subplots(len(rows), 2, sharex=True, sharey="row")
+    for (column, words), pair in zip(rows, axes, strict=True):
+        for kind, ax in zip(WAVES, pair, strict=True):
+            for k, ((of, band), hurst) in enumerate((case, h) for case in CASES if case[0] == kind for h in HURST):
+                mean, low, high = ratio(results[of, band, hurst], column)
+                ax.errorbar(
+                    np.array(LOADS) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9, elinewidth=0.7,
+                    marker=MARKERS[hurst], ms=3, color=COLOURS[band], mfc="white" if hurst == 0.5 else COLOURS[band],
+                )  # fmt: skip
+            ax.axhline(1, color="0.6", lw=0.6, zorder=0)
+            ax.set_xscale("log")
+            ax.xaxis.minorticks_off()
+            ax.tick_params(labelsize=7)
+        pair[0].set_ylabel(words, fontsize=8)
+    for kind, ax in zip(WAVES, axes[0], strict=True):
+        ax.set_title({"lines": "profiles: cylinders", "surfaces": "surfaces: ellipses"}[kind], fontsize=9)
+    axes[1, 0].set_yscale("log")
+    axes[1, 0].yaxis.set_ticks((0.3, 0.5, 1, 2), labels=["0.3", "0.5", "1", "2"])
+    axes[1, 0].yaxis.minorticks_off()
+    for ax in axes[-1]:
+        ax.xaxis.set_ticks(LOADS, labels=[f"{load:g}" for load in LOADS])
+        ax.set_xlabel(r"$\bar p\,/\,E^* h'$", fontsize=8)
+    ax = axes[0, 0]
+    marks = [ax.plot([], [], color=c, label=f"longest / shortest wave {band}")[0] for band, c in COLOURS.items()]
+    for hurst, mark in MARKERS.items():
+        fill = "white" if hurst == 0.5 else "0.3"
+        marks += ax.plot([], [], ls="", marker=mark, color="0.3", mfc=fill, ms=3, label=f"$H$ = {hurst:g}")
+    figure.legend(handles=marks, loc="outside lower center", ncols=3, fontsize=7.5, frameon=False)
+    figure.supylabel("asperities / half-space", fontsize=9)
+    figure.savefig(DOCS / "images/half_space.png")
+
+
+def tables(results: dict) -> str:
+    def written(values: np.ndarray, column: int, load: int) -> str:
+        mean, low, high = (each[load] for each in ratio(values, column))
+        return f"{mean:.2f} ({low:.2f} to {high:.2f})"
+
+    def both(values: np.ndarray, column: int, load: int) -> str:
+        mean, half = interval(values[:, load, :, column])
+        return f"{mean[1]:.3f} ± {half[1]:.3f}, {mean[0]:.3f} ± {half[0]:.3f}"
+
+    head = "| | longest / shortest wave | H | p̄ / (E* h') |"
+    first = [f"{head} contact fraction | area | stiffness |", "|---|---|---|---|---|---|---|"]
+    second = [
+        f"{head} opposing, τ0 = 0 | opposing, τ0 = 2 % of E* | all, τ0 = 0 | all, τ0 = 2 % of E* |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for (kind, band, hurst), values in results.items():
+        for load, pressure in enumerate(LOADS):
+            start = f"| {kind} | {band} | {hurst:g} | {pressure:g} |"
+            share = values[:, load, 0, AREA].mean()
+            first.append(f"{start} {share:.3f} | {written(values, AREA, load)} | {written(values, STIFFNESS, load)} |")
+            second.append(f"{start} {' | '.join(both(values, FRICTION + k, load) for k in range(4))} |")
+    return "\n".join(
+        [
+            "Asperities over half-space at equal elastic load, geometric means over pairs with 95 % intervals.\n",
+            *first,
+            f"\nFriction at μ0 = {MU0:g}: asperities, half-space; means over pairs ± half of their 95 % intervals.\n",
+            *second,
+            "",
+        ]
+    )
+
+
+def main(workers: int = 1) -> None:
+    keys = [(kind, band, hurst) for (kind, band), hurst in product(CASES, HURST)]
+    with ProcessPoolExecutor(workers) as pool:
+        jobs = {key: [pool.submit(measured, *key, k) for k in range(CASES[key[:2]])] for key in keys}
+        results = {key: np.array([job.result() for job in each]) for key, each in jobs.items()}
+    draw(results)
+    (DOCS / "generated/half_space.md").write_text(tables(results), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
