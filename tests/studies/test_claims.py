@@ -196,6 +196,62 @@ def test_every_part_has_its_worlds():
     assert list(WORLDS) == [part.name for part in PARTS]
 
 
+def test_bands_hold_the_extreme_that_resampled_extremes_miss():
+    # Nothing changes with D, but each D has its own noise: the least ratio of an ensemble falls with the noise.
+    noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
+    result = made_up(**friction(lambda d, a, f: 0.2 * noise))
+    found = {}
+    for ruling in ("percentiles", "bands"):
+        (found[ruling],) = (each for each in judge(result, ruling=ruling) if each.part.name == "6")
+    bands, percentiles = found["bands"], found["percentiles"]
+    assert bands.lower < bands.value < bands.upper
+    assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
+
+
+def test_columns_are_judged_by_their_sliding_rule_and_mechanics():
+    assert {column.of(2000).contact.mechanics for column in claims.COLUMNS.values()} == {"asperities", "half-space"}
+    column = claims.COLUMNS["half-spaces"]
+    study = column.of(100)
+    assert study.ensemble.repetitions == claims.FEWEST_REPETITIONS
+    assert study.surfaces == claims.COLUMNS["half-spaces, all rub"].of(100).surfaces
+    result = empty_dataset(study)
+    load = study.contact.steps()
+    for name, values in {
+        "normal_elastic": load,
+        "contact_area": load**0.9,
+        "approach": load ** (2 / 3),
+        "normal_frictional": -0.1 * load,
+    }.items():
+        result[name].values[...] = values
+    for rule, share in (("opposing", 0.2), ("all", 0.4)):
+        result["tangential_elastic"].loc[{"sliding": rule}] = share * load
+    for rule, share in (("opposing", 0.2), ("all", 0.4)):
+        found = {each.part.name: each for each in judge(result, sliding=rule, ruling="bands")}
+        # F_N at mu0 = 0.4 is 0.96 of the load.
+        assert found["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
+        assert found["1b"].value == pytest.approx(0.9, rel=1e-9)
+        # Stiffness at equal F_N: F_N = c L and L = δ^1.5, so dF_N/dδ goes as c^(2/3), but for interpolation.
+        assert found["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
+    with pytest.raises(ValueError, match="sliding"):
+        judge(made_up(), sliding="all")
+
+
+def test_a_range_that_a_study_has_one_dimension_in_is_not_put():
+    result = made_up().sel(fractal_dimension=slice(1.0, 1.501))
+    found = {outcome.part.name: outcome.verdict for outcome in judge(result)}
+    assert {name for name, verdict in found.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
+    # Friction that falls up to the last D has no minimum there.
+    result = made_up(**adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
+    assert {each.part.name: each.verdict for each in judge(result)}["4c"] == "undefined"
+
+
+def test_bands_are_for_dimensions_at_which_profiles_do_not_lock():
+    (outcome,) = (each for each in judge(made_up(), ruling="bands") if each.part.name == "3b")
+    assert outcome.verdict == "undefined"  # one D is left from 1.6 on
+    with pytest.raises(ValueError, match="ruling"):
+        judge(made_up(), ruling="means")
+
+
 def test_a_number_over_less_than_half_of_its_range_is_none():
     # Friction locks where the normal load is negative: at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
@@ -209,7 +265,7 @@ def test_claims_need_enough_to_be_judged_on():
     for change, match in (
         ({"ensemble.repetitions": 19}, "20 ensemble.repetitions"),
         ({"contact.approach": ["1 nm", "2 nm"]}, "3 values of contact.approach"),
-        ({"surfaces.amplitude": ["0.1 um"]}, "amplitude of 0.05 µm"),
+        ({"surfaces.amplitude": ["0.1 um"]}, "amplitudes of 0.05"),
     ):
         with pytest.raises(ValueError, match=match):
             claims.check(SMALL.with_changes(change))

@@ -79,7 +79,25 @@ def claims_command(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
         "claims"
     ),
+    repetitions: Annotated[
+        int | None,
+        typer.Option(
+            "--repetitions",
+            metavar="N",
+            min=20,
+            help="Judge on so many as well.",
+            show_default="100, the paper's",
+        ),
+    ] = None,
+    columns: Annotated[
+        bool,
+        typer.Option(
+            "--columns", help="Judge areas, half-planes and half-spaces too, on a share of the repetitions each."
+        ),
+    ] = False,
     workers: Workers = None,
+    cluster: Cluster = None,
+    scheduler: Scheduler = None,
     changes: Changes = None,
     as_json: Json = False,
 ) -> None:
@@ -91,22 +109,38 @@ def claims_command(
     said = say if as_json else tell
     for name in claims.VARIANTS:
         claims.check(claims.variant_study(name).with_changes(replaced))
-    others = {}
-    with _executor(workers, None, None) as executor:
+    others, beside = {}, {}
+    with _executor(workers, cluster, scheduler) as executor:
         for name in PAPERS_FIGURES:
             dataset = _result(Study.named(name).with_changes(replaced), output / name, executor, said)
             _draw(dataset, output / name, said)
             if Study.named(name) == claims.claims_study():
-                outcomes = claims.judge(dataset)
+                result, outcomes = dataset, claims.judge(dataset)
         for name in claims.VARIANTS:
             study = claims.variant_study(name).with_changes(replaced)
             dataset = _result(study, output / "variants" / name, executor, said)
             others[name] = claims.judge(dataset)
             if name == "default":
                 others["amplitude 0.05 µm"] = claims.judge(dataset, amplitude=claims.FLATTER)
+        most = result.sizes["repetition"]
+        beside[f"lines, {most} repetitions"] = outcomes
+        if repetitions is not None:
+            most = repetitions
+            study = claims.claims_study().with_changes({**replaced, "ensemble.repetitions": most})
+            result = _result(study, output / "columns/lines", executor)
+            beside[f"lines, {most} repetitions"] = claims.judge(result)
+        beside["the same by bands"] = claims.judge(result, ruling="bands")
+        del result
+        for name, column in claims.COLUMNS.items() if columns else ():
+            study = column.of(most)
+            dataset = _result(study, output / "columns" / column.place, executor)
+            beside[f"{name}, {study.ensemble.repetitions}"] = claims.judge(
+                dataset, sliding=column.sliding, ruling="bands"
+            )
     for file, text in (
         ("claims.md", tables.claims_markdown(outcomes)),
         ("variants.md", tables.variants_markdown(others)),
+        ("columns.md", tables.columns_markdown(beside)),
     ):
         (output / file).write_text(text, encoding="utf-8")
         said(f"wrote {output / file}")

@@ -8,6 +8,11 @@ false if one of them is, and undecided otherwise. The numbers and ranges were wr
 Intervals are percentiles over resampled ensembles (bootstrap over the repetitions). A fractal dimension at which a
 quantity has no value, or has none in more than one of forty resampled ensembles, because friction locks itself or the
 load is not reached, is left out of the number, and the outcome says so.
+
+That rule is at fault in two ways. The largest of many noisy values grows with the noise, so that its interval may
+exclude the value itself; and above D = 1.65 a few pairs that all but lock themselves carry a mean. So beside it stands
+another (`Ruling` "bands"): the interval of an extreme over D is that of bands which hold all its values at once, and
+D is at most 1.65 where asperities on profiles touch.
 """
 
 from __future__ import annotations
@@ -20,9 +25,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stiction._checks import Floats, number
+from stiction._checks import Floats, choice, number
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import SUMS
+from stiction.mechanics.model import Sliding
 from stiction.studies.crossing import Crossing
 from stiction.studies.study import Study, study_of
 
@@ -31,6 +36,11 @@ if TYPE_CHECKING:
 
 _Quantity = Literal["friction", "area", "stiffness"]
 Verdict = Literal["true", "false", "undecided", "undefined"]
+Ruling = Literal["percentiles", "bands"]
+"""How the interval of an extreme over D is found: from the extremes of resampled ensembles, or from bands."""
+
+HIGHEST = 1.65
+"""Fractal dimension up to which bands are for profiles that touch at asperities."""
 
 RESAMPLES = 400
 FEWEST_REPETITIONS = 20
@@ -61,23 +71,86 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 """Choices that the paper leaves open, each as a change of the default ones."""
 
 
+@dataclass(frozen=True)
+class Column:
+    """Other bodies or mechanics that the claims are judged on: a built-in study with changes, and a sliding rule.
+
+    Attributes
+    ----------
+    study : str
+    changes : mapping
+        Of keys of the study.
+    sliding : {"opposing", "all"}
+    share : int
+        One repetition for so many of those on profiles that touch at asperities: what is affordable.
+    place : str
+        Directory of the result; columns that differ in the sliding rule alone have one.
+    """
+
+    study: str
+    changes: Mapping[str, Any]
+    sliding: Sliding
+    share: int
+    place: str
+
+    def of(self, repetitions: int) -> Study:
+        """The study, with its share of the repetitions."""
+        fewer = max(FEWEST_REPETITIONS, repetitions // self.share)
+        return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": fewer})
+
+
+_AMPLITUDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
+_AREAS = {**_AMPLITUDES, "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15}}
+_HALF_PLANES = {
+    "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 6},
+    "surfaces.points": 65_536,
+    "contact.load": {"start": "0.01 mN", "stop": "1 mN", "count": 5, "spacing": "geometric"},
+}
+_HALF_SPACES = {
+    **_AMPLITUDES,
+    "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 8},
+    "surfaces.shape": [256, 256],
+    "contact.mechanics": "half-space",
+    "contact.load": {"start": "0.1 mN", "stop": "3 mN", "count": 5, "spacing": "geometric"},
+}
+_GAP_MINIMA = {"contact.detection": "gap-minimum"}
+_ALL_RUB = {**_GAP_MINIMA, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
+
+COLUMNS: Mapping[str, Column] = {
+    "lines, asperities, gap minima": Column("figure7", _GAP_MINIMA, "opposing", 20, "gap-minima"),
+    "the same, all rub": Column("figure7", _ALL_RUB, "all", 20, "all-rub"),
+    "areas, asperities": Column("figure6-areal", _AREAS, "opposing", 80, "areas"),
+    "areas, asperities, all rub": Column("figure6-areal", _AREAS, "all", 80, "areas"),
+    "half-planes": Column("figure6-half-plane", _HALF_PLANES, "opposing", 100, "half-planes"),
+    "half-planes, all rub": Column("figure6-half-plane", _HALF_PLANES, "all", 100, "half-planes"),
+    "half-spaces": Column("figure6-areal", _HALF_SPACES, "opposing", 66, "half-spaces"),
+    "half-spaces, all rub": Column("figure6-areal", _HALF_SPACES, "all", 66, "half-spaces"),
+}
+"""By name."""
+
+
 class ClaimsError(ValueError):
     """A study that claims cannot be judged on."""
 
 
 def check(study: Study) -> None:
     """Raise a `ClaimsError`, before anything is computed, if claims cannot be judged on a study's result."""
-    if study.surfaces.kind != "profile" or study.contact.mechanics != "asperities" or study.motions():
-        raise ClaimsError("claims are judged on profiles that touch at asperities, by one sliding rule")
+    if "direction" in study.motions():
+        raise ClaimsError("claims are judged on motion in one direction, and contact.direction is a list")
     if study.ensemble.repetitions < FEWEST_REPETITIONS:
         raise ClaimsError(
             f"claims need at least {FEWEST_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"
         )
-    if study.contact.approaches().size < 3:
-        raise ClaimsError(f"claims need at least 3 values of contact.approach, got {study.contact.approaches().size}")
-    for amplitude in (FLATTER, STEEPER):
-        if not np.isclose(study.surfaces.amplitudes(), amplitude, rtol=1e-9).any():
-            raise ClaimsError(f"claims need an amplitude of {amplitude:g} µm among surfaces.amplitude")
+    steps = study.contact.steps()
+    if steps.size < 3:
+        raise ClaimsError(f"claims need at least 3 values of contact.{study.contact.step}, got {steps.size}")
+    if study.contact.mechanics == "asperities" and not _has_amplitudes(study.surfaces.amplitudes()):
+        raise ClaimsError(f"claims need amplitudes of {FLATTER:g} and {STEEPER:g} µm among surfaces.amplitude")
+
+
+def _has_amplitudes(amplitudes: Floats) -> bool:
+    """Whether those are there that a claim is about."""
+    return all(bool(np.isclose(amplitudes, each, rtol=1e-9).any()) for each in (FLATTER, STEEPER))
 
 
 def claims_study() -> Study:
@@ -90,6 +163,26 @@ def variant_study(name: str) -> Study:
     return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
 
 
+_SUMS = (
+    "contact_area",
+    *(f"{way}_{part}" for way in ("normal", "tangential") for part in ("elastic", "frictional", "adhesive")),
+)
+"""What the claims are about, which asperities and the half-space both have."""
+
+
+@dataclass(frozen=True)
+class _Means:
+    """Means of the sums."""
+
+    contact_area: Floats
+    normal_elastic: Floats
+    tangential_elastic: Floats
+    normal_frictional: Floats
+    tangential_frictional: Floats
+    normal_adhesive: Floats
+    tangential_adhesive: Floats
+
+
 # ---- Resampled ensembles --------------------------------------------------------------------------------------------
 
 
@@ -99,15 +192,32 @@ class Resampled:
     The first resample is the ensemble itself.
     """
 
-    def __init__(self, dataset: xarray.Dataset, amplitude: float) -> None:
-        data = dataset.transpose("repetition", "fractal_dimension", "amplitude", "approach", ...)
+    def __init__(
+        self,
+        dataset: xarray.Dataset,
+        amplitude: float,
+        *,
+        sliding: Sliding | None = None,
+        ruling: Ruling = "percentiles",
+    ) -> None:
+        study = study_of(dataset)
+        self._step = study.contact.step
+        rules = study.contact.rules()
+        if (sliding or rules[0]) not in rules:
+            raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
+        data = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
+        if ruling == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+            data = data.sel(fractal_dimension=data["fractal_dimension"] <= HIGHEST)
+        self.ruling = ruling
         repetitions = data.sizes["repetition"]
-        random = np.random.default_rng(study_of(dataset).ensemble.seed)
+        random = np.random.default_rng(study.ensemble.seed)
         drawn = random.multinomial(repetitions, np.full(repetitions, 1 / repetitions), RESAMPLES)
         weights = np.vstack([np.ones(repetitions), drawn]) / repetitions
-        self._means = {name: np.tensordot(weights, data[name].values, axes=1) for name in SUMS}
+        dims = ("repetition", "fractal_dimension", "amplitude", self._step)
+        names = (*_SUMS, "approach") if self._step == "load" else _SUMS
+        self._means = {name: np.tensordot(weights, data[name].transpose(*dims).values, axes=1) for name in names}
         self.dimensions = data["fractal_dimension"].values
-        self.approaches = data["approach"].values
+        self._steps = data[self._step].values
         self._amplitudes = data["amplitude"].values
         self.amplitude = amplitude
         self.left_out: set[float] = set()
@@ -129,18 +239,25 @@ class Resampled:
             raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
         return np.asarray(self._means[name][:, :, at])
 
-    def middle_of_all_amplitudes(self) -> Floats:
-        """(D,) loads in the middle, in ratio, of those that all amplitudes reach at a fractal dimension."""
+    def middle_of_all_amplitudes(self) -> Floats | None:
+        """(D,) loads in the middle, in ratio, of those that all amplitudes reach at a fractal dimension.
+
+        None where the result lacks the amplitudes that a claim is about.
+        """
+        if not _has_amplitudes(self._amplitudes):
+            return None
         return _between(*self._reached(self._amplitudes), 0.5)
 
     def usable(self, values: Floats, where: Any) -> Any:
         """Which fractal dimensions of some have a value (resample, D); the others are noted as left out.
 
-        None, if that is less than half of them: a number of the rest would not be what it is called.
+        None, if that is less than half of them, or if the result has but one in the range: a number of the rest would
+        not be what it is called.
         """
         usable = where & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
         self.left_out.update(float(dimension) for dimension in self.dimensions[where & ~usable])
-        return usable if 2 * usable.sum() >= where.sum() else np.zeros_like(usable)
+        enough = where.sum() > 1 and 2 * usable.sum() >= where.sum()
+        return usable if enough else np.zeros_like(usable)
 
     def at(
         self,
@@ -152,7 +269,7 @@ class Resampled:
         amplitude: float | None = None,
     ) -> Floats:
         """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
-        pair = friction.Sums(**{name: self.sums(name, amplitude or self.amplitude) for name in SUMS})
+        pair = _Means(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
         normal = friction.normal_load(pair, mu0, tau0)
         match what:
             case "friction":
@@ -160,7 +277,10 @@ class Resampled:
             case "area":
                 values = pair.contact_area
             case "stiffness":
-                values = np.gradient(normal, self.approaches, axis=-1, edge_order=2)
+                values = np.gradient(normal, self._steps, axis=-1, edge_order=2)
+                if self._step == "load":  # by the half-space, whose approaches follow from the loads
+                    approach = self.sums("approach", amplitude or self.amplitude)
+                    values = values / np.gradient(approach, self._steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
         result = np.full(normal.shape[:2], np.nan)
         for d in np.flatnonzero(np.isfinite(loads)):
@@ -181,7 +301,17 @@ def _between(lowest: Any, highest: Any, part: float) -> Floats:
 
 # ---- Parts ----------------------------------------------------------------------------------------------------------
 
-_Measure = Callable[[Resampled], Floats]
+
+@dataclass(frozen=True)
+class _Band:
+    """A number, and its interval from bands."""
+
+    value: float
+    lower: float
+    upper: float
+
+
+_Measure = Callable[[Resampled], "Floats | _Band"]
 
 
 @dataclass(frozen=True)
@@ -228,10 +358,14 @@ class Outcome:
         with np.errstate(divide="ignore", invalid="ignore"):
             values = part.measure(resampled)
         left_out = tuple(sorted(resampled.left_out))
-        value, others = float(values[0]), values[1:]
+        if isinstance(values, _Band):
+            value, lower, upper = values.value, values.lower, values.upper
+        else:
+            value, lower, upper = float(values[0]), math.nan, math.nan
+            if math.isfinite(value):
+                lower, upper = (float(end) for end in np.nanquantile(values[1:], [0.025, 0.975]))
         if not math.isfinite(value):
             return cls(part, math.nan, math.nan, math.nan, "undefined", left_out)
-        lower, upper = (float(end) for end in np.nanquantile(others, [0.025, 0.975]))
         inside = part.least < lower and upper < part.most
         outside = upper < part.least or lower > part.most
         return cls(part, value, lower, upper, "true" if inside else "false" if outside else "undecided", left_out)
@@ -243,11 +377,20 @@ def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
     return np.asarray(np.nansum(kept, axis=1) / np.isfinite(kept).sum(axis=1))
 
 
-def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats:
+def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | _Band:
     """The largest (fmax) or smallest (fmin) of several quantities over the D at which all have one."""
     usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL))
     kept = np.concatenate([values[:, usable] for values in arrays], axis=1)
-    return np.asarray(pick.reduce(kept, axis=1, initial=np.nan))
+    if r.ruling == "percentiles" or not kept.size:
+        return np.asarray(pick.reduce(kept, axis=1, initial=np.nan))
+    # In 95 of 100 ensembles no value is further off than so many of its standard deviations.
+    spread = np.nanstd(kept[1:], axis=0)
+    known = spread > 0
+    off = np.abs(kept[1:, known] - kept[0, known]) / spread[known]
+    reach = float(np.quantile(np.fmax.reduce(off, axis=1, initial=0.0), 0.95)) * spread
+    least = 0.0 if (kept[0] >= 0).all() else -math.inf
+    ends = [float(pick.reduce(kept[0] + side * reach)) for side in (-1, 1)]
+    return _Band(float(pick.reduce(kept[0])), max(ends[0], least), ends[1])
 
 
 def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
@@ -262,9 +405,10 @@ def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
 # Ranges of fractal dimensions.
 _LOW, _MIDDLE, _UPPER, _HIGH = (1.0, 1.2), (1.3, 1.5), (1.4, 1.5), (1.6, 1.7)
 _ALL = (1.0, 1.7)
+_MINIMUM = (1.25, 1.55)
 
 
-def _linearity(r: Resampled) -> Floats:
+def _linearity(r: Resampled) -> Floats | _Band:
     load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
     factor = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
     residual = ((area - factor * load) ** 2).sum(axis=2)
@@ -307,7 +451,7 @@ def _ratios(r: Resampled, tau0: float) -> list[Floats]:
     return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
 
 
-def _raised(r: Resampled) -> Floats:
+def _raised(r: Resampled) -> Floats | _Band:
     return _extreme(r, _ratios(r, 0.2), np.fmin)
 
 
@@ -320,7 +464,7 @@ def _raised_at_low_load(r: Resampled) -> Floats:
     return _mean(r, _by_adhesion(r, r.light) - _by_adhesion(r, r.heavy), *_ALL)
 
 
-def _of_weak_adhesion(r: Resampled) -> Floats:
+def _of_weak_adhesion(r: Resampled) -> Floats | _Band:
     return _extreme(r, [np.abs(ratio - 1) for ratio in _ratios(r, 0.001)], np.fmax)
 
 
@@ -338,7 +482,10 @@ def _minimum(r: Resampled) -> Floats:
     if not kept.any():
         return np.full(values.shape[0], np.nan)
     least = np.argmin(np.where(np.isfinite(values[:, kept]), values[:, kept], np.inf), axis=1)
-    return np.asarray(r.dimensions[kept][least])
+    found = np.asarray(r.dimensions[kept][least])
+    # The last D is no minimum where friction may fall further within the range that the claim speaks of.
+    end = r.dimensions[kept][-1]
+    return np.full(found.shape, np.nan) if found[0] == end < _MINIMUM[1] else found
 
 
 def _light_over_heavy(r: Resampled) -> Floats:
@@ -346,13 +493,15 @@ def _light_over_heavy(r: Resampled) -> Floats:
     return np.exp(_mean(r, logarithm, 1.5, 1.7))
 
 
-def _below_mu0(r: Resampled) -> Floats:
+def _below_mu0(r: Resampled) -> Floats | _Band:
     return _extreme(r, [r.at("friction", r.middle) / 0.4], np.fmin)
 
 
 def _steeper_over_flatter(what: _Quantity, tau0: float) -> _Measure:
     def measure(r: Resampled) -> Floats:
         loads = r.middle_of_all_amplitudes()
+        if loads is None:
+            return np.array([math.nan])
         steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (STEEPER, FLATTER))
         return np.exp(_mean(r, np.log(steeper / flatter), *_ALL))
 
@@ -361,17 +510,21 @@ def _steeper_over_flatter(what: _Quantity, tau0: float) -> _Measure:
 
 def _rise_of_flatter(r: Resampled) -> Floats:
     loads = r.middle_of_all_amplitudes()
+    if loads is None:
+        return np.array([math.nan])
     ratio = np.log(r.at("friction", loads, amplitude=FLATTER) / r.at("friction", loads, amplitude=STEEPER))
     return np.exp(_mean(r, ratio, 1.5, 1.6) - _mean(r, ratio, *_LOW))
 
 
 def _adhesion_of_flatter(r: Resampled) -> Floats:
     loads = r.middle_of_all_amplitudes()
+    if loads is None:
+        return np.array([math.nan])
     return _mean(r, _by_adhesion(r, loads, FLATTER) - _by_adhesion(r, loads, STEEPER), *_LOW)
 
 
 def _change(what: _Quantity, one: dict[str, float], other: dict[str, float]) -> _Measure:
-    def measure(r: Resampled) -> Floats:
+    def measure(r: Resampled) -> Floats | _Band:
         return _extreme(r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax)
 
     return measure
@@ -395,7 +548,7 @@ PARTS = (
     ),
     Part("4a", "friction at 200 MPa: D = 1 to 1.2 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_LOW)),
     Part("4b", "friction at 200 MPa: D = 1.6 to 1.7 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_HIGH)),
-    Part("4c", "D of least friction at 200 MPa", 1.25, 1.55, _minimum),
+    Part("4c", "D of least friction at 200 MPa", *_MINIMUM, _minimum),
     Part("5", "friction at light over that at heavy load, D from 1.5", 1.0, math.inf, _light_over_heavy),
     Part("6", "least mu_s/mu0 over D, mu0 = 0.4", -math.inf, 1.0, _below_mu0),
     Part("7a", "A/F_N at 0.2 µm over that at 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("area", 0.0)),
@@ -410,7 +563,13 @@ PARTS = (
 """At mu0 = 0.4, tau0 = 0 and the middle load unless a part says otherwise."""
 
 
-def judge(dataset: xarray.Dataset, *, amplitude: float = 0.1) -> list[Outcome]:
+def judge(
+    dataset: xarray.Dataset,
+    *,
+    amplitude: float = 0.1,
+    sliding: Sliding | None = None,
+    ruling: Ruling = "percentiles",
+) -> list[Outcome]:
     """Judge every part of every claim by a result.
 
     Parameters
@@ -419,6 +578,10 @@ def judge(dataset: xarray.Dataset, *, amplitude: float = 0.1) -> list[Outcome]:
         Of a study such as `claims_study()`: fractal dimensions from 1 to 1.7, amplitudes 0.05, 0.1 and 0.2 µm.
     amplitude : float, µm
         The one that the claims which are not about amplitudes are judged at.
+    sliding : {"opposing", "all"}, optional
+        One of the result's sliding rules, by default the first.
+    ruling : {"percentiles", "bands"}
+        Of extremes over D, see above; bands are for D up to 1.65 where profiles touch at asperities.
 
     Raises
     ------
@@ -426,7 +589,9 @@ def judge(dataset: xarray.Dataset, *, amplitude: float = 0.1) -> list[Outcome]:
         If the result lacks an amplitude that is needed, or has fewer than 20 repetitions or 3 approaches.
     """
     check(study_of(dataset))
-    resampled = Resampled(dataset, number("amplitude", amplitude, unit="µm", above=0))
+    choice("ruling", ruling, Ruling)
+    amplitude = number("amplitude", amplitude, unit="µm", above=0)
+    resampled = Resampled(dataset, amplitude, sliding=sliding, ruling=ruling)
     return [Outcome.of(part, resampled) for part in PARTS]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from stiction.studies.claims import CLAIMS, Outcome, Part, verdict_of
 
@@ -39,14 +39,30 @@ def claims_markdown(outcomes: Outcomes) -> str:
 
 def variants_markdown(variants: Mapping[str, Outcomes]) -> str:
     """A table with a row for each part and a column for each variant; a star where some D are left out."""
-    first = next(iter(variants.values()))
-    lines = [f"| | {' | '.join(variants)} |", "|" + "---|" * (len(variants) + 1)]
+    return _side_by_side(variants, lambda part: part.name, lambda outcome: f"{_starred(outcome)}, {outcome.verdict}")
+
+
+def columns_markdown(columns: Mapping[str, Outcomes]) -> str:
+    """The same with what each part is, and intervals."""
+
+    def cell(outcome: Outcome) -> str:
+        if not math.isfinite(outcome.value):
+            return "cannot be put"
+        star = r"\*" if outcome.left_out else ""
+        return f"{_value(outcome)}{star} {outcome.verdict}"
+
+    return _side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_wanted(part)}", cell)
+
+
+def _side_by_side(columns: Mapping[str, Outcomes], head: Callable[[Part], str], cell: Callable[[Outcome], str]) -> str:
+    first = next(iter(columns.values()))
+    lines = [f"| | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
     for claim in CLAIMS:
-        verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in variants.values()]
+        verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in columns.values()]
         lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
         for row in [index for index, outcome in enumerate(first) if outcome in _parts(claim, first)]:
-            cells = [f"{_starred(outcomes[row])}, {outcomes[row].verdict}" for outcomes in variants.values()]
-            lines.append(f"| {first[row].part.name} | {' | '.join(cells)} |")
+            cells = [cell(outcomes[row]) for outcomes in columns.values()]
+            lines.append(f"| {head(first[row].part)} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 

@@ -1,0 +1,128 @@
+"""What friction depends on, claim by claim: writes images/friction.png from what `stiction claims --columns` left.
+
+Reads build/claims/columns, where ./dev claims --repetitions 2000 --columns puts its results.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from stiction import (
+    gentle_friction,
+    random_phases,
+    weierstrass_mandelbrot_moments,
+    weierstrass_mandelbrot_surface,
+)
+from stiction.studies import store
+from stiction.studies.claims import FLATTER, STEEPER, Resampled
+
+DOCS = Path(__file__).parents[1]
+RESULTS = DOCS.parent / "build/claims/columns"
+MU0, TAU0, AMPLITUDE = 0.4, 0.2, 0.1
+SIDE, EXTENT = 256, 10.0
+STYLES = {"lines": ("#D55E00", "s", "lines, spheres"), "half-spaces": ("#0072B2", "o", "areas, half-space")}
+
+
+def gradients(dimensions: np.ndarray) -> np.ndarray:
+    """h' of the gap of two areas of the study: exact slopes of Eq. 1 over the mean height of ten areas."""
+    found = []
+    for dimension in dimensions:
+        heights = [
+            np.ptp(
+                weierstrass_mandelbrot_surface(
+                    random_phases(2016, repetition=repetition), dimension, shape=(SIDE, SIDE), extent=EXTENT,
+                    band_limit="nyquist",
+                ).heights
+            )
+            for repetition in range(10)
+        ]  # fmt: skip
+        moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / SIDE)
+        # Along x and y alike, and two bodies.
+        found.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
+    return np.array(found)
+
+
+def drawn(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
+    """The ensemble's values over D, with a 95 % band, where the resampled ensembles have them too."""
+    colour, marker, label = STYLES[name]
+    known = np.isfinite(values).mean(axis=0) > 0.975
+    lower, upper = np.nanquantile(values[1:, known], [0.025, 0.975], axis=0)
+    x = result.dimensions[known]
+    ax.fill_between(x, lower, upper, color=colour, alpha=0.2, lw=0)
+    ax.plot(
+        x, values[0, known], color=colour, marker=marker, ms=2 if x.size > 20 else 3, lw=0.9,
+        mfc="white" if hollow else colour, mew=0.6, label=None if hollow else label,
+    )  # fmt: skip
+
+
+def exponents(result: Resampled) -> np.ndarray:
+    """Exponents of area against load, (resample, D)."""
+    load = np.log(result.sums("normal_elastic", AMPLITUDE))
+    area = np.log(result.sums("contact_area", AMPLITUDE))
+    load = load - load.mean(axis=2, keepdims=True)
+    return np.asarray((area * load).sum(axis=2) / (load * load).sum(axis=2))
+
+
+def panels(axes: np.ndarray, result: Resampled, name: str) -> None:
+    friction, sticky = (result.at("friction", result.middle, tau0=tau0) for tau0 in (0.0, TAU0))
+    loads = result.middle_of_all_amplitudes()
+    steeper, flatter = (result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (STEEPER, FLATTER))
+    rubbed, smooth = (result.at("area", result.middle, mu0=mu0) for mu0 in (1.0, 0.1))
+    for ax, values in zip(
+        axes,
+        (
+            exponents(result), friction, sticky - friction, sticky,
+            result.at("friction", result.light) / result.at("friction", result.heavy),
+            friction / MU0, steeper / flatter, np.abs(rubbed / smooth - 1),
+        ),
+        strict=True,
+    ):  # fmt: skip
+        drawn(ax, result, values, name)
+
+
+def main() -> None:
+    figure = Figure(figsize=(7.2, 4.1), dpi=200, layout="constrained")
+    axes = figure.subplots(2, 4, sharex=True).ravel()
+    for name in STYLES:
+        data = store.read(RESULTS / name / "result.zarr")
+        sliding = "opposing" if "sliding" in data.dims else None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            result = Resampled(data, AMPLITUDE, sliding=sliding)
+            panels(axes, result, name)
+            if name == "half-spaces":
+                result = Resampled(data, AMPLITUDE, sliding="all")
+                drawn(axes[5], result, result.at("friction", result.middle) / MU0, name, hollow=True)
+                drawn(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, hollow=True)
+        del data
+    slopes = gradients(result.dimensions)
+    for ax, tau0 in ((axes[1], 0.0), (axes[3], TAU0)):
+        ax.plot(
+            result.dimensions, gentle_friction(MU0, tau0, rms_gradient=slopes, order=2), color="0.1", lw=1, ls="--",
+            label="closed form",
+        )  # fmt: skip
+    titles = (
+        "1  exponent of area to load", "2  $\\mu_s$, no adhesion", "3  $\\mu_s$ added by 200 MPa",
+        "4  $\\mu_s$ at 200 MPa",
+        "5  $\\mu_s$: light / heavy load", "6  $\\mu_s/\\mu_0$", "7  at 200 MPa: 0.2 / 0.05 µm",
+        "8  area changed by $\\mu_0$",
+    )  # fmt: skip
+    ranges = ((0.6, 1.1), (0.15, 1.0), (-0.1, 0.9), (0.2, 1.2), (0.5, 1.5), (0.4, 2), (0.3, 4), (1e-3, 3))
+    for ax, title, limits in zip(axes, titles, ranges, strict=True):
+        ax.set_title(title, fontsize=7.5, loc="left")
+        ax.set_ylim(limits)
+        ax.tick_params(labelsize=6.5)
+    axes[6].set_yscale("log")
+    axes[6].yaxis.set_ticks((0.3, 0.5, 1, 2, 4), labels=["0.3", "0.5", "1", "2", "4"])
+    axes[6].yaxis.set_tick_params(which="minor", labelleft=False)
+    axes[7].set_yscale("log")
+    for ax in (axes[0], axes[4], axes[5], axes[6]):
+        ax.axhline(1, color="0.6", lw=0.6, zorder=0)
+    for ax in axes[4:]:
+        ax.set_xlabel("D", fontsize=7.5)
+    axes[1].legend(fontsize=6, frameon=False)
+    figure.savefig(DOCS / "images/friction.png")
+
+
+if __name__ == "__main__":
+    main()
