@@ -8,7 +8,7 @@ from stiction.studies.dataset import empty_dataset
 from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views.figures import FADE, _fading, area_figure, friction_figure, reached_loads, save_figures
-from stiction.views.style import force_text, spread_out
+from stiction.views.style import force_text, save_picture, spread_out
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +64,14 @@ def test_friction_curves_are_those_of_the_map_at_a_load_that_most_dimensions_rea
     dotted = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
     for values, tau0 in zip(dotted, (0, -1), strict=True):
         np.testing.assert_array_equal(values, expected["friction_coefficient"].isel(tau0=tau0).values)
+
+
+@pytest.mark.parametrize("part", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str)
+def test_figures_of_little_are_drawn_without_a_warning(result, part, tmp_path):
+    one = result.isel(amplitude=[0], **part)
+    for mu0 in (0.0, 0.4):
+        save_picture(friction_figure(one, mu0), tmp_path / "friction.png")
+    save_picture(area_figure(one), tmp_path / "area.png")
 
 
 def test_cells_fade_with_the_width_of_their_interval():

@@ -306,7 +306,7 @@ def _result(study: Study, directory: Path, executor: Executor, said: Callable[[s
         raise StudyError(f"{named(directory)} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
     stored = store.info(path).finished if path.exists() else 0
-    threading.Thread(target=_import_ahead, daemon=True).start()
+    threading.Thread(target=_import_ahead).start()
     try:
         dataset = run(study, executor=executor, store=path, progress=True)
     except KeyboardInterrupt:

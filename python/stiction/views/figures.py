@@ -334,12 +334,18 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
     for index in shown:
         colour = STRENGTHS[0] if index == 0 else STRENGTHS[-1]
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
-        axes.plot(dimension, value[:, index], ":", color=colour, linewidth=1)
-        axes.plot(dimension, np.where(trusted[:, index], value[:, index], np.nan), color=colour, linewidth=1)
+        style: dict[str, Any] = {
+            "color": colour,
+            "linewidth": 1,
+            "markersize": 2,
+            "marker": "o" if dimension.size == 1 else None,
+        }
+        axes.plot(dimension, value[:, index], ":", **style)
+        axes.plot(dimension, np.where(trusted[:, index], value[:, index], np.nan), **style)
     known = value[:, shown][np.isfinite(value[:, shown])]
     # Where it is to be trusted, all of it; beyond, as far as there is room.
     inside = upper[:, shown][(np.isfinite(upper) & trusted)[:, shown]]
-    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(known, initial=1.0)))
+    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(known, initial=1.0))) or 1.0
     axes.set_ylim(0, top)
     axes.yaxis.set_major_locator(_few_numbers(6))
     span = float(np.ptp(dimension)) or 1.0
