@@ -3,8 +3,8 @@
 import sys
 from pathlib import Path
 
-from stiction import levelled, pressed_maps, pressed_maps_mean, read_surface, self_affine_surface, turned_over
-from stiction.studies.map_pair import overlap_area
+from stiction import levelled, pressed_maps, read_surface, self_affine_surface, turned_over
+from stiction.studies.map_pair import Pieces, joined, means_of_all, overlap_area, with_picture
 from stiction.views.map_pair import map_pair_text, save_map_pair_figures
 
 
@@ -20,9 +20,11 @@ given = len(sys.argv) == 3
 upper, lower = map(read_surface, sys.argv[1:]) if given else map(stand_in, ("upper", "lower"))
 upper, lower = turned_over(levelled(upper, "plane")), levelled(lower, "plane")
 load = 0.01 * overlap_area(upper, lower)  # 10 MPa
-result = pressed_maps(upper, lower, [load / 3, load, 3 * load], mu0=0.3, tau0=0.05, shifts=16 if given else 8)
-result = result.expand_dims(mechanics=["half-space"])
+choice = {"shifts": 16 if given else 8, "surrogates": 16 if given else 4}
+pressed = pressed_maps(upper, lower, [load / 3, load, 3 * load], mu0=0.3, tau0=0.05, **choice)
+result = joined([pressed], ["half-space"], load)
 result.attrs["files"] = " on ".join(Path(name).name for name in sys.argv[1:]) if given else "lapped on lapped"
-mean = pressed_maps_mean(result)
+result = with_picture(result, Pieces.of(upper, lower, **choice), 0, load)
+mean = means_of_all(result)  # over shifts of these maps and, beside it, over surfaces with their spectra
 print(map_pair_text(result, mean, [load]))
-save_map_pair_figures(result, mean, [load], Path(), bodies=(upper, lower))
+save_map_pair_figures(result, mean, [load], Path())

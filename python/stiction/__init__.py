@@ -28,6 +28,7 @@ _HOMES = {
     "mechanics.law": ("HertzCylinder", "HertzSphere", "JacksonGreen", "force_and_area"),
     "mechanics.loading": ("approach_at_load",),
     "mechanics.model": ("ContactModel",),
+    "studies.friction_table": ("friction_table", "table_study"),
     "studies.map_pair": ("pressed_maps", "pressed_maps_mean"),
     "studies.maps": ("area_map", "friction_map", "stiffness_map"),
     "studies.nondimensional": ("nondimensional",),

@@ -35,6 +35,7 @@ from stiction.mechanics.law import (
 )
 from stiction.mechanics.loading import approach_at_load as approach_at_load
 from stiction.mechanics.model import ContactModel as ContactModel
+from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
 from stiction.studies.map_pair import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
 from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
 from stiction.studies.nondimensional import nondimensional as nondimensional

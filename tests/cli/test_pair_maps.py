@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray
 from command import assert_refused, stiction_command
+from matplotlib.testing.compare import compare_images
 from stiction import (
     Profile,
     levelled,
@@ -90,12 +91,12 @@ def test_it_says_what_was_pressed_and_how_far_to_trust_it(checked):
         "by its slope alone (gentle_friction)",
         "half-space: solved to an error of",
         "of the load is on ellipses that overlap",
-        "Intervals are over shifts of these two maps",
+        "Intervals are over 4 shifts of these two maps",
         "In short: at 10 MPa",
     ):
         assert words in text, text
     assert [line.split("/")[-1] for line in text.splitlines()[-5:]] == [
-        "result.nc", "result.csv", "compass.png", "friction.png", "contacts.png",
+        "result.csv", "compass.png", "friction.png", "sizes.png", "contacts.png",
     ]  # fmt: skip
     assert re.search(r"half-space: 12 solutions of 48 x 48 points, about .* s by the first", checked.stderr)
 
@@ -113,7 +114,10 @@ def test_it_is_shown_and_drawn_again(where, checked):
     assert numbers(shown.stdout, "  mu_s to +x") == numbers(checked.stdout, "  mu_s to +x")
     drawn = stiction_command("plot", "pair", "-o", "again", cwd=where)
     assert drawn.returncode == 0, drawn.stderr
-    assert {path.name for path in (where / "again").iterdir()} == {"compass.png", "friction.png"}
+    names = {path.name for path in (where / "again").iterdir()}
+    assert names == {"compass.png", "friction.png", "sizes.png", "contacts.png"}
+    for name in names:
+        assert compare_images(where / "pair" / name, where / "again" / name, tol=0) is None
 
 
 def test_options_reach_the_pressing(where):
@@ -148,6 +152,45 @@ def test_maps_of_two_spacings_are_brought_to_one(where):
     assert "36 x 36 points" in done.stdout
 
 
+def test_surrogates_stand_beside_the_shifts(where):
+    done = stiction_command("pair", *MAPS, *MATERIAL, *FAST, "--surrogates", "4", "-o", "kind", cwd=where)
+    assert done.returncode == 0, done.stderr
+    for words in (
+        "asperities (surrogates)", "Intervals are over 3 shifts of these two maps",
+        "Those of surrogates are over 4 independent pairs of surfaces with these spectra",
+        "surrogates 4 pairs with the spectra of both, new phases, seed 2016 of the same size",
+    ):  # fmt: skip
+        assert words in done.stdout, done.stdout
+    rows = (where / "kind" / "result.csv").read_text().splitlines()
+    assert len(rows) == 1 + 2 * 2 * 12
+
+
+def test_profiles_of_isotropic_surfaces_are_pressed_as_areas(where):
+    line = ["line.csv", "line.csv", *MATERIAL]
+    done = stiction_command(
+        "pair", *line, "--lay", "isotropic", "--mechanics", "asperities", "--surrogates", "3", "-o", "iso", cwd=where
+    )
+    assert done.returncode == 0, done.stderr
+    assert "surrogates 3 pairs with the spectra of both, isotropic surfaces, seed 2016, each 48 x 48" in done.stdout
+    assert "shifts of these two maps" not in done.stdout
+    assert (where / "iso" / "contacts.png").exists()
+    grooves = stiction_command("pair", *line, "--lay", "grooves", "--offsets", "8", "-o", "grooves", cwd=where)
+    assert grooves.returncode == 0, grooves.stderr
+    assert "hertz-cylinder" in grooves.stdout
+    assert "MPa of nominal pressure" in grooves.stdout
+    assert "Spheres on a strip" not in grooves.stdout
+    plain = stiction_command("pair", *line, "--offsets", "8", "-o", "plain", cwd=where)
+    assert plain.stdout.count("Spheres on a strip 1 µm thick") == 1
+    assert "nominal" not in plain.stdout
+
+
+def test_each_material_has_its_figures(where):
+    done = stiction_command("pair", *MAPS, *MATERIAL, "--mu0", "0.3,0.4", *FAST, "-o", "two", cwd=where)
+    assert done.returncode == 0, done.stderr
+    names = {path.name for path in (where / "two").glob("*.png")}
+    assert {"compass.png", "compass-2.png", "friction.png", "friction-2.png"} <= names
+
+
 def test_lines_of_maps_are_pressed_when_asked_for(where):
     done = stiction_command("pair", *MAPS, *MATERIAL, "--lines", "3", "-o", "lines", cwd=where)
     assert done.returncode == 0, done.stderr
@@ -158,7 +201,12 @@ def test_lines_of_maps_are_pressed_when_asked_for(where):
     ("arguments", "words"),
     [
         ([*MAPS, "--along", "y"], ["--along is for lines; give --lines as well"]),
-        ([*MAPS, "--surrogates", "lower"], ["--surrogates is for lines"]),
+        ([*MAPS, "--surrogates", "lower"], ["--surrogates of areas must be a number of pairs"]),
+        ([*MAPS, "--lay", "isotropic"], ["--lay is for two profiles"]),
+        (["line.csv", "line.csv", "--lay", "round"], ["--lay must be grooves or isotropic"]),
+        (["line.csv", "line.csv", "--lay", "isotropic", "--shifts", "3"], ["--shifts is for maps"]),
+        (["line.csv", "line.csv", "--lay", "isotropic", "--offsets", "3"], ["--offsets is for --lay grooves"]),
+        (["line.csv", "line.csv", "--lay", "grooves", "--law", "hertz-sphere"], ["--lay grooves presses cylinders"]),
         ([*MAPS, "--law", "hertz-cylinder"], ["--law is for lines"]),
         ([*MAPS, "--offsets", "3"], ["--offsets is for lines"]),
         ([*MAPS, "--curvature", "convex"], ["--curvature is for lines"]),

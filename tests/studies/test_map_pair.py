@@ -2,19 +2,35 @@
 
 import numpy as np
 import pytest
+import xarray
 from stiction import (
     Surface,
     approach_at_load,
     gentle_friction,
     half_space,
+    isotropic_surface,
     levelled,
     press,
     pressed_maps,
     pressed_maps_mean,
     self_affine_surface,
+    surrogate,
     turned_over,
 )
-from stiction.studies.map_pair import FEWEST_POINTS, displacements, map_contacts, overlap_area, window
+from stiction.mechanics.patches import slopes
+from stiction.studies.map_pair import (
+    FEWEST_POINTS,
+    QUANTILES,
+    Pieces,
+    contacts_at,
+    displacements,
+    joined,
+    kind_of,
+    means_of_all,
+    overlap_area,
+    window,
+    with_picture,
+)
 
 ANGLES = (0.0, 30.0, 90.0, 180.0)
 MATERIAL = {"mu0": [0.3, 0.4], "tau0": [0.0, 0.05]}
@@ -39,7 +55,7 @@ def pair(**changes):
 
 
 def numbers(result):
-    return {name: values.values for name, values in result.data_vars.items() if values.dtype.kind == "f"}
+    return {name: values.values for name, values in kind_of(result).data_vars.items() if values.dtype.kind == "f"}
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
@@ -58,7 +74,7 @@ def test_every_number_is_that_of_pressing_by_hand(mechanics):
         else:
             approaches = approach_at_load(above, below, LOADS, mu0=0.0)
             curve = press(above, below, approaches, direction=ANGLES, sliding=sliding)
-        at = result.sel(sliding=sliding).isel(shift=2).transpose("direction", "load", "mu0", "tau0")
+        at = result.sel(sliding=sliding).isel(shift=2).transpose("direction", "load", "mu0", "tau0", ...)
         for m, mu0 in enumerate(MATERIAL["mu0"]):
             for t, tau0 in enumerate(MATERIAL["tau0"]):
                 there = at.isel(mu0=m, tau0=t)
@@ -155,21 +171,120 @@ def test_means_have_intervals_of_student():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_pictured_contacts_carry_the_load(mechanics):
+def test_listed_contacts_carry_the_load(mechanics):
     upper, lower = pair()
-    result = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=[30.0], shifts=2, mechanics=mechanics)
-    found = map_contacts(upper, lower, 0.1, shift=1, direction=30.0, mechanics=mechanics)
-    assert len(found.x) == int(result["contact_count"].isel(shift=1).sel(load=0.1))
-    assert found.force.sum() == pytest.approx(0.1, rel=1e-2)  # of asperities along their normals
-    if mechanics == "half-space":
-        largest = float(result["share_on_largest"].isel(shift=1).sel(load=0.1))
-        assert largest == pytest.approx(found.force.max() / found.force.sum(), rel=1e-3)
-        edge = float(result["share_at_edge"].isel(shift=1).sel(load=0.1))
-        inside = found.pressure[1:-1, 1:-1].sum() / found.pressure.sum()
-        assert 1 - inside - 1e-9 <= edge < 1
-    share = found.force[found.opposing].sum() / found.force.sum()
-    assert share == pytest.approx(float(result["share_opposing"].isel(shift=1, direction=0).sel(load=0.1)), abs=0.01)
-    assert ((found.x >= 0) & (found.x <= 4.8) & (found.y >= 0) & (found.y <= 4.8)).all()
+    directions = [30.0, 210.0]
+    chosen = {"mu0": 0.3, "directions": directions, "shifts": 2, "mechanics": mechanics}
+    result = joined([pressed_maps(upper, lower, LOADS, **chosen)], [mechanics], [0.1])
+    assert set(result["contact_load"].values) == {1}
+    found = contacts_at(result, 1, 0.1, mechanics)
+    at = result.isel(mechanics=0, shift=1).sel(load=0.1)
+    force, area = found["contact_force"].values, found["contact_patch_area"].values
+    assert force.size == int(at["contact_count"])
+    assert force.sum() == pytest.approx(0.1, rel=1e-6)
+    # Areas on the ground plan are smaller by the cosines of slopes.
+    assert area.sum() == pytest.approx(float(at["contact_area"]), rel=0.02)
+    assert float(at["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-9)
+    assert at["patch_area"].values == pytest.approx(np.quantile(area, QUANTILES))
+    for index, direction in enumerate(directions):
+        along = found["contact_slope_x"].values * np.cos(np.radians(direction))
+        along += found["contact_slope_y"].values * np.sin(np.radians(direction))
+        assert force[along > 0].sum() / 0.1 == pytest.approx(float(at["share_opposing"][index]), abs=0.01)
+    assert ((found["contact_x"] >= 0) & (found["contact_x"] <= 4.8) & (found["contact_y"] <= 4.8)).all()
+    middle = float(at["pressure"].sel(quantile=0.5, method="nearest"))
+    assert 0 < middle < float(at["pressure"].sel(quantile=0.9, method="nearest"))
+    mean = 0.1 / float(at["contact_area"])
+    assert 0.5 * mean < middle < 1.5 * mean
+
+
+def test_steepest_slopes_of_each_body():
+    upper, lower = pair()
+    result = pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=2, directions=[0.0])
+    first = half_space(*Pieces.of(upper, lower, shifts=2).pair(0), [0.1]).contact(0)
+    body = Pieces.of(upper, lower, shifts=2).pair(0)[0]
+    steep = np.hypot(*slopes(body.heights, body.spacing, periodic=False))
+    share = first.pressure[steep > np.quantile(steep, 0.9)].sum() / first.pressure.sum()
+    assert float(result["share_on_steepest_upper"][0, 0]) == pytest.approx(share, abs=SOLVED)
+    assert 0 <= float(result["share_on_steepest_lower"][0, 0]) < 0.5
+
+
+def test_pictures_are_of_what_was_pressed():
+    upper, lower = pair()
+    chosen = {"mu0": 0.3, "directions": [0.0], "shifts": 2}
+    places = Pieces.of(upper, lower, shifts=2)
+    result = joined([pressed_maps(upper, lower, [0.1], **chosen)], ["half-space"], [0.1])
+    pictured = with_picture(result, places, 1, 0.1)
+    above, below = places.pair(1)
+    np.testing.assert_array_equal(pictured["upper_height"], above.heights)
+    np.testing.assert_array_equal(pictured["lower_height"], below.heights)
+    assert pictured["height_x"].values == pytest.approx(below.x)
+    most = contacts_at(result, 1, 0.1, "half-space")
+    at = int(np.argmax(most["contact_force"].values))
+    for axis in ("x", "y"):
+        ends = pictured[f"zoom_{axis}"].values[[0, -1]]
+        assert ends[0] <= float(most[f"contact_{axis}"][at]) <= ends[1]
+    assert pictured.sizes["zoom_x"] == pictured.sizes["zoom_y"] == 16
+    assert float(pictured["zoom_pressure"].max()) > 0
+
+
+class TestSurrogates:
+    def test_stand_beside_the_shifts_and_change_none_of_them(self):
+        upper, lower = pair()
+        chosen = {"mu0": 0.3, "directions": ANGLES, "mechanics": "asperities"}
+        alone = pressed_maps(upper, lower, LOADS, shifts=3, **chosen)
+        both = pressed_maps(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **chosen)
+        assert both["surrogate"].values.tolist() == [False] * 3 + [True] * 4
+        xarray.testing.assert_identical(kind_of(both, False).drop_attrs(), kind_of(alone).drop_attrs())
+        made = kind_of(both, True)
+        for index in range(4):
+            bodies = [
+                window_of(surrogate(body, 7, repetition=index, side=side))
+                for body, side in ((upper, "upper"), (lower, "lower"))
+            ]
+            approaches = approach_at_load(*bodies, LOADS, mu0=0.0)
+            area = press(*bodies, approaches).contact_area
+            assert made["contact_area"].values[index] == pytest.approx(area, rel=ROUND_OFF)
+        means = [pressed_maps_mean(both, surrogates=each) for each in (False, True)]
+        assert float(means[1]["contact_area"][0, 0]) == pytest.approx(float(made["contact_area"][:, 0].mean()))
+        assert [int(mean["shifts"]) for mean in means] == [3, 4]
+        assert pressed_maps_mean(both).equals(means[0])
+        with pytest.raises(ValueError, match="surrogates must be False where there are no others"):
+            pressed_maps_mean(alone, surrogates=True)
+
+    def test_side_by_side_as_further_mechanics(self):
+        upper, lower = pair()
+        chosen = {"mu0": 0.3, "directions": [0.0], "shifts": 3, "surrogates": 3, "mechanics": "asperities"}
+        result = joined([pressed_maps(upper, lower, LOADS, **chosen)], ["asperities"], LOADS)
+        mean = means_of_all(result)
+        assert mean["mechanics"].values.tolist() == ["asperities", "asperities (surrogates)"]
+        other = pressed_maps_mean(result, surrogates=True)
+        np.testing.assert_array_equal(mean["contact_area"][1], other["contact_area"][0])
+
+    def test_of_profiles_are_isotropic_surfaces(self):
+        bodies = [surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]
+        chosen = {"mu0": 0.3, "directions": [0.0], "mechanics": "asperities"}
+        result = pressed_maps(*bodies, [1.0], surrogates=3, seed=5, **chosen)
+        assert result["surrogate"].values.all()
+        assert result.attrs["shape"].tolist() == [384, 384]
+        upper, lower = (
+            isotropic_surface(body, 5, shape=(512, 512), repetition=2, side=side)
+            for body, side in zip(bodies, ("upper", "lower"), strict=True)
+        )
+        area = press(
+            *(made := (window_of(upper), window_of(lower))), approach_at_load(*made, [1.0], mu0=0.0)
+        ).contact_area
+        assert float(result["contact_area"][2, 0]) == pytest.approx(float(area[0]), rel=ROUND_OFF)
+        assert int(pressed_maps_mean(result)["shifts"]) == 3
+        with pytest.raises(ValueError, match="shifts are of maps"):
+            pressed_maps(*bodies, [1.0], shifts=3, **chosen)
+
+
+def window_of(body):
+    """The middle three quarters of a surface, level."""
+    rows, columns = (points - points // 4 for points in body.heights.shape)
+    top, left = (body.heights.shape[0] - rows) // 2, (body.heights.shape[1] - columns) // 2
+    cut = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)
+    return levelled(cut, "plane")
 
 
 def test_the_hardness_limits_the_pressure():
@@ -194,6 +309,9 @@ def test_the_hardness_limits_the_pressure():
         ({"directions": [0.0, 360.0]}, "directions must be one or several different angles"),
         ({"shifts": 0}, "shifts must be a whole number of at least 1"),
         ({"shifts": 5000}, "shifts must be fewer on maps of"),
+        ({"surrogates": -1}, "surrogates must be a whole number of at least 0"),
+        ({"seed": 1.5, "surrogates": 2}, "seed must be a whole number"),
+        ({"level": "cubic"}, "level must be one of"),
         ({"mechanics": "springs"}, "mechanics must be one of"),
         ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for the half-space"),
         ({"effective_modulus": 0.0}, "effective_modulus must be a finite number above 0"),

@@ -70,6 +70,9 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
         "pair": ("pair", "Static friction of two measured surfaces at given loads."),
     },
+    "Contact laws": {
+        "table": ("table", "Friction, true area and stiffness of rough surfaces for another code."),
+    },
 }
 """Of each group the commands, the module that adds each, and a line of help, which is printed without the modules."""
 

@@ -39,8 +39,9 @@ def press_lines(
     table: Path,
     replace: bool,
     as_json: bool,
+    remark: str = "",
 ) -> None:
-    """Press, print, write and draw."""
+    """Press, print, write and draw; a remark stands below the table."""
     from stiction.studies import export as exports
     from stiction.studies import traverse as traverses
     from stiction.views import traverse as views
@@ -69,7 +70,7 @@ def press_lines(
         else room * np.arange(1, positions + 1) / positions,
         progress=True, **contact,
     )  # fmt: skip
-    result.attrs["loads_mN"] = np.array(loads)
+    result.attrs |= {"loads_mN": np.array(loads), "remark": remark}
     mean = views.means(result)
     show_line_pair(result, as_json=as_json)
     said = say if as_json else tell

@@ -12,35 +12,33 @@ from stiction.cli.application import announce, say, tell
 from stiction.cli.options import check_directory
 from stiction.mechanics.half_space import half_space
 from stiction.studies.executors import available_cores
-from stiction.studies.map_pair import (
-    COMPASS,
-    displacements,
-    overlap_area,
-    pressed_maps,
-    pressed_maps_mean,
-    window,
-)
-from stiction.surfaces.preparation import levelled, on_common_grid, rotated, turned_over
+from stiction.studies.map_pair import COMPASS, Pieces, joined, means_of_all, pressed_maps, with_picture
+from stiction.surfaces.preparation import SurfaceTrend, levelled, on_common_grid, rotated, turned_over
+from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 AROUND = 10**0.5
 """Ratio of a load that is asked for to those that are solved below and above it, for a curve."""
 
 
-def prepared(upper: Surface, lower: Surface, *, level: str | None, angle: float | None) -> tuple[Surface, Surface]:
+def prepared(upper: Surface, lower: Surface, *, level: SurfaceTrend, angle: float | None) -> tuple[Surface, Surface]:
     """Two scans as `pressed_maps` takes them."""
-    trend: Any = "plane" if level is None else level
-    if trend not in ("plane", "quadratic"):
-        raise ValueError(f"--level of maps must be plane or quadratic, got {level!r}; every overlap is levelled anyway")
-    above, below = levelled(upper, trend), levelled(lower, trend)
+    above, below = levelled(upper, level), levelled(lower, level)
     if angle is not None:
         above = rotated(above, angle)
     return on_common_grid(turned_over(above), below)
 
 
+def map_level(level: str | None) -> SurfaceTrend:
+    """What is taken off maps and their pieces."""
+    if level not in (None, "plane", "quadratic"):
+        raise ValueError(f"--level of maps must be plane or quadratic, got {level!r}; every piece is levelled anyway")
+    return "quadratic" if level == "quadratic" else "plane"
+
+
 def press_areas(
-    upper: Surface,
-    lower: Surface,
+    upper: Surface | Profile,
+    lower: Surface | Profile,
     wanted: list[tuple[float, bool]],
     *,
     mechanics: tuple[str, ...],
@@ -50,7 +48,10 @@ def press_areas(
     compliance_share: float,
     hardness: float | None,
     directions: list[float] | None,
-    shifts: int,
+    shifts: int | None,
+    surrogates: int | None,
+    seed: int,
+    level: SurfaceTrend,
     files: str,
     output: Path,
     table: Path,
@@ -58,13 +59,13 @@ def press_areas(
     as_json: bool,
 ) -> None:
     """Press, print, write and draw."""
-    import xarray
-
     from stiction.studies import export as exports
     from stiction.views import map_pair as views
     from stiction.views import traverse
 
-    area = overlap_area(upper, lower)
+    chosen: dict[str, Any] = {"shifts": shifts, "surrogates": surrogates, "seed": seed, "level": level}
+    places = Pieces.of(upper, lower, **chosen)
+    area = places.area
     loads = [amount * (area if per_area else 1.0) for amount, per_area in wanted]
     if hardness is not None and max(loads) >= hardness * area:
         raise ValueError(f"--load must be below the hardness times the area, {hardness * area:.4g} mN")
@@ -75,18 +76,21 @@ def press_areas(
     for sentence in views.map_doubts(bodies, loads, area, mu0=mu0, effective_modulus=effective_modulus):
         say(sentence)
     if "half-space" in mechanics:
-        _say_what_it_costs(upper, lower, around[-1], shifts, len(around), **elastic, hardness=hardness)
+        _say_what_it_costs(places, around[-1], len(around), **elastic, hardness=hardness)
     results = [
         pressed_maps(
-            upper, lower, around, mu0=mu0, tau0=tau0, shifts=shifts,
-            directions=COMPASS if directions is None else directions, mechanics=each,  # type: ignore[arg-type]
-            hardness=hardness if each == "half-space" else None, progress=True, **elastic,
+            upper, lower, around, mu0=mu0, tau0=tau0, directions=COMPASS if directions is None else directions,
+            mechanics=each,  # type: ignore[arg-type]
+            hardness=hardness if each == "half-space" else None, progress=True, **chosen, **elastic,
         )
         for each in mechanics
     ]  # fmt: skip
-    result = xarray.concat(results, xarray.Variable("mechanics", list(mechanics)), combine_attrs="override")
+    result = joined(results, mechanics, loads)
     result.attrs |= {"loads_mN": np.array(loads), "files": files}
-    mean = pressed_maps_mean(result)
+    shift = views.typical_shift(result, loads[0])
+    if shift is not None:
+        result = with_picture(result, places, shift, loads[0], hardness=hardness, **elastic)
+    mean = means_of_all(result)
     show_map_pair(result, as_json=as_json)
     said = say if as_json else tell
     exports.export(result, table, replace=replace)
@@ -95,7 +99,7 @@ def press_areas(
     listed.write_text(views.map_pair_csv(mean, loads), encoding="utf-8")
     said(f"wrote {listed}")
     announce("drawing")
-    for path in views.save_map_pair_figures(result, mean, loads, output, bodies=(upper, lower)):
+    for path in views.save_map_pair_figures(result, mean, loads, output):
         said(f"wrote {path}")
 
 
@@ -105,12 +109,11 @@ def _loads_around(loads: list[float], most: float | None) -> list[float]:
     return sorted({load for load in around if most is None or load < most})
 
 
-def _say_what_it_costs(upper: Surface, lower: Surface, load: float, shifts: int, loads: int, **elastic: Any) -> None:
+def _say_what_it_costs(places: Pieces, load: float, loads: int, **elastic: Any) -> None:
     """How long all solutions take, from one of them."""
-    rows, columns = displacements(upper, lower, shifts)[0]
-    pair = window(upper, lower, (int(rows), int(columns)))
-    points = " x ".join(str(each) for each in pair[0].heights.shape)
-    words = f"half-space: {shifts * loads} solutions of {points} points"
+    pair = places.pair(0)
+    points = " x ".join(str(each) for each in places.shape)
+    words = f"half-space: {len(places) * loads} solutions of {points} points"
     started = time.perf_counter()
     try:
         curve = half_space(*pair, [load], direction=COMPASS, **elastic)
@@ -119,7 +122,7 @@ def _say_what_it_costs(upper: Surface, lower: Surface, load: float, shifts: int,
     except RuntimeError:
         say(f"{words}; the first does not reach its tolerance")
         return
-    seconds = (time.perf_counter() - started) * shifts * loads / available_cores()
+    seconds = (time.perf_counter() - started) * len(places) * loads / available_cores()
     say(f"{words}, about {seconds:.2g} s by the first; --mechanics asperities is faster")
 
 
@@ -128,14 +131,14 @@ def show_map_pair(result: Any, *, as_json: bool = False) -> None:
     from stiction.views.map_pair import map_pair_text
     from stiction.views.records import pair_record
 
-    loads, mean = np.atleast_1d(result.attrs["loads_mN"]), pressed_maps_mean(result)
+    loads, mean = np.atleast_1d(result.attrs["loads_mN"]), means_of_all(result)
     tell(pair_record(mean, loads) if as_json else map_pair_text(result, mean, loads))
 
 
 def draw_map_pair(result: Any, directory: Path) -> None:
-    """The figures of a pair of maps that need no maps."""
+    """The figures of a pair of maps."""
     from stiction.views.map_pair import save_map_pair_figures
 
     loads = np.atleast_1d(result.attrs["loads_mN"])
-    for path in save_map_pair_figures(result, pressed_maps_mean(result), loads, directory):
+    for path in save_map_pair_figures(result, means_of_all(result), loads, directory):
         tell(f"wrote {path}")

@@ -9,7 +9,7 @@ import typer
 
 from stiction.cli.application import command
 from stiction.cli.line_pair import draw_line_pair, press_lines, show_line_pair
-from stiction.cli.map_pair import draw_map_pair, prepared, press_areas, show_map_pair
+from stiction.cli.map_pair import draw_map_pair, map_level, prepared, press_areas, show_map_pair
 from stiction.cli.material import compliance_share, elasticity, law_of
 from stiction.cli.options import (
     Channels,
@@ -31,10 +31,12 @@ from stiction.cli.options import (
 from stiction.studies.map_pair import SHIFTS, Mechanics
 from stiction.studies.map_pair import TITLE as MAP_PAIR
 from stiction.surfaces.pairing import LINES
+from stiction.surfaces.preparation import levelled, turned_over
+from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 _OF_LINES = (
-    "offsets", "travel", "along", "surrogates", "seed", "law", "yield_strength", "detection", "curvature",
+    "offsets", "travel", "along", "law", "yield_strength", "detection", "curvature",
 )  # fmt: skip
 _OF_AREAS = ("mechanics", "check", "direction", "shifts", "rotate")
 
@@ -123,8 +125,8 @@ def pair(
         str,
         typer.Option(
             "--surrogates",
-            metavar="none|upper|lower|both",
-            help="Lines replaced by profiles of equal spectrum, new phases.",
+            metavar="N|none|upper|lower|both",
+            help="Of areas: press so many pairs of surfaces of equal spectrum as well. Of lines: what they replace.",
         ),
     ] = "none",
     seed: Annotated[
@@ -191,6 +193,15 @@ def pair(
         int,
         typer.Option("--shifts", metavar="N", min=1, help="Relative positions of maps."),
     ] = SHIFTS,
+    lay: Annotated[
+        str | None,
+        typer.Option(
+            "--lay",
+            metavar="grooves|isotropic",
+            help="Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.",
+            show_default="lines",
+        ),
+    ] = None,
     rotate: Annotated[
         float | None,
         typer.Option("--rotate", metavar="DEGREES", help="Turn the upper map in its plane.", show_default=False),
@@ -236,8 +247,10 @@ def pair(
         "replace": replace,
         "as_json": as_json,
     }
-    if isinstance(slider, Surface) and isinstance(base, Surface) and lines is None:
-        refuse(context, "is for lines; give --lines as well", *_OF_LINES)
+    maps = isinstance(slider, Surface) and isinstance(base, Surface) and lines is None
+    isotropic = _isotropic(slider, base, lay)
+    if maps or isotropic:
+        refuse(context, "is for lines; give --lines as well" if maps else "is for --lay grooves", *_OF_LINES)
         if mechanics not in get_args(Mechanics):
             raise ValueError(f"--mechanics must be {' or '.join(get_args(Mechanics))}, got {mechanics!r}")
         if check and given(context, "mechanics"):
@@ -245,19 +258,45 @@ def pair(
         by = get_args(Mechanics) if check else (mechanics,)
         if by != ("half-space",):
             refuse(context, "is for the half-space alone, of maps", "hardness")
+        if isotropic:
+            refuse(context, "is for maps; of profiles give --surrogates", "shifts", "rotate", "lines")
+            assert isinstance(slider, Profile)
+            assert isinstance(base, Profile)
+            trend: Any = "line" if level is None else level
+            bodies: tuple[Profile, Profile] | tuple[Surface, Surface] = (
+                turned_over(levelled(slider, trend)), levelled(base, trend),
+            )  # fmt: skip
+        else:
+            assert isinstance(slider, Surface)
+            assert isinstance(base, Surface)
+            bodies = prepared(slider, base, level=map_level(level), angle=rotate)
         press_areas(
-            *prepared(slider, base, level=level, angle=rotate),
+            bodies[0],
+            bodies[1],
             loads,
             mechanics=by,
             compliance_share=compliance_share(modulus, young, poisson),
             hardness=None if hardness is None else quantity_of("--hardness", hardness, "pressure"),
             directions=None if direction is None else numbers("--direction", direction),
-            shifts=shifts,
+            shifts=None if isotropic else shifts,
+            surrogates=_number_of_surrogates(surrogates),
+            seed=seed,
+            level="plane" if isotropic else map_level(level),
             files=f"{upper.name} on {lower.name}",
             **common,
         )
         return
     refuse(context, "is for the areas of two maps, without --lines", *_OF_AREAS)
+    remark = ""
+    if lay == "grooves":
+        if given(context, "law") and law != "hertz-cylinder":
+            raise ValueError(f"--lay grooves presses cylinders, so --law {law} must not be given beside it")
+        law = "hertz-cylinder"
+    elif isinstance(slider, Profile) and isinstance(base, Profile) and law != "hertz-cylinder":
+        remark = (
+            "Spheres on a strip 1 µm thick, for which there is nothing beside the line; --lay grooves (cylinders)\n"
+            "or --lay isotropic (areas of their spectra) says what the surfaces are like across them."
+        )
     surfaces = isinstance(slider, Surface) or isinstance(base, Surface)
     if not surfaces:
         refuse(context, "is for surfaces", "along")
@@ -279,8 +318,29 @@ def pair(
         along=along,
         surrogates=surrogates,
         seed=seed,
+        remark=remark,
         **common,
     )
+
+
+def _isotropic(upper: Profile | Surface, lower: Profile | Surface, lay: str | None) -> bool:
+    """Whether profiles stand for isotropic surfaces."""
+    if lay is None:
+        return False
+    if lay not in ("grooves", "isotropic"):
+        raise ValueError(f"--lay must be grooves or isotropic, got {lay!r}")
+    if isinstance(upper, Surface) or isinstance(lower, Surface):
+        raise ValueError("--lay is for two profiles; a map has its lay in it")
+    return lay == "isotropic"
+
+
+def _number_of_surrogates(text: str) -> int | None:
+    """Of areas."""
+    if text == "none":
+        return None
+    if not text.isdecimal() or not int(text):
+        raise ValueError(f"--surrogates of areas must be a number of pairs of at least 1, got {text!r}")
+    return int(text)
 
 
 def paired(directory: Path) -> Any:

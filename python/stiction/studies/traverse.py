@@ -359,5 +359,8 @@ def _places(offsets: ArrayLike, spacing: float) -> NDArray[np.intp]:
         raise ValueError(f"offsets must be numbers of at least 0 µm that rise, got {offsets!r}")
     places = np.rint(values / spacing).astype(np.intp)
     if not (np.diff(places) > 0).all():
-        raise ValueError(f"offsets must be at least a spacing apart, {spacing:g} µm, got {offsets!r}")
+        raise ValueError(
+            f"offsets must be at least a spacing apart, {spacing:g} µm, got {values.size} offsets of which two are "
+            f"{np.diff(values).min():.3g} µm apart"
+        )
     return places

@@ -7,22 +7,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction.studies.map_pair import MapContacts, map_contacts
+from stiction.studies.map_pair import OF_SURROGATES, contacts_at, kind_of
+from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.style import MILLIMETRE, STYLE, WIDTH, save_picture
-from stiction.views.traverse import HIGHEST_MU0, _cell, _count, _material, _materials, _then
+from stiction.views.traverse import HIGHEST_MU0, _cell, _count, _material, _materials, _then, advice
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-_OF_CONTACT = {
+_OF_CONTACT: dict[str | tuple[str, float], tuple[str, float]] = {
     "contact_area_fraction": ("true area A/A0 (%)", 100.0),
     "contact_count": ("contacts", 1.0),
+    ("patch_area", 0.5): ("  half of them are below (µm²)", 1.0),
+    ("patch_area", 0.9): ("  nine tenths of them are below (µm²)", 1.0),
+    ("pressure", 0.5): ("pressure on half of the true area below (GPa)", 1.0),
+    ("pressure", 0.9): ("  pressure on nine tenths of it below (GPa)", 1.0),
     "normal_stiffness": ("normal stiffness (mN/µm)", 1.0),
     "approach": ("approach (nm)", 1000.0),
+    "share_on_largest": ("load on the contact that carries most (%)", 100.0),
+    "share_on_steepest_upper": ("load on the steepest tenth of the upper (%)", 100.0),
+    "share_on_steepest_lower": ("load on the steepest tenth of the lower (%)", 100.0),
 }
-"""What the table says of each load, and the factor to its unit."""
+"""What the table says of each load, a quantile of some, and the factor to its unit."""
 
 _RULES = {
     "opposing": "contacts that oppose the motion rub, the others do not (the paper's rule)",
@@ -40,11 +48,16 @@ MERGED = 0.3
 HIGH_PRESSURE = 0.01
 """Of E*; metals yield at less."""
 
+MOSTLY_ONE = 40.0
+"""Percent of the load on one contact from which on a result is that of one place."""
+
 OVERLAPPING = 0.1
 """Share of the load on overlapping ellipses from which on asperities are doubted."""
 
 _COLOURS = {"opposing": "C0", "all": "C1"}
-_LINES = {"half-space": "-", "asperities": "--"}
+_LINES = {
+    "half-space": "-", "asperities": "--", f"half-space{OF_SURROGATES}": "-.", f"asperities{OF_SURROGATES}": ":",
+}  # fmt: skip
 
 
 # ---- Text ------------------------------------------------------------------------------------------------------------
@@ -56,20 +69,17 @@ def map_pair_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
     Parameters
     ----------
     result, mean : xarray.Dataset
-        What `pressed_maps` and `pressed_maps_mean` return, with a dimension mechanics.
+        What `pressed_maps` returns, with a dimension mechanics, and its `pressed_maps_mean` or `means_of_all`.
     loads : (l,) array_like of float, mN
         Of those of the result.
     """
     rows, columns = (int(points) for points in result.attrs["shape"])
     dy, dx = (float(step) for step in result.attrs["spacing_um"])
-    x, y = result["x"].values, result["y"].values
     area = float(result["nominal_area"])
     lines = [
         f"{'upper':<10} {_then(result.attrs['upper'])}",
         f"{'lower':<10} {_then(result.attrs['lower'])}",
-        f"{'overlap':<10} {_count(x.size, 'shift')}, each {rows} x {columns} points, {rows * dy:.4g} x "
-        f"{columns * dx:.4g} µm, levelled by a plane",
-        f"{'':<10} the upper map moved by {_span(x)} µm along x and {_span(y)} µm along y",
+        *_pieces(result, f"{rows} x {columns} points, {rows * dy:.4g} x {columns * dx:.4g} µm"),
         f"{'model':<10} E* = {float(result['effective_modulus']):g} GPa, {_material(result)}",
         *(f"{'':<10} {name}: {_MECHANICS[name]}" for name in _names(result)),
     ]
@@ -80,13 +90,69 @@ def map_pair_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         at = mean.sel(load=load, method="nearest")
         lines += [
             "",
-            f"at {1000 * load / area:.4g} MPa, {load:.4g} mN on {area:.4g} µm²: means over the shifts, 95 % intervals",
+            f"at {1000 * load / area:.4g} MPa, {load:.4g} mN on {area:.4g} µm²: means and 95 % intervals",
             *_table(at),
-            *_doubts_of(result.sel(load=load, method="nearest"), at),
+            *_doubts_of(_without_contacts(result).sel(load=load, method="nearest"), at),
         ]
         last = _in_one_sentence(at, float(load), area)
-    lines += ["", *_READING, last]
+    lines += ["", *_READING, *_of_intervals(result), last]
     return "\n".join(lines) + "\n"
+
+
+def _without_contacts(result: xarray.Dataset) -> xarray.Dataset:
+    return result.drop_dims("contact") if "contact" in result.dims else result
+
+
+def _kinds(result: xarray.Dataset) -> dict[bool, xarray.Dataset]:
+    """Of a result, its shifts (False) and its pairs of surrogates (True)."""
+    of = result["surrogate"].values if "surrogate" in result.coords else np.zeros(result.sizes["shift"], dtype=bool)
+    return {surrogates: kind_of(result, surrogates) for surrogates in (False, True) if (of == surrogates).any()}
+
+
+def _own(result: xarray.Dataset, name: str) -> xarray.Dataset:
+    """What a column of the table is a mean of."""
+    kinds = _kinds(result)
+    kept = kinds[True] if name.endswith(OF_SURROGATES) or False not in kinds else kinds[False]
+    return kept.sel(mechanics=name.removesuffix(OF_SURROGATES))
+
+
+def _pieces(result: xarray.Dataset, size: str) -> list[str]:
+    """What was pressed."""
+    level = {"plane": "a plane", "quadratic": "a polynomial of second degree", "mean": "its mean"}
+    how = f"each {size}, levelled by {level[str(result.attrs.get('level', 'plane'))]}"
+    kinds, lines = _kinds(result), []
+    if False in kinds:
+        x, y = kinds[False]["x"].values, kinds[False]["y"].values
+        lines += [
+            f"{'overlap':<10} {_count(x.size, 'shift')}, {how}",
+            f"{'':<10} the upper map moved by {_span(x)} µm along x and {_span(y)} µm along y",
+        ]
+    if True in kinds:
+        of = "isotropic surfaces" if result.attrs.get("of_profiles") else "new phases"
+        number, seed = _count(kinds[True].sizes["shift"], "pair"), int(result.attrs["seed"])
+        where = " of the same size" if lines else f", {how}"
+        lines.append(f"{'surrogates':<10} {number} with the spectra of both, {of}, seed {seed}{where}")
+    return lines
+
+
+def _of_intervals(result: xarray.Dataset) -> list[str]:
+    """What each interval is an interval of."""
+    kinds, lines = _kinds(result), []
+    if False in kinds:
+        lines.append(
+            f"Intervals are over {_count(kinds[False].sizes['shift'], 'shift')} of these two maps: how well the mean "
+            "over all their relative positions\nis known. Other pieces of the surfaces may differ by more."
+        )
+    if True in kinds:
+        own = kinds[True]["friction_coefficient"].isel(mechanics=0, mu0=0, tau0=0).sel(sliding="opposing")
+        at = own.sel(load=np.atleast_1d(result.attrs.get("loads_mN", own["load"].values))[0], method="nearest")
+        spread = np.sqrt(np.mean(at.var("shift", ddof=min(1, at.sizes["shift"] - 1)).values))
+        lines.append(
+            f"Those of surrogates are over {_count(kinds[True].sizes['shift'], 'independent pair')} of surfaces with "
+            "these spectra: how well the mean over surfaces of\nthis kind is known. Of single pairs of this size mu_s "
+            f"scatters by {float(spread):.2g} (standard deviation in one direction,\nopposing contacts)."
+        )
+    return lines
 
 
 _MECHANICS = {
@@ -96,7 +162,6 @@ _MECHANICS = {
 
 _READING = (
     "The load is the elastic one, before anything slides; mu_s = F_T/F_N with what friction on slopes adds to F_N.",
-    "Intervals are over shifts of these two maps, which have heights in common; other pieces may differ by more.",
 )
 
 
@@ -109,12 +174,22 @@ def _span(values: Any) -> str:
     return f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
 
 
+def _picked(at: xarray.Dataset, key: str | tuple[str, float]) -> xarray.DataArray:
+    """A variable, or a quantile of it; NaN where an older result has none."""
+    name, quantile = key if isinstance(key, tuple) else (key, None)
+    if name not in at:
+        return at["contact_area"] * np.nan
+    return at[name] if quantile is None else at[name].sel(quantile=quantile, method="nearest")
+
+
 def _table(at: xarray.Dataset) -> list[str]:
     """The lines of one load, a column for each mechanics."""
     names = _names(at)
     table = [["", *names]]
-    for name, (title, factor) in _OF_CONTACT.items():
-        table.append([title, *(_cell(factor * at[name].sel(mechanics=each).values, name) for each in names)])
+    for key, (title, factor) in _OF_CONTACT.items():
+        picked = _picked(at, key)
+        if np.isfinite(picked).any() or key in ("contact_area_fraction", "contact_count"):
+            table.append([title, *(_cell(factor * picked.sel(mechanics=each).values, title) for each in names)])
     shares = at["share_opposing"].isel(direction=0)
     table.append(
         [
@@ -171,31 +246,37 @@ def _doubts_of(result: xarray.Dataset, at: xarray.Dataset) -> list[str]:
     lines = []
     gradient = at["rms_gradient"].isel(mechanics=0).values
     lines.append(f"gap: h' = {_cell(gradient, 'h')}, its root-mean-square gradient")
-    for name in _names(result):
-        own, mean = result.sel(mechanics=name), at.sel(mechanics=name).sel(statistic="mean")
+    for name in _names(at):
+        own, mean = _own(result, name), at.sel(mechanics=name).sel(statistic="mean")
         kinds, numbers = np.unique(own["status"].isel(sliding=0, direction=0, mu0=0, tau0=0), return_counts=True)
         missing = [f"{number} {kind}" for kind, number in zip(kinds, numbers, strict=True) if kind != "ok"]
         if missing:
-            lines.append(f"{name}: shifts without an answer: {', '.join(missing)} of {numbers.sum()}")
+            lines.append(f"{name}: pieces without an answer: {', '.join(missing)} of {numbers.sum()}")
+            lines += advice(kinds.tolist())
         if len(missing) == kinds.size:
             continue
-        if name == "half-space":
-            lines.append(f"half-space: solved to an error of {float(own['error'].max()):.1g} (of the gap's deviation)")
+        if name.startswith("half-space"):
+            lines.append(f"{name}: solved to an error of {float(own['error'].max()):.1g} (of the gap's deviation)")
             largest, edge = (100 * float(mean[each]) for each in ("share_on_largest", "share_at_edge"))
             lines.append(
-                f"half-space: one contact carries {largest:.0f} % of the load on the mean, and {edge:.0f} % is on "
+                f"{name}: one contact carries {largest:.0f} % of the load on the mean, and {edge:.0f} % is on "
                 "contacts that the edge of the overlap cuts"
             )
+            if largest > MOSTLY_ONE:
+                lines.append(
+                    f"{name}: so few places carry the load because the highest waves are as long as the maps; larger "
+                    "maps, or more load, say more"
+                )
             if "hardness_GPa" in result.attrs:
                 share = 100 * float(mean["load_share_at_hardness"])
-                lines.append(f"half-space: {share:.0f} % of the load is where the pressure is the hardness")
+                lines.append(f"{name}: {share:.0f} % of the load is where the pressure is the hardness")
         else:
             overlapping = float(mean["share_overlapping"])
             doubt = ": there contacts would merge, and the true area is larger" if overlapping > OVERLAPPING else ""
-            lines.append(f"asperities: {100 * overlapping:.0f} % of the load is on ellipses that overlap{doubt}")
+            lines.append(f"{name}: {100 * overlapping:.0f} % of the load is on ellipses that overlap{doubt}")
             beyond = float(mean["share_beyond_hertz"])
             if beyond > OVERLAPPING:
-                lines.append(f"asperities: {100 * beyond:.0f} % of the load is beyond Hertz (overlap > R/10)")
+                lines.append(f"{name}: {100 * beyond:.0f} % of the load is beyond Hertz (overlap > R/10)")
         pressure = float(at["load"]) / float(at["nominal_area"]) / float(mean["contact_area_fraction"])
         high = pressure > HIGH_PRESSURE * float(at["effective_modulus"]) and "hardness_GPa" not in result.attrs
         near = "" if not high else "; a hardness near that limits it (--hardness)"
@@ -237,17 +318,17 @@ def map_pair_csv(mean: xarray.Dataset, loads: Any) -> str:
     loads : (l,) array_like of float, mN
         Of those of the result.
     """
-    columns = {
+    columns: dict[str | tuple[str, float], tuple[str, float]] = {
         "friction_coefficient": ("mu_s", 1.0),
         "normal_load": ("normal load with friction (mN)", 1.0),
         "gentle_friction": ("mu_s by slope alone", 1.0),
         "share_opposing": ("load that opposes (%)", 100.0),
         **_OF_CONTACT,
-    }
+    }  # fmt: skip
     header = ["load (mN)", "mechanics", "rubbing contacts", "mu0", "tau0 (MPa)", "direction (degrees)", "shifts"]
     header += ["shifts with an answer"]
     for title, _ in columns.values():
-        header += [title, f"{title}: lower", f"{title}: upper"]
+        header += [title.strip(), f"{title.strip()}: lower", f"{title.strip()}: upper"]
     rows = [header]
     for load in np.atleast_1d(loads):
         for name in _names(mean):
@@ -256,7 +337,9 @@ def map_pair_csv(mean: xarray.Dataset, loads: Any) -> str:
                     here = mean.isel(place).sel(load=load, method="nearest").sel(mechanics=name, sliding=rule)
                     for direction in mean["direction"].values:
                         at = here.sel(direction=direction)
-                        numbers = [factor * value for key, (_, factor) in columns.items() for value in at[key].values]
+                        numbers = [
+                            factor * value for key, (_, factor) in columns.items() for value in _picked(at, key).values
+                        ]
                         head = [
                             f"{load:.12g}", name, rule, f"{float(at['mu0']):.12g}", f"{1000 * float(at['tau0']):.12g}",
                             f"{direction:.12g}", str(int(at["shifts"])), str(int(at["ok"])),
@@ -265,12 +348,14 @@ def map_pair_csv(mean: xarray.Dataset, loads: Any) -> str:
     return "".join(",".join(row) + "\n" for row in rows)
 
 
-def map_doubts(bodies: dict[str, Surface], loads: Any, area: float, *, mu0: Any, effective_modulus: float) -> list[str]:
+def map_doubts(
+    bodies: dict[str, Surface | Profile], loads: Any, area: float, *, mu0: Any, effective_modulus: float
+) -> list[str]:
     """A sentence on each thing that is seldom meant."""
     sentences = [
-        f"{name}: heights span {np.ptp(body.heights):.3g} µm over {min(body.extent):.3g} µm; is their unit right?"
+        f"{name}: heights span {np.ptp(body.heights):.3g} µm over {np.min(body.extent):.3g} µm; is their unit right?"
         for name, body in bodies.items()
-        if np.ptp(body.heights) > min(body.extent) / 2
+        if np.ptp(body.heights) > np.min(body.extent) / 2
     ]
     if max(mu0) > HIGHEST_MU0:
         sentences.append(f"mu0 = {max(mu0):g} is more than any pair of materials has; is it in percent?")
@@ -286,46 +371,36 @@ def map_doubts(bodies: dict[str, Surface], loads: Any, area: float, *, mu0: Any,
 # ---- Figures ---------------------------------------------------------------------------------------------------------
 
 
-def save_map_pair_figures(
-    result: xarray.Dataset,
-    mean: xarray.Dataset,
-    loads: Any,
-    directory: Path,
-    *,
-    bodies: tuple[Surface, Surface] | None = None,
-) -> list[Path]:
-    """Draw a pair of maps into a directory and return the paths; of several loads, mu0 and tau0 the first.
+def save_map_pair_figures(result: xarray.Dataset, mean: xarray.Dataset, loads: Any, directory: Path) -> list[Path]:
+    """Draw a pair of maps into a directory and return the paths.
 
-    ``compass.png``: `compass_figure`. ``friction.png``: `map_load_figure`. ``contacts.png``: `contacts_figure` in the
-    first direction at the shift whose number of contacts is in the middle, if the bodies, as `pressed_maps` takes them,
-    are given.
+    ``compass.png``: `compass_figure` of the first load. ``friction.png``: `map_load_figure`. Further mu0 and tau0 have
+    theirs, ``compass-2.png`` and so on. ``sizes.png``: `distribution_figure`. ``contacts.png``: `contacts_figure` of
+    the shift that the result has heights of, if it has any.
     """
     load = float(np.atleast_1d(loads)[0])
-    mean = mean.isel(_materials(mean)[0][1])
-    figures = {"compass.png": compass_figure(mean, load), "friction.png": map_load_figure(mean, loads)}
-    if bodies is not None:
-        name, direction, shift = _names(result)[0], float(result["direction"][0]), _typical(result, load)
-        hardness = result.attrs.get("hardness_GPa")
-        found = map_contacts(
-            *bodies, load, shift=shift, direction=direction, mechanics=name,  # type: ignore[arg-type]
-            effective_modulus=float(result["effective_modulus"]),
-            compliance_share=float(result.attrs["compliance_share"]),
-            hardness=None if hardness is None else float(hardness),
-        )  # fmt: skip
-        if found is not None:
-            words = f"{name}, upper body {_sign(_way(direction))}, shift {shift + 1} of {result.sizes['shift']}"
-            figures["contacts.png"] = contacts_figure(found, f"{_head(mean, load)}\n{words}")
+    figures = {}
+    for number, (_, place) in enumerate(_materials(mean), 1):
+        of, own = "" if number == 1 else f"-{number}", mean.isel(place)
+        figures[f"compass{of}.png"] = compass_figure(own, load)
+        figures[f"friction{of}.png"] = map_load_figure(own, loads)
+    if "patch_area" in mean and np.isfinite(mean["patch_area"]).any():
+        figures["sizes.png"] = distribution_figure(mean, loads)
+    if "pictured_shift" in result.attrs:
+        figures["contacts.png"] = contacts_figure(result)
     paths = [directory / name for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
         save_picture(figure, path)
     return paths
 
 
-def _typical(result: xarray.Dataset, load: float) -> int:
-    """The shift of which the number of contacts is in the middle."""
-    counts = result["contact_count"].isel(mechanics=0).sel(load=load, method="nearest").values
-    known = np.flatnonzero(np.isfinite(counts))
-    return int(known[np.argsort(counts[known], kind="stable")[known.size // 2]]) if known.size else 0
+def typical_shift(result: xarray.Dataset, load: float) -> int | None:
+    """The shift of which the number of contacts is in the middle, of the first mechanics; None if none has any."""
+    counts = _without_contacts(result)["contact_count"].isel(mechanics=0).sel(load=load, method="nearest").values
+    known = np.flatnonzero(np.isfinite(counts) & (counts > 0))
+    if "surrogate" in result.coords and not result["surrogate"].values.all():
+        known = known[~result["surrogate"].values[known]]
+    return int(known[np.argsort(counts[known], kind="stable")[known.size // 2]]) if known.size else None
 
 
 def _sign(words: str) -> str:
@@ -340,6 +415,11 @@ def _head(mean: xarray.Dataset, load: float | None = None) -> str:
         return files
     pressure = 1000 * load / float(mean["nominal_area"])
     return f"{files}, {pressure:.4g} MPa ({load:.4g} mN)"
+
+
+def _over(mean: xarray.Dataset) -> str:
+    """What the first intervals are over."""
+    return "pairs of surrogates" if mean.attrs.get("of_profiles") else "shifts"
 
 
 def _material_title(mean: xarray.Dataset) -> str:
@@ -389,7 +469,8 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
         axes.set_title(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6, loc="center")
         handles, labels = axes.get_legend_handles_labels()
         figure.legend(
-            handles, labels, loc="outside lower center", ncols=1, title="upper body to; shaded: 95 % over the shifts",
+            handles, labels, loc="outside lower center", ncols=1,
+            title=f"upper body to; shaded: 95 % over the {_over(at)}",
         )  # fmt: skip
         figure.draw_without_rendering()
     return figure
@@ -432,7 +513,7 @@ def map_load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         bottom.set_xlabel("load over the area of the overlap (MPa)")
         top.set_title(f"{_head(mean)}\n{_material_title(mean)}", loc="left", fontsize=6, pad=3)
         figure.legend(
-            *top.get_legend_handles_labels(), title="shaded: 95 % over the shifts", loc="outside lower center"
+            *top.get_legend_handles_labels(), title=f"shaded: 95 % over the {_over(mean)}", loc="outside lower center"
         )
         figure.draw_without_rendering()
     return figure
@@ -447,40 +528,86 @@ def _plain(axis: Any) -> None:
     axis.set_minor_locator(NullLocator())
 
 
-def contacts_figure(found: MapContacts, title: str) -> Figure:
-    """Contacts over the height map of the lower body, and the pressure around the one that carries most; 80 mm wide."""
+def distribution_figure(mean: xarray.Dataset, loads: Any) -> Figure:
+    """Share of the contacts against their area, and of the true area against pressure, at each load; 80 mm wide."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    lower = found.lower
-    extent_y, extent_x = lower.extent
-    fine = np.ptp(lower.heights) < _FINE
+    area = float(mean["nominal_area"])
     with mpl.rc_context(STYLE):
-        zoomed = found.pressure is not None
+        figure = Figure(figsize=(WIDTH, 96 * MILLIMETRE), layout="constrained")
+        top, bottom = figure.subplots(2, 1)
+        share = 100 * mean["quantile"].values
+        for number, load in enumerate(np.atleast_1d(loads)):
+            for name in _names(mean):
+                at = mean.sel(load=load, method="nearest").sel(mechanics=name)
+                label = f"{1000 * load / area:.3g} MPa ({load:.3g} mN), {name}"
+                for axes, key in ((top, "patch_area"), (bottom, "pressure")):
+                    values = at[key].transpose("statistic", "quantile").values
+                    axes.plot(values[0], share, _LINES[name], color=f"C{number}", linewidth=0.9, label=label)
+                    if name == _names(mean)[0]:
+                        axes.fill_betweenx(share, values[1], values[2], color=f"C{number}", alpha=0.2, linewidth=0)
+        for axes in (top, bottom):
+            axes.set_ylim(0, 100)
+            axes.set_xscale("log")
+            _plain(axes.xaxis)
+        top.set_ylabel("share of the contacts\nthat is smaller (%)")
+        top.set_xlabel("area of a contact (µm²)")
+        bottom.set_ylabel("share of the true area\nunder less (%)")
+        bottom.set_xlabel("pressure (GPa)")
+        top.set_title(f"{_head(mean)}\n$E^*$ = {float(mean['effective_modulus']):g} GPa", loc="left", fontsize=6, pad=3)
+        handles, labels = top.get_legend_handles_labels()
+        figure.legend(handles, labels, title=f"shaded: 95 % over the {_over(mean)}", loc="outside lower center")
+        figure.draw_without_rendering()
+    return figure
+
+
+def contacts_figure(result: xarray.Dataset) -> Figure:
+    """Contacts over the heights that a result holds, and the pressure about the one that carries most; 80 mm wide.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        A joined result `with_picture`. Of its directions the first is drawn.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    name, direction, shift = _names(result)[0], float(result["direction"][0]), int(result.attrs["pictured_shift"])
+    load = float(result.attrs["pictured_load_mN"])
+    found = contacts_at(result, shift, load, name)
+    force = found["contact_force"].values
+    radians = np.radians(direction)
+    opposing = found["contact_slope_x"].values * np.cos(radians) + found["contact_slope_y"].values * np.sin(radians) > 0
+    lower = result["lower_height"].values
+    fine = np.ptp(lower) < _FINE
+    zoomed = "zoom_pressure" in result and name == "half-space"
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, (142 if zoomed else 86) * MILLIMETRE), layout="constrained")
         drawn = figure.subplots(2 if zoomed else 1, 1, squeeze=False)[:, 0]
         axes = drawn[0]
-        box = (0.0, extent_x, 0.0, extent_y)
-        low, high = np.quantile(lower.heights, [0.01, 0.99]) * (1000 if fine else 1)
+        low, high = np.quantile(lower, [0.01, 0.99]) * (1000 if fine else 1)
         image = axes.imshow(
-            lower.heights * (1000 if fine else 1), extent=box, origin="lower", cmap="gray", vmin=low, vmax=high,
+            lower * (1000 if fine else 1), extent=_box(result, "height"), origin="lower", cmap="gray", vmin=low,
+            vmax=high,
         )  # fmt: skip
         figure.colorbar(image, ax=axes, label="lower body " + ("(nm)" if fine else "(µm)"), extend="both", shrink=0.8)
-        sizes = 60 * found.force / found.force.max()
-        for opposing, colour, words in (
-            (True, "C3", "opposes the motion"), (False, "C0", "does not"),
-        ):  # fmt: skip
-            which = found.opposing == opposing
-            share = 100 * found.force[which].sum() / found.force.sum()
+        sizes = 60 * force / force.max()
+        for which, colour, words in ((opposing, "C3", "opposes the motion"), (~opposing, "C0", "does not")):
+            share = 100 * force[which].sum() / force.sum()
             axes.scatter(
-                found.x[which], found.y[which], s=np.maximum(sizes[which], 1.0), facecolors="none", edgecolors=colour,
-                linewidths=0.7, label=f"{_count(int(which.sum()), 'contact')} with {share:.0f} % of the load: {words}",
+                found["contact_x"].values[which], found["contact_y"].values[which], s=np.maximum(sizes[which], 1.0),
+                facecolors="none", edgecolors=colour, linewidths=0.7,
+                label=f"{_count(int(which.sum()), 'contact')} with {share:.0f} % of the load: {words}",
             )  # fmt: skip
-        axes.set_title(title, loc="left", fontsize=6, pad=3)
+        axes.set_title(
+            f"{_head(result, load)}\n{name}, upper body {_sign(_way(direction))}, {_where(result, shift)}",
+            loc="left", fontsize=6, pad=3,
+        )  # fmt: skip
         axes.set_xlabel("$x$ (µm)")
         axes.set_ylabel("$y$ (µm)")
         if zoomed:
-            _pressure_panel(figure, drawn[1], found)
+            _pressure_panel(figure, drawn[1], result)
         figure.legend(
             *axes.get_legend_handles_labels(), loc="outside lower center",
             title="circles grow with the load of a contact, and are larger than it",
@@ -489,19 +616,30 @@ def contacts_figure(found: MapContacts, title: str) -> Figure:
     return figure
 
 
-def _pressure_panel(figure: Figure, axes: Any, found: MapContacts) -> None:
-    """Pressure on an eighth of the map around the contact that carries most."""
-    assert found.pressure is not None
-    (rows, columns), (dy, dx) = found.lower.heights.shape, found.lower.spacing
-    most = int(found.force.argmax())
-    height, width = max(rows // 8, 16), max(columns // 8, 16)
-    top = int(np.clip(found.y[most] / dy - height / 2, 0, max(rows - height, 0)))
-    left = int(np.clip(found.x[most] / dx - width / 2, 0, max(columns - width, 0)))
-    piece = found.pressure[top : top + height, left : left + width]
-    beneath = found.lower.heights[top : top + height, left : left + width]
-    box = (left * dx, (left + piece.shape[1]) * dx, top * dy, (top + piece.shape[0]) * dy)
-    axes.imshow(beneath, extent=box, origin="lower", cmap="gray", alpha=0.6)
-    image = axes.imshow(np.where(piece > 0, piece, np.nan), extent=box, origin="lower", cmap="inferno", vmin=0)
+def _where(result: xarray.Dataset, shift: int) -> str:
+    """Which of the pairs of pieces it is."""
+    if "surrogate" in result.coords and bool(result["surrogate"][shift]):
+        first = int(np.flatnonzero(result["surrogate"].values)[0])
+        return f"pair {shift - first + 1} of surrogates"
+    x, y = float(result["x"][shift]), float(result["y"][shift])
+    return _sign(f"moved by {x:.3g} µm, {y:.3g} µm")
+
+
+def _box(result: xarray.Dataset, what: str) -> tuple[float, float, float, float]:
+    """Where a picture lies: left, right, bottom, top."""
+    ends = []
+    for axis in ("x", "y"):
+        values = result[f"{what}_{axis}"].values
+        ends += [float(values[0]), float(2 * values[-1] - values[-2])]
+    return ends[0], ends[1], ends[2], ends[3]
+
+
+def _pressure_panel(figure: Figure, axes: Any, result: xarray.Dataset) -> None:
+    """Pressure about the contact that carries most."""
+    pressure = result["zoom_pressure"].values
+    box = _box(result, "zoom")
+    axes.imshow(result["zoom_height"].values, extent=box, origin="lower", cmap="gray", alpha=0.6)
+    image = axes.imshow(np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap="inferno", vmin=0)
     figure.colorbar(image, ax=axes, label="pressure (GPa)", shrink=0.8)
     axes.set_title("around the contact that carries most", loc="left", pad=3)
     axes.set_xlabel("$x$ (µm)")

@@ -116,7 +116,7 @@ def pair_record(mean: xarray.Dataset, loads: Any) -> str:
         for name in ("title", "upper", "lower", "detection", "law", "curvature")
         if name in mean.attrs
     }
-    positions = int(mean["positions"] if "positions" in mean else mean["shifts"])
+    positions = int((mean["positions"] if "positions" in mean else mean["shifts"]).max())
     return record(
         "pair", values, kind="pair", positions=positions, effective_modulus=float(mean["effective_modulus"]), **about
     )

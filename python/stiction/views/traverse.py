@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,7 +118,8 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         pressure = f" ({1000 * load / length:.4g} MPa of nominal pressure)" if cylinders else ""
         lines += ["", f"at F_N = {load:.4g} mN{pressure}, means and 95 % intervals"]
         if not (there["status"] == friction.STATUS_OK).any():
-            lines.append(f"none of the positions has an answer: {', '.join(np.unique(there['status'].values))}")
+            kinds = [str(kind) for kind in np.unique(there["status"].values)]
+            lines += [f"none of the positions has an answer: {', '.join(kinds)}", *advice(kinds)]
             continue
         lines += _table(there, at, positions)
         told = True
@@ -128,6 +129,8 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         where = _materials(mean)[0][1]
         said = [_in_short(result.isel(where), mean.isel(where), load) for load in np.atleast_1d(loads)]
         lines += ["", *(textwrap.fill(each, 118) for each in said)]
+    if remark := str(result.attrs.get("remark", "")):
+        lines += ["", remark]
     return "\n".join(lines) + "\n"
 
 
@@ -207,6 +210,7 @@ def _table(result: xarray.Dataset, mean: xarray.Dataset, positions: int) -> list
         table.append(["positions with an answer", *(_answers(_towards(there, shear)) for shear in shears)])
     widths = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
     lines = ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
+    lines += advice(str(kind) for kind in np.unique(result["status"].values))
     if few:
         lines.append(f"no mean where fewer than half of the positions have an answer; {RESULT} holds all of them")
     return lines
@@ -321,6 +325,20 @@ def _spread(at: xarray.Dataset) -> str:
     return f"{np.quantile(known, 0.1):.3g} to {np.quantile(known, 0.9):.3g}" if known.size else "none"
 
 
+_ADVICE = {
+    "not-reached": "even with all points in touch the load is not carried; give less load, or press areas of maps",
+    "below-range": "the first points of the grid carry more than the load; give more load, or scan more finely",
+    "not-solved": "the half-space did not reach its tolerance; try another load, or --mechanics asperities",
+    "self-locked": "friction on such slopes holds at any tangential load; are mu0 and tau0 right?",
+    "no-contact": "nothing touches where both bodies are convex; give more load, or --curvature signed for lines",
+}
+
+
+def advice(kinds: Iterable[str]) -> list[str]:
+    """What to do about statuses other than "ok", a line for each."""
+    return [f"  {kind}: {_ADVICE[kind]}" for kind in kinds if kind in _ADVICE]
+
+
 def _answers(at: xarray.Dataset) -> str:
     """How many positions have an answer, and why the others have none."""
     kinds, numbers = np.unique(at["status"].values, return_counts=True)
@@ -345,13 +363,17 @@ def save_traverse_figures(
     """Draw a traverse into a directory and return the paths.
 
     ``friction.png``: `load_figure`. ``positions.png``: `positions_figure` at the first of the loads. ``contact.png``:
-    `contact_figure` of the first position that carries it, if there is one and the bodies are given. Of several mu0 and
-    tau0 the first are drawn.
+    `contact_figure` of the first position that carries it, if there is one and the bodies are given. Further mu0 and
+    tau0 have theirs, ``friction-2.png`` and so on. Where no position has an answer there are no positions to draw.
     """
     load = float(np.atleast_1d(loads)[0])
-    where = _materials(result)[0][1]
-    result, mean = result.isel(where), mean.isel(where)
-    figures = {"friction.png": load_figure(mean, loads), "positions.png": positions_figure(result, mean, load)}
+    figures = {}
+    for number, (_, where) in enumerate(_materials(result), 1):
+        of, own, its_mean = "" if number == 1 else f"-{number}", result.isel(where), mean.isel(where)
+        figures[f"friction{of}.png"] = load_figure(its_mean, loads)
+        if (own["status"].sel(load=load, method="nearest") == friction.STATUS_OK).any():
+            figures[f"positions{of}.png"] = positions_figure(own, its_mean, load)
+    result = result.isel(_materials(result)[0][1])
     at = result.sel(shear="+x").sel(load=load, method="nearest").transpose("line", "offset")
     answered = np.argwhere(at["status"].values == friction.STATUS_OK)
     if answered.size and bodies is not None:
@@ -361,7 +383,8 @@ def save_traverse_figures(
         beneath = lower_piece(lower, float(at["offset"][place]), upper)
         figures["contact.png"] = contact_figure(
             upper, beneath, float(at["approach"][line, place]),
-            mu0=float(result["mu0"]), tau0=float(result["tau0"]), load=load, **contact,
+            mu0=float(result["mu0"]), tau0=float(result["tau0"]), load=load, offset=float(at["offset"][place]),
+            **contact,
         )  # fmt: skip
     paths = [directory / name for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
@@ -475,6 +498,7 @@ def contact_figure(
     mu0: float,
     tau0: float = 0.0,
     load: float | None = None,
+    offset: float | None = None,
     **contact: Any,
 ) -> Figure:
     """Two profiles in contact: all of them, and the contact that carries most with the forces on the upper body.
@@ -488,6 +512,8 @@ def contact_figure(
     tau0 : float, GPa
     load : float, mN, optional
         What the title says that they carry.
+    offset : float, µm, optional
+        Where the title says that the upper profile lies on a longer one.
     **contact
         As for `contacts`.
     """
@@ -505,7 +531,8 @@ def contact_figure(
         whole.plot(*touching.centre[:, ::2].T, "o", color=FORCE, markersize=2, markeredgewidth=0)
         whole.set_title(
             f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm"
-            + ("" if load is None else f", $F_N$ = {load:.4g} mN"),
+            + ("" if load is None else f", $F_N$ = {load:.4g} mN")
+            + ("" if offset is None else f", offset {offset:.4g} µm"),
             loc="left",
             pad=3,
         )

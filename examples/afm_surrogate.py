@@ -1,0 +1,51 @@
+"""A worn map on itself, and the same of a surrogate: what its spectrum does not know, its height distribution does."""
+
+import matplotlib
+
+matplotlib.use("agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from stiction import (
+    Surface,
+    levelled,
+    pressed_maps,
+    pressed_maps_mean,
+    self_affine_surface,
+    surface_parameters,
+    surrogate,
+    turned_over,
+)
+from stiction.studies.map_pair import overlap_area
+
+# Rough, its peaks then worn to a plateau with a finer roughness of its own.
+rough, fine = (
+    self_affine_surface(
+        6, hurst_exponent=0.8, rms=rms, shape=(192, 192), spacing=0.02, longest_wavelength=0.8,
+        shortest_wavelength=0.1, side=side,
+    )
+    for rms, side in ((0.02, "lower"), (0.002, "upper"))
+)  # fmt: skip
+worn = levelled(Surface(np.minimum(rough.heights, 0.01 + fine.heights), spacing=rough.spacing), "plane")
+made = surrogate(worn, 2016)
+load = np.array([0.003, 0.01, 0.03]) * overlap_area(worn, worn)  # GPa
+MATERIAL = {"mu0": 0.3, "tau0": 0.05, "shifts": 8, "directions": [0.0, 90.0, 180.0, 270.0]}
+
+figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), layout="constrained")
+for name, body, colour in (("worn", worn, "C3"), ("surrogate", made, "C0")):
+    axes[0].hist(1000 * body.heights.ravel(), 80, histtype="step", density=True, color=colour, label=name)
+    found = surface_parameters(body)
+    mean = pressed_maps_mean(pressed_maps(turned_over(body), body, load, **MATERIAL))
+    area = 100 * mean["contact_area_fraction"].values
+    axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
+    axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")
+    friction = mean["friction_coefficient"].sel(sliding="all").isel(load=1).mean("direction").squeeze().values
+    print(f"{name}: Sq {1000 * found.Sq:.1f} nm, Ssk {found.Ssk:.2f}, Sdq {found.Sdq:.3f}; at 10 MPa")
+    print(f"  A/A0 = {area[1, 0]:.2f} % [{area[1, 1]:.2f}, {area[1, 2]:.2f}]")
+    print(f"  mu_s, all contacts: {friction[0]:.3f} [{friction[1]:.3f}, {friction[2]:.3f}]")
+axes[0].set(xlabel="height (nm)", ylabel="density (1/nm)")
+axes[1].set(xlabel="pressure (MPa)", ylabel="true area (%)", xscale="log", yscale="log")
+axes[1].set(xticks=[3, 10, 30], xticklabels=["3", "10", "30"], yticks=[0.3, 1, 3], yticklabels=["0.3", "1", "3"])
+axes[1].minorticks_off()
+for each in axes:
+    each.legend(fontsize=7, frameon=False)
+figure.savefig("afm_surrogate.png", dpi=200)

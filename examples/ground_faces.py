@@ -1,0 +1,72 @@
+"""Two ground faces pressed together, against the angle between their lays: friction and true area."""
+
+import matplotlib
+
+matplotlib.use("agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from stiction import (
+    Surface,
+    cropped,
+    levelled,
+    on_common_grid,
+    pressed_maps,
+    rotated,
+    self_affine_surface,
+)
+from stiction.studies.map_pair import overlap_area
+
+ANGLES = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 90.0])
+SIDE = 38.4  # µm
+STEEL = {"mu0": 0.2, "tau0": [0.0, 0.5], "effective_modulus": 115.0}  # GPa
+
+
+def ground(side):
+    """Grooves along y, eight times as long as wide, on a square grid of 0.2 µm."""
+    waves = self_affine_surface(
+        8, hurst_exponent=0.8, rms=0.15, shape=(80, 320), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=0.8,
+        side=side,
+    )  # fmt: skip
+    long = Surface(waves.heights, spacing=(1.6, 0.2))
+    grid = Surface(np.zeros((320, 320)), spacing=0.2)
+    return levelled(on_common_grid(long, grid)[0], "plane")
+
+
+upper, lower = ground("upper"), ground("lower")
+rows = []
+for angle in ANGLES:
+    turned = rotated(upper, angle)
+    corner = tuple((extent - SIDE) / 2 for extent in turned.extent)
+    above = cropped(turned, corner, tuple(each + SIDE for each in corner))
+    pair = on_common_grid(above, cropped(lower, (0.0, 0.0), (SIDE, SIDE)))
+    load = 0.02 * overlap_area(*pair)  # 20 MPa
+    rows.append(pressed_maps(*pair, [load], shifts=12, directions=[0.0, 90.0, 180.0, 270.0], **STEEL))
+
+
+def over_shifts(values):
+    """Mean, and twice its standard error."""
+    return float(values.mean()), 2 * float(values.std("shift", ddof=1)) / np.sqrt(values.sizes["shift"])
+
+
+figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
+for tau0, colour in ((0.0, "C0"), (0.5, "C3")):
+    for ways, style, words in (([0.0, 180.0], "-", "across the lower grooves"), ([90.0, 270.0], "--", "along them")):
+        chosen = {"sliding": "opposing", "tau0": tau0, "direction": ways}
+        # To and fro together, so that what leans one way does not count.
+        found = [each["friction_coefficient"].sel(chosen).squeeze().mean("direction") for each in rows]
+        middle, error = np.transpose([over_shifts(each) for each in found])
+        top.fill_between(ANGLES, middle - error, middle + error, color=colour, alpha=0.15, linewidth=0)
+        label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
+        top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
+area, error = np.transpose([over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
+bottom.fill_between(ANGLES, area - error, area + error, color="C2", alpha=0.2, linewidth=0)
+bottom.plot(ANGLES, area, "o-", markersize=3, color="C2")
+top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))
+bottom.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
+figure.legend(
+    fontsize=7, frameon=False, loc="outside lower center", ncols=2, handlelength=3, title_fontsize=7,
+    title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: two standard errors",
+)  # fmt: skip
+figure.savefig("ground_faces.png", dpi=200)
+for angle, percent, each, own in zip(ANGLES, area, error, rows, strict=True):
+    print(f"{angle:3.0f} degrees: A/A0 = {percent:.2f} +- {each:.2f} %, h' = {float(own['rms_gradient'].mean()):.3f}")

@@ -1,0 +1,116 @@
+"""`stiction table`: friction, true area and stiffness for the contact law of another code."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from stiction.cli.application import app, tell
+from stiction.cli.material import elasticity
+from stiction.cli.options import check_directory, listed, load_of, numbers, quantity_of
+from stiction.studies.executors import threads
+
+RESULT = "result.zarr"
+TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
+
+
+@app.command("table")
+def table_command(
+    context: typer.Context,
+    hurst: Annotated[str, typer.Option("--hurst", metavar="NUMBERS", help="Hurst exponents of the surfaces.")] = (
+        "0.5,0.7,0.9"
+    ),
+    rms: Annotated[str, typer.Option("--rms", metavar="LENGTHS", help="Their root-mean-square heights Sq.")] = (
+        "10 nm,30 nm,100 nm"
+    ),
+    load: Annotated[
+        str, typer.Option("--load", metavar="PRESSURES", help="Normal loads over the nominal area, 3 for a stiffness.")
+    ] = "1 MPa,3 MPa,10 MPa,30 MPa,100 MPa",
+    mu0: Annotated[str, typer.Option("--mu0", metavar="NUMBERS", help="Molecular friction coefficients.")] = (
+        "0.2,0.4,0.6"
+    ),
+    tau0: Annotated[str, typer.Option("--tau0", metavar="PRESSURES", help="Adhesive shear strengths.")] = "0 MPa",
+    effective_modulus: Annotated[
+        str | None,
+        typer.Option("--effective-modulus", metavar="PRESSURE", help='E*, as in "10 GPa".', show_default=False),
+    ] = None,
+    young: Annotated[
+        str | None,
+        typer.Option("--young", metavar="PRESSURES", help="Young's moduli instead, of both or one after the other."),
+    ] = None,
+    poisson: Annotated[
+        str | None, typer.Option("--poisson", metavar="NUMBERS", help="Poisson's ratios, with --young.")
+    ] = None,
+    extent: Annotated[
+        str, typer.Option("--extent", metavar="LENGTH", help="Side of the square that is pressed, and its period.")
+    ] = "10 um",
+    wavelengths: Annotated[
+        str,
+        typer.Option("--wavelengths", metavar="SHORTEST,LONGEST", help="Cut-off and roll-off of the surfaces."),
+    ] = "0.3125 um,2.5 um",
+    points: Annotated[int, typer.Option("--points", min=16, help="Along each side.")] = 256,
+    repetitions: Annotated[int, typer.Option("--repetitions", min=1, help="Pairs of surfaces.")] = 12,
+    seed: Annotated[int, typer.Option("--seed", help="Of the surfaces.")] = 2016,
+    workers: Annotated[
+        int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
+    ] = None,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
+        "table"
+    ),
+) -> None:
+    """Friction, true area and stiffness of self-affine surfaces for the contact law of another code.
+
+    Pairs of surfaces are pressed as elastic half-spaces. An interrupted table goes on where it stopped, and further mu0
+    and tau0 cost nothing.
+    """
+    from stiction.studies import export as exports
+    from stiction.studies.friction_table import friction_table, table_study
+    from stiction.studies.runner import run
+    from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
+
+    modulus, _ = elasticity(context, effective_modulus, young, poisson, "hertz-sphere")
+    shortest, longest = _two_lengths(wavelengths)
+    materials: dict[str, Any] = {
+        "mu0": numbers("--mu0", mu0),
+        "tau0": [quantity_of("--tau0", each, "pressure") for each in listed(tau0)],
+    }
+    study = table_study(
+        hurst_exponents=numbers("--hurst", hurst),
+        rms=[quantity_of("--rms", each, "length") for each in listed(rms)],
+        pressures=[_pressure(each) for each in listed(load)],
+        effective_modulus=modulus,
+        extent=quantity_of("--extent", extent, "length"),
+        points=points,
+        longest_wavelength=longest,
+        shortest_wavelength=shortest,
+        repetitions=repetitions,
+        seed=seed,
+    )
+    check_directory(output, output / TABLE, replace=True)
+    with threads(workers) as executor:
+        dataset = run(study, executor=executor, store=output / RESULT, progress=sys.stderr.isatty())
+    table = friction_table(dataset, **materials)
+    tell(friction_table_text(table))
+    exports.export(table, output / TABLE, replace=(output / TABLE).exists())
+    for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):
+        (output / name).write_text(text, encoding="utf-8")
+    for name in (RESULT, TABLE, NUMBERS, LAWS):
+        tell(f"wrote {output / name}")
+
+
+def _two_lengths(text: str) -> tuple[float, float]:
+    parts = listed(text)
+    if len(parts) != 2:
+        raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {text!r}')
+    first, second = (quantity_of("--wavelengths", part, "length") for part in parts)
+    return first, second
+
+
+def _pressure(text: str) -> float:
+    amount, per_area = load_of(text)
+    if not per_area:
+        raise ValueError(f'--load of a table is a pressure, as in "10 MPa", got {text!r}')
+    return amount

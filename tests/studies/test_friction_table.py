@@ -1,0 +1,171 @@
+"""Tables for contact laws: the numbers of pressing by hand, what must rise, the fitted laws, and the command."""
+
+import csv
+
+import numpy as np
+import pytest
+import xarray
+from command import assert_refused, stiction_command
+from stiction import half_space, pair_of, run
+from stiction.studies.friction_table import friction_table, table_study
+
+SMALL = {
+    "hurst_exponents": [0.6, 0.8], "rms": [0.01, 0.03], "pressures": [0.003, 0.01, 0.03, 0.1], "points": 48,
+    "shortest_wavelength": 0.625, "repetitions": 4, "mu0": [0.3], "tau0": [0.0, 0.05],
+}  # fmt: skip
+
+SOLVED = 1e-4
+"""Sums of two solutions to 1e-6 that begin differently."""
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return run(table_study(**SMALL))
+
+
+@pytest.fixture(scope="module")
+def table(dataset):
+    return friction_table(dataset)
+
+
+def test_every_number_is_that_of_pressing_by_hand(dataset, table):
+    study = table_study(**SMALL)
+    loads = [each * 100 for each in SMALL["pressures"]]
+    curves = {rule: [] for rule in ("opposing", "all")}
+    for repetition in range(4):
+        upper, lower = pair_of(study, repetition, fractal_dimension=1.4, amplitude=0.03)
+        assert upper.heights.std() == pytest.approx(0.03)
+        for rule, found in curves.items():
+            found.append(
+                half_space(upper, lower, loads, boundary="periodic", direction=[0.0, 90.0, 180.0, 270.0], sliding=rule)
+            )
+    at = table.sel(hurst_exponent=0.6, method="nearest").sel(rms=0.03, method="nearest")
+    area = np.mean([curve.contact_area for curve in curves["all"]], axis=0) / 100
+    np.testing.assert_allclose(at["contact_area_fraction"].sel(statistic="mean"), area, rtol=SOLVED)
+    for rule, found in curves.items():
+        normal, tangential = (
+            np.mean([getattr(curve, f"{part}_load")(mu0=0.3, tau0=0.05) for curve in found], axis=(0, 1))
+            for part in ("normal", "tangential")
+        )
+        mean = at["friction_coefficient"].sel(sliding=rule, mu0=0.3, tau0=0.05, statistic="mean")
+        np.testing.assert_allclose(mean, tangential / normal, rtol=SOLVED)
+    # dF/dδ of the patches as they are, without those that appear: no more than that of the curve.
+    fixed = np.mean([curve.stiffness for curve in curves["all"]], axis=0) / 100
+    ratio = at["normal_stiffness"].sel(statistic="mean").values[1:-1] / fixed[1:-1]
+    assert ((ratio > 0.8) & (ratio < 1.3)).all()
+
+
+def test_what_must_rise_rises(table):
+    mean = table.sel(statistic="mean")
+    for name in ("contact_area_fraction", "normal_stiffness", "approach"):
+        assert (mean[name].diff("pressure") > 0).all(), name
+    # Rougher surfaces touch less, and friction without adhesion rises with slope and with mu0.
+    assert (mean["contact_area_fraction"].diff("rms") < 0).all()
+    assert (mean["contact_area_fraction"].diff("hurst_exponent") > 0).all()
+    assert (mean["friction_coefficient"].diff("tau0") > 0).all()
+    lower, upper = (table["contact_area_fraction"].sel(statistic=each) for each in ("lower", "upper"))
+    assert ((lower < mean["contact_area_fraction"]) & (mean["contact_area_fraction"] < upper)).all()
+
+
+def test_laws_go_through_the_light_pressures(table):
+    for place in np.ndindex(2, 2):
+        at = table.isel(hurst_exponent=place[0], rms=place[1])
+        mean = at.sel(statistic="mean")
+        light = mean["contact_area_fraction"].values <= 0.1
+        p = table["pressure"].values[light]
+        off = np.abs(mean["contact_area_fraction"].values[light] / (float(mean["area_factor"]) * p) - 1).max()
+        assert off == pytest.approx(float(at["area_deviation"]))
+        assert off < 0.25
+        assert 0.6 < float(mean["stiffness_exponent"]) < 1.1
+
+
+def test_a_law_that_is_one_comes_back(dataset):
+    """With areas and approaches that follow laws exactly."""
+    made = dataset.copy(deep=True)
+    pressure = made["load"].values / 100
+    made["contact_area"].values[...] = 100 * 1.5 * pressure
+    made["approach"].values[...] = 0.02 * np.log(pressure) + 1  # k = p / 0.02
+    found = friction_table(made)
+    assert found["area_factor"].values == pytest.approx(1.5)
+    assert found["area_deviation"].values == pytest.approx(0, abs=1e-12)
+    assert found["stiffness_factor"].values == pytest.approx(50)
+    assert found["stiffness_exponent"].values == pytest.approx(1)
+
+
+def test_other_materials_cost_nothing(dataset):
+    other = friction_table(dataset, mu0=[0.1, 0.2, 0.3], tau0=0.05)
+    assert other.sizes["mu0"] == 3
+    here = friction_table(dataset)["friction_coefficient"].sel(mu0=0.3, tau0=0.05)
+    np.testing.assert_allclose(other["friction_coefficient"].sel(mu0=0.3, tau0=0.05), here)
+
+
+def test_intervals_are_those_of_a_jackknife(dataset, table):
+    """Of two pairs left out in turn by hand; the width is held to the spread of the pairs' own coefficients."""
+    at = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
+    mean, lower, upper = at.values
+    assert lower < mean < upper
+    parts = dataset.isel(fractal_dimension=1, amplitude=0, load=3).sel(sliding="all").mean("direction")
+    each = (parts["tangential_elastic"] + 0.3 * parts["tangential_frictional"]) / (
+        parts["normal_elastic"] + 0.3 * parts["normal_frictional"]
+    )
+    error = float(each.std(ddof=1)) / 2
+    assert 2 * error < upper - mean < 14 * error
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [({"mu0": -0.1}, "mu0 must not be negative"), ({"tau0": [-1.0]}, "tau0 must not be negative")],
+)
+def test_bad_material(dataset, changes, words):
+    with pytest.raises(ValueError, match=words):
+        friction_table(dataset, **changes)
+
+
+def test_a_study_of_profiles_is_refused(small_result):
+    with pytest.raises(ValueError, match="must be of a study of surfaces by the half-space"):
+        friction_table(small_result)
+
+
+ASKED = [
+    "--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--load", "3 MPa,10 MPa,30 MPa",
+    "--points", "32", "--wavelengths", "0.625 um,2.5 um", "--repetitions", "3",
+]  # fmt: skip
+
+
+def test_the_command_writes_what_the_library_says(tmp_path):
+    done = stiction_command("table", *ASKED, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    study = table_study(
+        hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,
+        repetitions=3,
+    )  # fmt: skip
+    wanted = friction_table(run(study))
+    with xarray.open_dataset(tmp_path / "table" / "table.nc", engine="h5netcdf") as kept:
+        for name in wanted.data_vars:
+            np.testing.assert_allclose(kept[name].values, wanted[name].values, rtol=1e-9, err_msg=name)
+    rows = list(csv.DictReader((tmp_path / "table" / "table.csv").read_text().splitlines()))
+    assert len(rows) == 2 * 3 * 3
+    assert [float(row["pressure (MPa)"]) for row in rows[::3]] == pytest.approx([3, 10, 30, 3, 10, 30])
+    one = wanted["friction_coefficient"].isel(sliding=0, hurst_exponent=0, rms=0, pressure=0, mu0=0, tau0=0)
+    assert float(rows[0]["mu_s"]) == pytest.approx(float(one[0]))
+    laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
+    assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(wanted["stiffness_exponent"][0, 0, 0]))
+    # The same command goes on, also with other materials.
+    again = stiction_command("table", *ASKED, "--mu0", "0.1", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (["--load", "1 mN"], "--load of a table is a pressure"),
+        (["--wavelengths", "1 um"], "--wavelengths needs two lengths"),
+        (["--rms", "2"], "--rms"),
+        (["--hurst", "rough"], "--hurst must be a number or several"),
+        (["--hurst", "1.7"], "fractal_dimension"),
+    ],
+)
+def test_bad_options(tmp_path, changes, words):
+    assert_refused(stiction_command("table", *ASKED, *changes, cwd=tmp_path), words)
+    assert not (tmp_path / "table" / "table.nc").exists()
