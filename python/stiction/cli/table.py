@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from stiction.cli.application import app, tell
+from stiction.cli.application import command, tell
 from stiction.cli.material import elasticity
 from stiction.cli.options import check_directory, listed, load_of, numbers, quantity_of
 from stiction.studies.executors import threads
@@ -17,7 +16,11 @@ RESULT = "result.zarr"
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
 
 
-@app.command("table")
+@command(
+    "table",
+    "stiction table --effective-modulus '10 GPa' --hurst 0.8 --rms '20 nm,50 nm' --mu0 0.4",
+    "stiction table --young '70 GPa' --poisson 0.2 --load '0.1 MPa,1 MPa,10 MPa' --repetitions 40",
+)
 def table_command(
     context: typer.Context,
     hurst: Annotated[str, typer.Option("--hurst", metavar="NUMBERS", help="Hurst exponents of the surfaces.")] = (
@@ -91,7 +94,7 @@ def table_command(
     )
     check_directory(output, output / TABLE, replace=True)
     with threads(workers) as executor:
-        dataset = run(study, executor=executor, store=output / RESULT, progress=sys.stderr.isatty())
+        dataset = run(study, executor=executor, store=output / RESULT, progress=True)
     table = friction_table(dataset, **materials)
     tell(friction_table_text(table))
     exports.export(table, output / TABLE, replace=(output / TABLE).exists())
