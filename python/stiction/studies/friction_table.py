@@ -157,7 +157,7 @@ def friction_table(
     >>> from stiction import friction_table, run, table_study
     >>> study = table_study(hurst_exponents=[0.8], rms=[0.02], points=32, shortest_wavelength=0.625, repetitions=3)
     >>> friction_table(run(study))["friction_coefficient"].sizes["pressure"]
-    4
+    5
     """
     import xarray
 
