@@ -175,20 +175,26 @@ def plot(
 @command("report", "stiction report figure6", "stiction report quick figure6 -o both.html")
 def report(
     directories: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="Where a study was written; two are shown side by side.")
+        list[Path],
+        typer.Argument(metavar="DIR...", help="Where a study or a pair was written; two studies are compared."),
     ],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE.html", help="The page to write.", show_default="DIR/report.html"),
     ] = None,
 ) -> None:
-    """Make one interactive page, for any browser, of the results of a study, or of what is finished of them."""
+    """Make one interactive page, for any browser, of a study, or what is finished of it, or of a pair."""
+    from stiction.cli.pair import paired
     from stiction.studies import store
     from stiction.views.report import save_report
 
     path = output if output is not None else directories[0] / "report.html"
     names = [each.resolve().name for each in directories]
-    save_report([store.read(stored(each)) for each in directories], path, names=names)
+    pairs = [paired(each) for each in directories]
+    results = [
+        store.read(stored(each)) if pair is None else pair for each, pair in zip(directories, pairs, strict=True)
+    ]
+    save_report(results, path, names=names)
     tell(f"wrote {path}")
 
 

@@ -90,6 +90,11 @@ _OF_CONTACTS = {
 """Of each contact; the first two are whole numbers."""
 
 _FRICTION_DIMS = ("sliding", "direction", "shift", "load", "mu0", "tau0")
+FRICTION_SUMS = (
+    "normal_elastic", "normal_frictional", "normal_adhesive", "tangential_elastic", "tangential_frictional",
+    "tangential_adhesive",
+)  # fmt: skip
+"""Of which normal and tangential load are made for any mu0 and tau0; see `Sums`."""
 
 
 def pressed_maps(
@@ -262,6 +267,8 @@ def pressed_maps(
 def _dims(name: str) -> tuple[str, ...]:
     if name in (*_OF_FRICTION, "status"):
         return _FRICTION_DIMS
+    if name in FRICTION_SUMS:
+        return _FRICTION_DIMS[:4]
     return {
         "share_opposing": ("direction", "shift", "load"),
         "patch_area": ("quantile", "shift", "load"),
@@ -627,6 +634,7 @@ def _nothing(loads: Floats, mu0: Floats, tau0: Floats, angles: Floats, status: s
     whole = (len(SLIDING), angles.size, loads.size, mu0.size, tau0.size)
     values: dict[str, Any] = {"contacts": []} | {name: np.full(whole, np.nan) for name in _OF_FRICTION}
     values |= {"status": np.full(whole, status, dtype=STATUS_DTYPE)}
+    values |= {name: np.full(whole[:3], np.nan) for name in FRICTION_SUMS}
     values |= {"share_opposing": np.full((angles.size, loads.size), np.nan)}
     values |= {name: np.full((len(QUANTILES), loads.size), np.nan) for name in _OF_DISTRIBUTION}
     return values | {name: np.full(loads.size, np.nan) for name in _OF_CONTACT}
@@ -651,6 +659,9 @@ def _fill(
             coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
         for name, value in (("friction_coefficient", coefficient), ("normal_load", normal), ("status", status)):
             values[name][rule][:, where] = np.moveaxis(value, (0, 1), (2, 3))[:, at]
+        for name in FRICTION_SUMS:
+            # The elastic load has no direction.
+            values[name][rule][:, where] = np.broadcast_to(getattr(curve, name), normal.shape[2:])[:, at]
     # Of Σ F |t·s|, which is the load but for the squares of slopes.
     with np.errstate(divide="ignore", invalid="ignore"):
         share = opposing.tangential_frictional / every.tangential_frictional

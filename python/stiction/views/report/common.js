@@ -166,14 +166,16 @@ function say(text) {
   byId("trouble").textContent = text;
 }
 
-async function unpacked(id, leading) {
+async function inflated(id) {
   const place = byId(`packed-${id}`);
   const text = atob(place.textContent);
   place.remove();
   const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return doubles(new Uint8Array(await new Response(stream).arrayBuffer()), leading);
+  return new Uint8Array(await new Response(stream).arrayBuffer());
 }
+
+const unpacked = async (id, leading) => doubles(await inflated(id), leading);
 
 function start(begin) {
   const isOld = typeof DecompressionStream === "undefined";

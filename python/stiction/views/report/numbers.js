@@ -411,6 +411,12 @@ function ofSample(values, confidence, fewest) {
   return [mean, Math.max(mean - half, least), mean + half];
 }
 
+/** The friction coefficient of the sums of normal and tangential load: elastic, per mu0 and per tau0 of each. */
+function coefficientOf([normal, normalMu0, normalTau0, tangential, tangentialMu0, tangentialTau0], mu0, tau0) {
+  const load = normal + mu0 * normalMu0 + tau0 * normalTau0;
+  return load > 0 ? (tangential + mu0 * tangentialMu0 + tau0 * tangentialTau0) / load : NaN;
+}
+
 /** The friction coefficient by the slope of the gap alone; as `gentle_friction`. */
 function gentleFriction(mu0, tau0, {gradient, slope, modulus, kappa}, sliding) {
   const m = mu0 + (kappa * tau0) / (modulus * gradient);

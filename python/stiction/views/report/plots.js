@@ -270,7 +270,7 @@ function rangeOf(points, isLog) {
 
 /** Series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, one x of them ringed. The
  * points that are known are marked if there are few. Returns the range of values that is drawn. */
-function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
+function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScatter = false}) {
   const all = series.flatMap(({points}) => points);
   const isUsed = isLog && all.some(({value}) => value > 0);
   const [low, high] = rangeOf([...all, ...levels.map((each) => ({...each, lower: NaN, upper: NaN}))], isUsed);
@@ -286,21 +286,26 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   for (const {value, name, colour} of levels) {
     inside.append(shape("path", {d: path([[box.left, Y(value)], [box.right, Y(value)]]), "stroke-width": 1.5,
       "stroke-dasharray": "7 4", style: `fill: none; stroke: ${colour}`}),
-    shape("text", {x: box.right - 0.4 * unit, y: Y(value) - 0.3 * unit, "text-anchor": "end"}, name));
+    shape("text", {x: box.left + 0.5 * unit, y: Y(value) - 0.3 * unit,
+      style: "paint-order: stroke; stroke: var(--paper); stroke-width: 3px"}, name));
   }
+  const taken = [];
   for (const {points, colour, name} of series) {
     const stroke = (d, more) => shape("path", {d, "stroke-width": 2.2, style: `fill: none; stroke: ${colour}`, ...more});
     for (const run of runs(points, isDrawn)) {
-      inside.append(stroke(path(run.map((p) => at(p, p.value))), {"stroke-dasharray": "2 4"}));
+      if (!isScatter) inside.append(stroke(path(run.map((p) => at(p, p.value))), {"stroke-dasharray": "2 4"}));
       for (const solid of runs(run, ({trusted}) => trusted)) inside.append(stroke(path(solid.map((p) => at(p, p.value)))));
-      if (points.length <= 30) inside.append(...run.map((p) => at(p, p.value)).map(([cx, cy]) =>
+      if (isScatter || points.length <= 30) inside.append(...run.map((p) => at(p, p.value)).map(([cx, cy]) =>
         shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`})));
     }
     const here = points.find((point) => point.x === picked && isDrawn(point));
     if (here) inside.append(...ringed(...at(here, here.value), 0.35 * unit));
     const last = points.findLast(isDrawn);
-    if (series.length > 1 && last) inside.append(shape("text", {x: Math.min(at(last, 0)[0], box.right) - 0.4 * unit,
-      y: Math.max(Y(last.value) - 0.5 * unit, box.top + small), "text-anchor": "end",
+    if (series.length < 2 || !last) continue;
+    let y = Math.max(Y(last.value) - 0.5 * unit, box.top + small);
+    if (taken.some((other) => Math.abs(other - y) < 1.2 * unit)) y = taken[0] + 1.3 * unit;
+    taken.push(y);
+    inside.append(shape("text", {x: Math.min(at(last, 0)[0], box.right) - 0.4 * unit, y, "text-anchor": "end",
       style: `fill: ${colour}; font-weight: 600; paint-order: stroke; stroke: var(--paper); stroke-width: 3px`}, name));
   }
   if (!all.some(isDrawn)) inside.append(shape("text", {x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2,
@@ -357,6 +362,76 @@ function drawExample(place, shear, spacing, {x, lower, upper, approach, contacts
   label(`upper body, about to move ${shear > 0 ? "right →" : "left ←"}`, box.top + 1.2 * unit, "var(--upper)");
   label("lower body", box.bottom - 0.6 * unit, "var(--lower)");
   return perPixel[0] / (perPixel[1] / 1000);
+}
+
+// ---- Measured surfaces ----------------------------------------------------------------------------------------------
+
+/** Friction in every direction, by series {points of {value, lower, upper}, colour, name}; one direction is ringed. */
+function drawCompass(place, directions, series, picked) {
+  const unit = rem();
+  const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];
+  const [x, y, radius] = [width / 2, height / 2, Math.min(width, height) / 2 - 2.2 * unit];
+  const [, most] = rangeOf(series.flatMap(({points}) => points), false);
+  const picture = shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`, "font-size": 0.8125 * unit,
+    "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)", "aria-hidden": "true"});
+  const at = (angle, value) => {
+    const r = (radius * Math.min(Math.max(value, 0), most)) / most;
+    return [x + r * Math.cos((angle * Math.PI) / 180), y - r * Math.sin((angle * Math.PI) / 180)];
+  };
+  const grid = {style: "fill: none; stroke: var(--line)"};
+  const ticks = ticksOf(0, most, false, 4).filter(({value}) => value > 0);
+  for (const {value} of ticks) picture.append(shape("circle", {cx: x, cy: y, r: (radius * value) / most, ...grid}));
+  for (const [angle, name] of [[0, "+x"], [90, "+y"], [180, "−x"], [270, "−y"]]) {
+    const [tx, ty] = [x + (radius + unit) * Math.cos((angle * Math.PI) / 180), y - (radius + unit) * Math.sin((angle * Math.PI) / 180)];
+    picture.append(shape("path", {d: path([[x, y], at(angle, most)]), ...grid}),
+      shape("text", {x: tx, y: ty + 0.3 * unit, "text-anchor": "middle"}, name));
+  }
+  series.forEach(({points, colour, name}, s) => {
+    const round = (pick) => `${path(directions.map((angle, d) => at(angle, pick(points[d]))))}z`;
+    if (points.every(({lower}) => Number.isFinite(lower))) picture.append(shape("path", {
+      d: round(({upper}) => upper) + round(({lower}) => lower), "fill-rule": "evenodd", style: `fill: ${colour}; fill-opacity: 0.2`}));
+    if (points.every(({value}) => Number.isFinite(value))) picture.append(shape("path", {d: round(({value}) => value),
+      "stroke-width": 2.2, "stroke-dasharray": s ? "7 4" : "none", style: `fill: none; stroke: ${colour}`}));
+    directions.forEach((angle, d) => {
+      if (!Number.isFinite(points[d].value)) return;
+      const [cx, cy] = at(angle, points[d].value);
+      picture.append(shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`}));
+      if (d === picked) picture.append(...ringed(cx, cy, 0.35 * unit));
+    });
+    picture.append(shape("text", {x: 0.5 * unit, y: (1.2 + 1.3 * s) * unit, style: `fill: ${colour}; font-weight: 600`}, name));
+  });
+  for (const {value, text} of ticks) {
+    const [tx, ty] = at(45, value);
+    picture.append(shape("text", {x: tx, y: ty, style: "paint-order: stroke; stroke: var(--paper); stroke-width: 3px"}, text));
+  }
+  place.replaceChildren(picture);
+  place.axes = {centre: [x, y], radius, most};
+  place.drawn = {series: series.map((each) => ({...each, points: each.points.map((p, d) => ({...p, x: directions[d]}))}))};
+}
+
+/** Heights {bytes, rows, columns, extent} from the first row at the bottom on, with contacts {x, y, force, opposes}. */
+function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX]}, contacts) {
+  const unit = rem();
+  const wide = Math.max(place.clientWidth, 8 * unit) - 5.4 * unit;
+  place.style.height = `${Math.min((wide * alongY) / alongX, 40 * unit) + 3.8 * unit}px`;
+  const {X, Y, frame, inside} = axes(place, {low: 0, high: alongX, title: "_x_ (µm)"}, {low: 0, high: alongY, title: "_y_ (µm)"});
+  const canvas = element("canvas", {width: columns, height: rows});
+  const image = new ImageData(columns, rows);
+  for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
+    const level = bytes[(rows - 1 - row) * columns + column];
+    image.data.set([...colourAt(GREYS, level / 255), 255], 4 * (row * columns + column));
+  }
+  canvas.getContext("2d").putImageData(image, 0, 0);
+  inside.append(shape("image", {...frame, href: canvas.toDataURL("image/png"), preserveAspectRatio: "none"}));
+  const strongest = Math.max(...contacts.map(({force}) => force));
+  for (const {x, y, force, opposes} of contacts) {
+    const r = (0.15 + 0.65 * Math.sqrt(force / strongest)) * unit;
+    const [cx, cy] = [X(x), Y(y)];
+    const style = {"stroke-width": 2, style: `fill: none; stroke: ${opposes ? "#ff8c33" : "#3fa2ff"}`};
+    inside.append(shape("g", {}, shape("title", {}, `${shown(force, 3)} mN`), opposes
+      ? shape("path", {d: `M${cx - r} ${cy}l${r} ${-r}l${r} ${r}l${-r} ${r}z`, ...style})
+      : shape("circle", {cx, cy, r: 0.8 * r, ...style})));
+  }
 }
 
 // ---- Files ----------------------------------------------------------------------------------------------------------

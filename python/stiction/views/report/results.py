@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from stiction._files import replaced_file
 from stiction.views.report.page import MARK, ReportError
+from stiction.views.report.pair import LINES, MAPS, pair_page
 from stiction.views.report.study import MOST_RESULTS, study_page
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def report_page(dataset: xarray.Dataset | Sequence[xarray.Dataset], *, names: Se
     Parameters
     ----------
     dataset : xarray.Dataset, or two of them
-        What `run` returns.
+        What `run` returns, or what `stiction pair` writes.
     names : sequence of str
         What each is called on the page; a built-in study has its own name otherwise.
 
@@ -56,4 +57,9 @@ def report_page(dataset: xarray.Dataset | Sequence[xarray.Dataset], *, names: Se
     if not 1 <= len(datasets) <= MOST_RESULTS:
         raise ReportError(f"a page is of one result or two, got {len(datasets)}")
     named = [*names, *[""] * len(datasets)][: len(datasets)]
+    pairs = [data for data in datasets if data.attrs.get("title") in (MAPS, LINES) and "study" not in data.attrs]
+    if len(pairs) == 1 == len(datasets):
+        return pair_page(pairs[0]).html()
+    if pairs:
+        raise ReportError("two results side by side are of studies; a page of a pair has one")
     return study_page(datasets, named).html()
