@@ -1,4 +1,8 @@
-"""What does one task of a cluster cost, in seconds and bytes, and what can the process that collects them take in?"""
+"""How many repetitions a second are stored by workers that compute nothing, and how many workers is that enough for?
+
+Two workers on this machine, and the process that hands out the work: where they write the blocks themselves, where they
+send them, and one at a time as stores had them before there were blocks.
+"""
 
 import pickle
 import tempfile
@@ -6,54 +10,83 @@ import time
 from pathlib import Path
 
 from measure import seconds
-from stiction import Study, __version__, run
-from stiction.studies import runner
+from stiction import Study, __version__
+from stiction.studies import blocks, layout, runner
 from stiction.studies.processes import processes
 
-STUDY = Study.named("figure6")
+STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
+REPETITIONS = 1_000_000
+SHARE = 3000
+"""Of them, that are stored here."""
+
+_task, _is_shared = runner.task, blocks.Writing.is_shared
 
 
 class Given:
-    """A task that computes nothing: it returns a copy of what stands in a file, which every process reads once."""
+    """A task that computes nothing: its sums stand in a file, which every process reads once."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, shared: bool) -> None:
         self.path = path
+        self.shared = shared
 
-    def __call__(self, *_: object) -> dict:
+    def __call__(self, version: str, text: str, repetitions: list[int], writing: blocks.Writing) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        return {name: values.copy() for name, values in _read[self.path].items()}
+        runner.repetition_sums = lambda *_: _read[self.path]
+        return _task(version, text, repetitions, writing if self.shared else None)
 
 
 _read: dict[str, dict] = {}
 
 
-def taken_in(count: int) -> float:
-    """Repetitions a second that a driver takes from two workers and stores, when they compute nothing."""
-    study = STUDY.with_changes({"ensemble.repetitions": count})
-    real = runner.task
+def stored(study: Study, sums: dict, *, share: int, shared: bool) -> tuple[float, float]:
+    """Repetitions a second, and seconds of the driver's own for one, when workers compute nothing."""
+    parts = max(1, study.ensemble.repetitions // share)
     with tempfile.TemporaryDirectory() as folder, processes(2) as executor:
-        sums = Path(folder) / "sums.pickle"
-        sums.write_bytes(pickle.dumps(runner.repetition_sums(STUDY, 0)))
-        runner.task = Given(str(sums))
+        file = Path(folder) / "sums.pickle"
+        file.write_bytes(pickle.dumps(sums))
+        runner.task = Given(str(file), shared)
         try:
-            start = time.perf_counter()
-            run(study, executor=executor, store=Path(folder) / "result.zarr")
-            return count / (time.perf_counter() - start)
+            runner.computed(study, Path(folder) / "r.zarr", part=(2, parts), executor=executor)  # and all is loaded
+            start, own = time.perf_counter(), time.process_time()
+            result = runner.computed(study, Path(folder) / "r.zarr", part=(1, parts), executor=executor)
+            count = result.sizes["repetition"]
+            return count / (time.perf_counter() - start), (time.process_time() - own) / count
         finally:
-            runner.task = real
+            runner.task = _task
 
 
 def rows() -> list[tuple[str, str]]:
-    text = STUDY.to_toml()
-    runner.task(__version__, text, 0)
-    cost = seconds(lambda: runner.task(__version__, text, 1), 5)
-    size = len(pickle.dumps(runner.repetition_sums(STUDY, 0), protocol=5))
-    rate = taken_in(600)
-    return [
-        ("one repetition of figure6, 50 pairs", f"{cost:.3f} s"),
-        ("what it sends back", f"{size / 1e3:.0f} kB"),
-        ("repetitions that the driver takes in and stores", f"{rate:.0f} a second"),
-        ("workers that keep it busy", f"{rate * cost:.0f}"),
-        ("a million repetitions with them", f"{1e6 / rate / 3600:.1f} hours"),
-    ]
+    found = []
+    for name in STUDIES:
+        study = Study.named(name).with_changes({"ensemble.repetitions": REPETITIONS})
+        half_plane = name == "figure6-half-plane"  # of which one takes a minute and a half
+        one = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
+        text = one.to_toml()
+        runner.task(__version__, text, [0], None)
+        cost = seconds(lambda text=text: runner.task(__version__, text, [1], None), 1 if half_plane else 3)
+        cost *= study.surfaces.fractal_dimensions().size if half_plane else 1
+        sums = runner.repetition_sums(study, 0) if not half_plane else _like(study)
+        rate, own = stored(study, sums, share=SHARE, shared=True)
+        sent, _ = stored(study, sums, share=SHARE, shared=False)
+        fewest, layout.FEWEST_BLOCKS = layout.FEWEST_BLOCKS, 10**9
+        try:
+            before, _ = stored(study, sums, share=300, shared=False)
+        finally:
+            layout.FEWEST_BLOCKS = fewest
+        found += [
+            (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
+            ("... its sums", f"{runner._size(study) / 1e3:.0f} kB"),
+            ("... stored a second by two workers that compute nothing", f"{rate:.0f}"),
+            ("... sent by them, and stored by the process that hands out the work", f"{sent:.0f}"),
+            ("... one at a time, as before", f"{before:.0f}; {rate / before:.0f} times as many by workers"),
+            ("... time of the process that hands out the work, for one", f"{1e6 * own:.0f} µs"),
+            ("... workers that keep it busy", f"{cost / own:,.0f}"),
+        ]
+    return found
+
+
+def _like(study: Study) -> dict:
+    """Sums of a study from those of one fractal dimension."""
+    one = runner.repetition_sums(study.with_changes({"surfaces.fractal_dimension": [1.2]}), 0)
+    return {name: values.repeat(study.surfaces.fractal_dimensions().size, axis=0) for name, values in one.items()}

@@ -26,6 +26,7 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
     where, done = ran
     written = ["result.zarr", *(f"friction_mu0_{mu0}.png" for mu0 in ("0.1", "0.4", "1")), "area.png"]
     assert sorted(p.name for p in (where / "quick").iterdir()) == sorted(written)
+    assert done.stdout.startswith("to compute: 3 repetitions, up to 2.88 kB in 39 files (")
     wrote = [line for line in done.stdout.splitlines() if line.startswith("wrote")]
     assert wrote == [f"wrote {Path('quick') / name}" for name in written]
     dataset = store.read(where / "quick" / "result.zarr")
@@ -67,7 +68,7 @@ def test_info_shows_study_progress_size_versions_and_validity(ran, tmp_path):
         'surfaces.extent = "2 um"',
         "2 of 3 finished",
         "MiB",
-        f"stiction {stiction.__version__}, schema 1",
+        f"stiction {stiction.__version__}, schema 2",
         "share beyond hertz",
         "at 40 nm",
     ):

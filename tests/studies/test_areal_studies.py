@@ -278,7 +278,6 @@ def test_what_is_of_profiles_only_says_so(result):
         (SURFACES, "contact.sliding", ["all", "all"], r"contact\.sliding: must have each rule once"),
         (SURFACES, "contact.sliding", "both", r"contact\.sliding: must be \"opposing\" or \"all\""),
         (SURFACES, "figures.draw", ["profiles"], r"figures\.draw: \"profiles\" is of profiles"),
-        (HALF_SPACES, "ensemble.repetitions", 90_000_000, r"the result would take .* contact\.load"),
     ],
 )
 def test_faults_name_their_key(study, key, value, message):

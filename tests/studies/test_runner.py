@@ -10,7 +10,7 @@ import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import executors, runner
+from stiction.studies import executors, layout, runner, store
 from stiction.studies.study import study_of
 
 SMALL = Study().with_changes(
@@ -190,3 +190,31 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
             held = error  # and with it every frame of the run
     assert held is not None
     assert len(computed) < 800
+
+
+def test_what_no_memory_holds_needs_a_store(tmp_path, monkeypatch):
+    monkeypatch.setattr(runner, "repetition_sums", lambda *_: pytest.fail("computed"))
+    many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
+    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give it a store"):
+        run(many)
+    monkeypatch.setattr(runner, "MOST_PACKED", 1e-6)
+    with pytest.raises(ValueError, match=r"would take up to \d+ GB, and the disk of .* has .* in all: take fewer"):
+        run(many.with_changes({"ensemble.repetitions": 100_000_000}), store=tmp_path / "r.zarr")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_task_ends_in_time_and_the_rest_of_its_block_is_computed_by_another(result, monkeypatch, tmp_path):
+    monkeypatch.setattr(runner, "TASK", 0.0)
+    monkeypatch.setattr(layout, "FEWEST_BLOCKS", 1)
+    assert layout.block_of(SMALL) == 4
+    assert_same_bits(run(SMALL, store=tmp_path / "r.zarr"), result)
+    assert_same_bits(store.read(tmp_path / "r.zarr"), result)
+
+
+def test_what_lies_ahead_is_said_once(tmp_path):
+    said = []
+    for _ in range(2):
+        runner.computed(SMALL, tmp_path / "r.zarr", say=said.append)
+    (line,) = said
+    assert line.startswith("to compute: 5 repetitions, up to 23 kB in 65 files (")
+    assert line.endswith(" of one core; the workers write them")

@@ -18,7 +18,7 @@ import xarray
 from command import assert_refused, stiction_command
 from stiction import Study, _files, run
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import layout, runner, store
+from stiction.studies import blocks, layout, runner, store
 from stiction.studies.dataset import empty_dataset
 from stiction.studies.export import ExportError, export
 from stiction.studies.layout import SCHEMA
@@ -146,7 +146,7 @@ def test_every_bit_is_kept(tmp_path):
     sums = {name: np.full(shape, -1 if name.endswith("_count") else value) for name, value in
             zip(SUMS, itertools.cycle([-0.0, np.nan, 0.0, np.inf, 5e-324]), strict=False)}  # fmt: skip
     with store.opened(tmp_path / "r.zarr", study) as kept:
-        kept.save(0, sums)
+        kept.writing.save([0], {name: values[:, :, np.newaxis] for name, values in sums.items()})
     for name in SUMS:
         assert store.read(tmp_path / "r.zarr")[name].values.tobytes() == sums[name].tobytes(), name
 
@@ -375,7 +375,8 @@ def test_a_second_writer_is_refused_at_once(unfinished, undisturbed):
         done = subprocess.run(command, cwd=unfinished.parent, capture_output=True, text=True, check=False, timeout=60)
         assert done.returncode == 2
         assert "somebody else is writing it" in done.stderr
-        kept.save(1, runner.repetition_sums(SMALL, 1))
+        sums = runner.repetition_sums(SMALL, 1)
+        kept.writing.save([1], {name: values[:, :, np.newaxis] for name, values in sums.items()})
     assert not unfinished.with_name("result.zarr.lock").exists()
     assert_same_bits(run(SMALL, store=unfinished), undisturbed)
 
@@ -401,16 +402,16 @@ def test_of_many_writers_one_writes(tmp_path, undisturbed):
 
 @pytest.mark.parametrize("replaced", [False, True])
 def test_a_store_that_is_removed_underneath_is_not_made_again(tmp_path, monkeypatch, replaced):
-    save = store.Store.save
+    save = blocks.Writing.save
 
-    def save_and_remove(self, repetition, sums):
-        save(self, repetition, sums)
-        if repetition == 1:
+    def save_and_remove(self, repetitions, sums):
+        save(self, repetitions, sums)
+        if repetitions[0] == 1:
             (tmp_path / "r.zarr").rename(tmp_path / "moved")
             if replaced:
                 (tmp_path / "r.zarr").mkdir()
 
-    monkeypatch.setattr(store.Store, "save", save_and_remove)
+    monkeypatch.setattr(blocks.Writing, "save", save_and_remove)
     with pytest.raises(StoreError, match="was removed or replaced"):
         run(SMALL, store=tmp_path / "r.zarr", executor=Inline())
     assert not replaced or os.listdir(tmp_path / "r.zarr") == []

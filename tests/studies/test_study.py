@@ -176,7 +176,6 @@ class TestChanges:
             ("contact.law", {"name": "jackson-green"}, r"contact\.law\.yield_strength: .*required"),
             ("contact.law", {"name": "jkr"}, r"contact\.law: must be"),
             ("contact.law.width", "1 um", r"contact\.law\.width: unknown key"),
-            ("ensemble.repetitions", 10_000_000, r"the result would take \d+ GiB"),
             ("friction.mu0", [-0.1], r"friction\.mu0\[0\]"),
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
@@ -184,6 +183,19 @@ class TestChanges:
     def test_faults_name_their_key(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
+
+    def test_a_repetition_that_no_worker_holds_is_refused(self):
+        many = {"start": 1.0, "stop": 1.9, "count": 10_000}
+        with pytest.raises(
+            StudyError, match=r"a repetition would take 18 GiB, more than 16: take fewer contact\.approach"
+        ):
+            Study().with_changes(
+                {
+                    "surfaces.fractal_dimension": many,
+                    "contact.approach.count": 10_000,
+                    "surfaces.amplitude": ["1 nm", "2 nm"],
+                }
+            )
 
 
 class TestFiles:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import threading
 import warnings
 from collections.abc import Callable
@@ -22,7 +23,8 @@ from stiction.cli.options import Json
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
-from stiction.studies.runner import run
+from stiction.studies.runner import computed
+from stiction.studies.streams import means as means_of
 from stiction.studies.study import Study, differences, step_of, study_names, study_summary
 from stiction.studies.study_text import StudyError, toml
 
@@ -56,22 +58,38 @@ Changes = Annotated[
 def run_command(
     study: Annotated[str, typer.Argument(metavar="NAME_OR_FILE", help="A built-in study, or a study file (TOML).")],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.", show_default="./NAME")
+        Path | None,
+        typer.Option("--output", "-o", "--store", metavar="DIR", help="Where the results go.", show_default="./NAME"),
     ] = None,
     workers: Workers = None,
     cluster: Cluster = None,
     scheduler: Scheduler = None,
+    part: Annotated[
+        str | None,
+        typer.Option(
+            "--part", metavar="I/N", help="Only the I-th of N parts, as in 3/16, beside others.", show_default=False
+        ),
+    ] = None,
     changes: Changes = None,
 ) -> None:
-    """Compute a study, or what is missing of it, draw it, and print its coefficients of friction at a few loads."""
+    """Compute a study, or what is missing of it, draw it, and print its friction at a few loads; or one part of it."""
     from stiction.views.answers import answers_text
 
     what = _changed(_study(study), changes)
     directory = output if output is not None else Path(Path(study).stem)
+    which = None if part is None else _part(part)
     with _executor(workers, cluster, scheduler) as executor:
-        dataset = _result(what, directory, executor)
-    _draw(dataset, directory)
-    tell(answers_text(dataset))
+        dataset = _result(what, directory, executor, part=which)
+    if which is None:
+        _draw(dataset, directory)
+        tell(answers_text(dataset))
+
+
+def _part(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
+    if not match or int(match[1]) > int(match[2]):
+        raise StudyError(f"--part must be one of so many, as in 3/16, got {shortened(text)}")
+    return int(match[1]), int(match[2])
 
 
 @command("claims", "stiction claims", "stiction claims --json > claims.json")
@@ -231,7 +249,7 @@ def info(
 
 def _show_validity(dataset: Any) -> None:
     """Of the mean over the repetitions: from the least to the most over fractal dimensions and amplitudes."""
-    means = dataset.mean("repetition")
+    means: Any = means_of(dataset)
     step = step_of(dataset)
     if step == "load":
         figures = {name: means[f"{name}_share_at_hardness"] for name in ("load", "area")}
@@ -304,8 +322,14 @@ def stored(directory: Path) -> Path:
     return directory / RESULT
 
 
-def _result(study: Study, directory: Path, executor: Executor, said: Callable[[str], None] = tell) -> Any:
-    """The result of a study in a directory, of which what is there already is not computed again."""
+def _result(
+    study: Study,
+    directory: Path,
+    executor: Executor,
+    said: Callable[[str], None] = tell,
+    part: tuple[int, int] | None = None,
+) -> Any:
+    """The result of a study in a directory, of which what is there already is not computed again; or of a part."""
     from stiction.studies import store
 
     if directory.is_file():
@@ -314,13 +338,19 @@ def _result(study: Study, directory: Path, executor: Executor, said: Callable[[s
     stored = store.info(path).finished if path.exists() else 0
     threading.Thread(target=_import_ahead).start()
     try:
-        dataset = run(study, executor=executor, store=path, progress=True)
+        dataset = computed(study, path, part=part, executor=executor, progress=True, say=said)
     except KeyboardInterrupt:
         # Said at once; the repetitions that are being computed come to their end first.
         say(f"interrupted{_how_to_go_on(path)}")
         raise typer.Exit(INTERRUPTED) from None
-    total = study.ensemble.repetitions
-    if stored < total:
+    if part is not None:
+        kept = store.info(path)
+        said(
+            f"part {part[0]}/{part[1]} is finished, {dataset.sizes['repetition']} repetitions; {kept.finished} of "
+            f"{study.ensemble.repetitions} are in {path}"
+        )
+    elif stored < study.ensemble.repetitions:
+        total = study.ensemble.repetitions
         said(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
     else:
         computed_by = dataset.attrs["stiction_version"]

@@ -29,6 +29,7 @@ from stiction._checks import Floats, choice, number
 from stiction.mechanics import friction
 from stiction.mechanics.model import Sliding
 from stiction.studies.crossing import Crossing
+from stiction.studies.streams import pieces
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
@@ -211,11 +212,21 @@ class Resampled:
         self.ruling = ruling
         repetitions = data.sizes["repetition"]
         random = np.random.default_rng(study.ensemble.seed)
-        drawn = random.multinomial(repetitions, np.full(repetitions, 1 / repetitions), RESAMPLES)
-        weights = np.vstack([np.ones(repetitions), drawn]) / repetitions
+        even = np.full(repetitions, 1 / repetitions)
+        # How often each is drawn: a few times at most, so that a byte holds it however many there are.
+        drawn = np.ones((1 + RESAMPLES, repetitions), np.uint8)
+        for resample in drawn[1:]:
+            resample[:] = random.multinomial(repetitions, even)
         dims = ("repetition", "fractal_dimension", "amplitude", self._step)
         names = (*_SUMS, "approach") if self._step == "load" else _SUMS
-        self._means = {name: np.tensordot(weights, data[name].transpose(*dims).values, axes=1) for name in names}
+        self._means: dict[str, Floats] = {}
+        first = 0
+        for piece in pieces(data, names):
+            weights = drawn[:, first : first + piece.sizes["repetition"]] / repetitions
+            first += piece.sizes["repetition"]
+            for name in names:
+                added = np.tensordot(weights, piece[name].transpose(*dims).values, axes=1)
+                self._means[name] = self._means[name] + added if name in self._means else added
         self.dimensions = data["fractal_dimension"].values
         self._steps = data[self._step].values
         self._amplitudes = data["amplitude"].values

@@ -72,10 +72,10 @@ def available_cores() -> int:
 
 
 @contextlib.contextmanager
-def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[[], None]]:
-    """A bar on the terminal if it is wanted, or lines where there is none; what is called once for each finished."""
+def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[..., None]]:
+    """A bar on the terminal if it is wanted, or lines where there is none; what is called with how many are finished."""
     if not wanted:
-        yield lambda: None
+        yield lambda count=1: None
         return
     from importlib.util import find_spec
 
@@ -106,18 +106,18 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
         return
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=total, completed=finished)
-        yield lambda: bar.advance(task)
+        yield lambda count=1: bar.advance(task, count)
 
 
-def _progress_lines(what: str, total: int, finished: int) -> Callable[[], None]:
+def _progress_lines(what: str, total: int, finished: int) -> Callable[..., None]:
     """A line for every tenth, unless less than a second has gone by since the last."""
     started = said = time.monotonic()
-    done = itertools.count(finished + 1)
+    number = finished
 
-    def advance() -> None:
-        nonlocal said
-        now, number = time.monotonic(), next(done)
-        tenth = (10 * number) // total > (10 * (number - 1)) // total
+    def advance(count: int = 1) -> None:
+        nonlocal said, number
+        now, number = time.monotonic(), number + count
+        tenth = (10 * number) // total > (10 * (number - count)) // total
         if tenth and number < total and now - said >= LINES_APART:
             said, passed = now, now - started
             left = passed * (total - number) / (number - finished)

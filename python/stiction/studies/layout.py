@@ -23,17 +23,32 @@ from numpy.typing import NDArray
 from zarr.codecs import ZstdCodec
 
 from stiction._files import HALF_WRITTEN, NotReadableError, content
+from stiction.studies.dataset import empty_dataset
+from stiction.studies.study import Study
 
-SCHEMA = 1
-"""Of the layout of a store; what a newer one means is not known here."""
+SCHEMA = 2
+"""Of the layout of a store; what a newer one means is not known here. In schema 1 every chunk is one repetition."""
 
 COMPLETE = "complete"
 METADATA = "zarr.json"
+BLOCK = "repetitions_per_chunk"
+"""Attribute of the root."""
+
+FILL = {"f": np.nan, "i": -1, "b": False}
+"""By kind of number, where a repetition is missing: whoever opens an unfinished store with something else sees no
+zeros that look like results."""
+
 PARTIAL = ".partial"
 """Of a store that is being begun."""
 
 MOST_METADATA = 16 * 2**20
 """Bytes of a file of metadata: a study of the longest lists takes a twentieth."""
+
+MOST_IN_CHUNK = 2**20
+"""Bytes."""
+
+FEWEST_BLOCKS = 512
+"""Of a study that has so many repetitions: workers compute blocks, and the last ones should not wait for each other."""
 
 _REPETITIONS_IN_CHUNK = 4096
 """Of the coordinate, whose chunks must not depend on how many there are."""
@@ -42,34 +57,47 @@ _LEVEL = 0
 _zstd = numcodecs.Zstd(level=_LEVEL, checksum=True)  # without the checksum a flipped bit is a wrong number
 
 
-def layout(dataset: xarray.Dataset, attributes: Mapping[str, Any] | None = None) -> dict[str, bytes]:
-    """Every file of a store but the repetitions themselves, the root's metadata last."""
-    identity = {"stiction_schema": SCHEMA, "numpy_version": np.__version__, "zarr_version": zarr.__version__}
-    # What an existing root says stays: the versions it was begun with, and what others added to it.
-    root = dataset.attrs | identity | dict(attributes or {}) | {"study": dataset.attrs["study"]}
+def block_of(study: Study) -> int:
+    """Repetitions in a chunk of a new store, a power of two: one where a study has few, or where they are large."""
+    largest = max(variable.nbytes for variable in empty_dataset(study, [0]).data_vars.values())
+    most = max(1, min(study.ensemble.repetitions // FEWEST_BLOCKS, MOST_IN_CHUNK // largest))
+    return 1 << (most.bit_length() - 1)
+
+
+def layout(study: Study, block: int, attributes: Mapping[str, Any] | None = None) -> dict[str, bytes]:
+    """Every file of a store but the repetitions themselves, the root's metadata last.
+
+    What an existing root says stays: the schema and the versions it was begun with, and what others added to it.
+    """
+    dataset = empty_dataset(study, [])
+    identity = {
+        "stiction_schema": SCHEMA, BLOCK: block, "numpy_version": np.__version__, "zarr_version": zarr.__version__,
+    }  # fmt: skip
+    root = dataset.attrs | (identity if attributes is None else dict(attributes)) | {"study": dataset.attrs["study"]}
     files: dict[str, Any] = {}
     group = zarr.create_group(
         zarr.storage.MemoryStore(files), zarr_format=3, attributes=root | {"checksum": checksum(root)}
     )
-    repetitions = dataset.sizes["repetition"]
-    complete = xarray.Variable("repetition", np.zeros(repetitions, np.bool_), {"long_name": "whether it is finished"})
+    repetitions = study.ensemble.repetitions
+    complete = xarray.Variable("repetition", np.zeros(0, np.bool_), {"long_name": "whether it is finished"})
     for name, variable in {**dataset.variables, COMPLETE: complete}.items():
         if variable.dtype.kind == "U":  # words, which the study says and Zarr 3 has no settled format for
             continue
-        chunks = {"repetition": _REPETITIONS_IN_CHUNK} if name == "repetition" else {"repetition": 1}
+        in_chunk = _REPETITIONS_IN_CHUNK if name == "repetition" else block
         array = group.create_array(
             str(name),
-            shape=variable.shape,
+            shape=tuple(repetitions if dim == "repetition" else size for dim, size in variable.sizes.items()),
             dtype=variable.dtype,
-            chunks=tuple(chunks.get(str(dim), size) for dim, size in variable.sizes.items()),
-            # Whoever opens an unfinished store with something else sees no zeros that look like results.
-            fill_value={"f": np.nan, "i": -1, "b": False}[variable.dtype.kind],
+            chunks=tuple(in_chunk if dim == "repetition" else size for dim, size in variable.sizes.items()),
+            fill_value=FILL[variable.dtype.kind],
             compressors=ZstdCodec(level=_LEVEL, checksum=True),
-            chunk_key_encoding={"name": "default", "separator": "."},  # a file, not a directory, of each repetition
+            chunk_key_encoding={"name": "default", "separator": "."},  # a file, not a directory, of each block
             dimension_names=[str(dim) for dim in variable.dims],
             attributes=variable.attrs,
         )
-        if name in dataset.coords:
+        if name == "repetition":
+            array[...] = np.arange(repetitions)
+        elif name in dataset.coords:
             array[...] = variable.values
     contents = {name: buffer.to_bytes() for name, buffer in files.items()}
     last = (f"{COMPLETE}/{METADATA}", METADATA)
@@ -79,17 +107,23 @@ def layout(dataset: xarray.Dataset, attributes: Mapping[str, Any] | None = None)
 def checksum(attributes: Mapping[str, Any]) -> str:
     """Of what a result is of: metadata have no checksum of their own, and a flipped bit would be another seed."""
     said = [attributes.get(name) for name in ("study", "stiction_version", "stiction_schema")]
+    said += [attributes[BLOCK]] if BLOCK in attributes else []
     return f"{zlib.crc32(json.dumps(said).encode()):08x}"
 
 
-def chunk(repetition: int, dimensions: int = 4) -> str:
-    """File of a repetition in the directory of a variable, whose third dimension they are."""
-    return f"c.0.0.{repetition}" + (dimensions - 3) * ".0"
+def chunk(block: int, dimensions: int = 4) -> str:
+    """File of a block of repetitions in the directory of a variable, whose third dimension they are."""
+    return f"c.0.0.{block}" + (dimensions - 3) * ".0"
 
 
 def is_known(name: str) -> bool:
-    """Whether a name in the directory of a variable is one that is given here, or what is left of writing it."""
-    return name == METADATA or bool(_CHUNK.fullmatch(name)) or is_left_behind(name)
+    """Whether a name in a directory of a store is one that is given here, or what is left of writing it."""
+    return name == METADATA or bool(_CHUNK.fullmatch(name)) or is_left_behind(name) or is_lock(name)
+
+
+def is_lock(name: str) -> bool:
+    """Whether a name is that of a lock, which lies among the flags while somebody writes."""
+    return bool(_LOCK.fullmatch(name))
 
 
 def is_left_behind(name: str) -> bool:
@@ -98,6 +132,7 @@ def is_left_behind(name: str) -> bool:
 
 
 _CHUNK = re.compile(r"c(\.[0-9]{1,18}){1,6}")
+_LOCK = re.compile(r"(block-[0-9]{1,18}|part-[0-9]{1,9}-of-[0-9]{1,9}|writer-[0-9a-f]{16})\.lock")
 _LEFT = re.compile(r"(c(\.[0-9]{1,18}){1,4}|zarr\.json)\.partial")  # by versions that named it so
 
 

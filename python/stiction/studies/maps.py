@@ -19,6 +19,7 @@ from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.crossing import Crossing
+from stiction.studies.streams import pieces
 from stiction.studies.study import step_of
 
 if TYPE_CHECKING:
@@ -30,13 +31,6 @@ _DIMS = ("fractal_dimension", "amplitude", "repetition")
 
 _MOTIONS = ("sliding", "direction")
 """Dimensions of results for several sliding rules and directions."""
-
-
-def _read_off(normal: Floats, values: Floats, loads: Floats) -> tuple[Floats, Floats, Floats, Crossing]:
-    """Mean of values (r, k) at loads (l,), read off along mean normal loads (r, k), and its interval."""
-    crossing = Crossing.of(normal.mean(axis=0, keepdims=True), loads)
-    mean = np.where(crossing.reached, crossing.at(values.mean(axis=0, keepdims=True)), np.nan)[0]
-    return mean, *intervals.of_ratio_at_load(normal, values, crossing, loads), crossing
 
 
 def friction_map(
@@ -122,8 +116,8 @@ def _map(
 
     for motion in _MOTIONS:
         if motion in dataset.dims:
-            each = [_map(dataset.isel({motion: i}), loads, mu0, tau0, what) for i in range(dataset.sizes[motion])]
-            whole = xarray.concat(each, dim=motion, coords="minimal", compat="override", join="override")
+            maps = [_map(dataset.isel({motion: i}), loads, mu0, tau0, what) for i in range(dataset.sizes[motion])]
+            whole = xarray.concat(maps, dim=motion, coords="minimal", compat="override", join="override")
             return whole.assign_coords({motion: dataset[motion].variable})
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
@@ -133,50 +127,54 @@ def _map(
     missing = [name for name in (*_DIMS, step) if not dataset.sizes.get(name)]
     if missing:
         raise ValueError(f"the dataset has nothing along {missing[0]!r}")
-    data = dataset.transpose(*_DIMS, step)
+    for name in _NEEDED[what]:
+        if name not in dataset:
+            raise ValueError(f"the dataset has no variable {name!r}")
+    sizes = dataset.sizes
     shape = (
-        data.sizes["fractal_dimension"], data.sizes["amplitude"], load_values.size, mu0_values.size, tau0_values.size,
+        sizes["fractal_dimension"], sizes["amplitude"], load_values.size, mu0_values.size, tau0_values.size,
     )  # fmt: skip
     mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
     validity = {name: np.full(shape, np.nan) for name in VALIDITY}
     status = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    sums = _sums_of(data, what)
-    judged = all(name in data for name in SUMS)  # a dataset of loads alone still has a friction coefficient
-    for d, a in np.ndindex(shape[:2]):
-        pair = sums.each(operator.itemgetter((d, a)))
-        touched = bool(pair.contact_count.any())
-        means = np.array([getattr(pair, name).mean(axis=0) for name in SUMS])
-        for m, t in np.ndindex(shape[3:]):
+    judged = all(name in dataset for name in SUMS)  # a dataset of loads alone still has a friction coefficient
+    # Two passes over the repetitions: the means say where loads are reached, and intervals are of what each has there.
+    means, others = _means(dataset, what, step)
+    at = {}
+    for d, a, m, t in np.ndindex(*shape[:2], *shape[3:]):
+        pair, other = (sums.each(operator.itemgetter((d, a))) for sums in (means, others))
+        normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
+        values = _values(other, what, mu0_values[m], tau0_values[t])
+        at[d, a, m, t] = intervals.AtLoads(normal, values, sizes["repetition"], load_values)
+    for piece in pieces(dataset, (*_NEEDED[what], *_of_step(what, step))):
+        own, changed = _sums_of(piece, what, step)
+        for (d, a, m, t), each in at.items():
+            pair, other = (sums.each(operator.itemgetter((d, a))) for sums in (own, changed))
             normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
-            match what:
-                case "contact_area":
-                    values = pair.contact_area
-                case "normal_stiffness":
-                    values = np.gradient(normal, data[step].values, axis=1, edge_order=2)
-                    if step == "load":
-                        own = data["approach"].values[d, a]
-                        values = values / np.gradient(own, data[step].values, axis=1, edge_order=2)
-                case _:
-                    values = friction.tangential_load(pair, mu0_values[m], tau0_values[t])
-            here = (d, a, slice(None), m, t)
-            mean[here], lower[here], upper[here], crossing = _read_off(normal, values, load_values)
-            status[here] = _status(touched, _locked(pair, normal), crossing)
-            if judged:
-                there = Sums(**dict(zip(SUMS, crossing.at(means), strict=True)))
-                for name, figure in vars(Validity.of(there)).items():
-                    validity[name][here] = np.where(crossing.reached[0], figure, np.nan)
+            each.add(normal, _values(other, what, mu0_values[m], tau0_values[t]))
+    for (d, a, m, t), each in at.items():
+        here = (d, a, slice(None), m, t)
+        mean[here] = each.mean
+        lower[here], upper[here] = each.interval()
+        pair = means.each(operator.itemgetter((d, a)))
+        normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
+        status[here] = _status(bool(pair.contact_count.any()), _locked(pair, normal), each.crossing)
+        if judged:
+            there = each.crossing.at(np.array([getattr(pair, name) for name in SUMS]))
+            for name, figure in vars(Validity.of(Sums(**dict(zip(SUMS, there, strict=True))))).items():
+                validity[name][here] = np.where(each.crossing.reached[0], figure, np.nan)
     if what == "friction_coefficient":
         for array in (mean, lower, upper):
             array /= load_values[:, np.newaxis, np.newaxis]
     coordinates: dict[str, Any] = {
-        "fractal_dimension": data["fractal_dimension"].variable,
-        "amplitude": data["amplitude"].variable,
+        "fractal_dimension": dataset["fractal_dimension"].variable,
+        "amplitude": dataset["amplitude"].variable,
         "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
         "mu0": ("mu0", mu0_values, {"units": "1", "long_name": "molecular friction coefficient"}),
         "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
     }
     dims = tuple(coordinates)
-    coordinates |= {motion: data[motion].variable for motion in _MOTIONS if motion in data.coords}
+    coordinates |= {motion: dataset[motion].variable for motion in _MOTIONS if motion in dataset.coords}
     units, long_name = QUANTITIES[what]
     return xarray.Dataset(
         {
@@ -191,21 +189,62 @@ def _map(
     )
 
 
+_LOADS = ("contact_count", "normal_elastic", "normal_frictional", "normal_adhesive")
 _NEEDED = {
-    "friction_coefficient": ("tangential_elastic", "tangential_frictional", "tangential_adhesive"),
-    "contact_area": ("contact_area",),
-    "normal_stiffness": (),
+    "friction_coefficient": (*_LOADS, "tangential_elastic", "tangential_frictional", "tangential_adhesive"),
+    "contact_area": (*_LOADS, "contact_area"),
+    "normal_stiffness": _LOADS,
 }
-"""What a quantity is made of, beside the normal load and the number of contacts."""
+"""Sums that a quantity is made of."""
 
 
-def _sums_of(data: xarray.Dataset, what: str) -> Sums:
-    """The sums of a dataset as plain arrays; those that `what` does not need may be missing, and are NaN then."""
-    for name in ("contact_count", "normal_elastic", "normal_frictional", "normal_adhesive", *_NEEDED[what]):
-        if name not in data:
-            raise ValueError(f"the dataset has no variable {name!r}")
-    missing = np.full(data["contact_count"].shape, np.nan)
-    return Sums.of({name: data[name].values if name in data else missing for name in SUMS})
+def _of_step(what: str, step: str) -> tuple[str, ...]:
+    """What a quantity is made of besides: each pair's own approach, where steps are loads."""
+    return ("approach",) if what == "normal_stiffness" and step == "load" else ()
+
+
+def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
+    """The sums of a result as plain arrays, and those that a quantity is linear in: of a stiffness their derivatives.
+
+    Those that the result has not are NaN.
+    """
+    ordered = data.transpose(*_DIMS, step)
+    missing = np.full(ordered["contact_count"].shape, np.nan)
+    columns = {name: ordered[name].values if name in ordered else missing for name in SUMS}
+    sums = Sums.of(columns)
+    if what != "normal_stiffness":
+        return sums, sums
+
+    def derivative(values: NDArray[Any]) -> Floats:
+        return np.asarray(np.gradient(values, ordered[step].values, axis=-1, edge_order=2))
+
+    own = derivative(ordered["approach"].values) if step == "load" else 1.0
+    return sums, Sums.of(columns | {name: derivative(columns[name]) / own for name in _LOADS[1:]})
+
+
+def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
+    match what:
+        case "contact_area":
+            return sums.contact_area
+        case "normal_stiffness":
+            return friction.normal_load(sums, mu0, tau0)
+        case _:
+            return friction.tangential_load(sums, mu0, tau0)
+
+
+def _means(dataset: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
+    """Means over the repetitions of what `_sums_of` gives, (fractal dimension, amplitude, step)."""
+    names = [name for name in (*SUMS, *_of_step(what, step)) if name in dataset]
+    total: list[Sums] = []
+    for piece in pieces(dataset, names):
+        added = [sums.each(lambda values: values.sum(axis=2)) for sums in _sums_of(piece, what, step)]
+        total = [_sum(*each) for each in zip(total, added, strict=True)] if total else added
+    sums, others = (each.each(lambda values: values / dataset.sizes["repetition"]) for each in total)
+    return sums, others
+
+
+def _sum(one: Sums, other: Sums) -> Sums:
+    return Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
 
 
 def _parameters(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
@@ -230,8 +269,8 @@ def _list(name: str, values: ArrayLike) -> Floats:
 
 
 def _locked(pair: Sums, normal: Floats) -> bool:
-    """Whether contacts at the largest approach carry no normal load, because friction holds them."""
-    return bool(pair.contact_count[:, -1].any() and normal[:, -1].mean() <= 0)
+    """Whether contacts at the largest approach carry no mean normal load, because friction holds them."""
+    return bool(pair.contact_count[-1] > 0 and normal[-1] <= 0)
 
 
 def _status(touched: bool, locked: bool, crossing: Crossing) -> NDArray[np.str_]:

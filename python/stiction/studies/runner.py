@@ -1,14 +1,17 @@
-"""Running a study: one task per repetition, on any executor."""
+"""Running a study: blocks of repetitions, a task each, on any executor."""
 
 from __future__ import annotations
 
 import contextlib
 import functools
 import itertools
+import math
 import queue
+import shutil
 import socket
 import threading
-from collections.abc import Generator, Iterator
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -18,6 +21,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
+from stiction._text import named
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
 from stiction.studies.pressed import pressed
@@ -29,12 +33,26 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.blocks import Writing
+
 Sums = dict[str, NDArray[Any]]
 
 SIDES: tuple[Side, Side] = ("upper", "lower")
 
 MOST_SUBMITTED = 1000
-"""Tasks that wait on an executor at a time."""
+"""Tasks that wait on an executor at a time, if their results are small."""
+
+MOST_WAITING = 2**28
+"""Bytes of results that may wait to be stored here, where workers do not store them."""
+
+TASK = 2.0
+"""Seconds after which a task begins no further repetition, but has those stored that it has: the most that is lost."""
+
+MOST_PACKED = 10
+"""Times that numbers may take more room than on the disk."""
+
+MOST_MEMORY = 16 * 2**30
+"""Bytes of a result that is not stored."""
 
 FAMILY_MEMORY = 64_000_000
 """Bytes of each body's profiles that a task holds at a time, so that its memory does not grow with the study."""
@@ -42,15 +60,21 @@ FAMILY_MEMORY = 64_000_000
 
 def repetition_sums(study: Study, repetition: int) -> Sums:
     """The sums of one repetition: each variable of a result as an array, without the dimension of repetitions."""
-    from stiction.studies.dataset import empty_dataset
-
-    variables = empty_dataset(study, [repetition]).data_vars
-    sums: Sums = {str(name): np.empty_like(variable.values[:, :, 0]) for name, variable in variables.items()}
+    sums: Sums = {name: np.empty(shape, dtype) for name, (shape, dtype) in _arrays(study).items()}
     pairs = _profiles(study, repetition) if study.surfaces.kind == "profile" else _surfaces(study, repetition)
     for place, upper, lower in pairs:
         for name, values in pressed(study, upper, lower).items():
             sums[name][place] = values.reshape(sums[name][place].shape)
     return sums
+
+
+@functools.lru_cache(maxsize=4)
+def _arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+    """Shape and kind of each variable of a repetition."""
+    from stiction.studies.dataset import empty_dataset
+
+    variables = empty_dataset(study, [0]).data_vars.items()
+    return {str(name): ((*each.shape[:2], *each.shape[3:]), each.dtype) for name, each in variables}
 
 
 def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Surface, Surface]]:
@@ -85,20 +109,62 @@ def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], 
                 )
 
 
-def task(version: str, study: str, repetition: int) -> Sums:
-    """`repetition_sums`, wherever it is computed: the study as text, and the version that asks for it.
+def task(version: str, study: str, repetitions: Sequence[int], writing: Writing | None) -> tuple[int, Sums | None]:
+    """Some repetitions of a block, wherever they are computed: as many of the first as there is time for.
+
+    Parameters
+    ----------
+    version : str
+        Of the stiction that asks for them.
+    study : str
+        As text.
+    repetitions : sequence of int
+    writing : Writing, optional
+        The store that they go to.
+
+    Returns
+    -------
+    count : int
+        How many were computed.
+    sums : dict, optional
+        What `repetition_sums` has of each, stacked as the third dimension; None if they are stored already, because the
+        store is seen from here.
 
     Raises
     ------
     StudyError
         If another version of stiction is to compute it, whose results may differ.
+    StoreError, NotWrittenError
+        If they cannot be stored.
     """
     if version != __version__:
         raise StudyError(
             f"the worker on {socket.gethostname()} has stiction {__version__}, and {version} asks for the study; "
             "install the same version everywhere"
         )
-    return repetition_sums(_parsed(study), repetition)
+    parsed, until = _parsed(study), time.monotonic() + TASK
+    shared = writing is not None and writing.is_shared()
+    # Somebody who was killed before they said so may have stored some.
+    stored = writing.stored(repetitions) if writing is not None and shared else frozenset()
+    done: dict[int, Sums] = {}
+    count = 0
+    for repetition in repetitions:
+        if repetition not in stored:
+            try:
+                done[repetition] = repetition_sums(parsed, repetition)
+            except ValueError:
+                if not count:
+                    raise
+                break  # it will be the first of what is left
+        count += 1
+        if time.monotonic() > until:
+            break
+    if not done:
+        return count, None
+    sums = {name: np.stack([each[name] for each in done.values()], axis=2) for name in _arrays(parsed)}
+    if writing is not None and shared and writing.save(list(done), sums):
+        return count, None
+    return count, sums
 
 
 @functools.lru_cache(maxsize=4)
@@ -132,8 +198,9 @@ def run(
     executor : concurrent.futures.Executor, optional
         Where repetitions are computed; a thread for each core by default. Any executor gives the same bits.
     store : path, optional
-        Zarr store that every repetition is written to as soon as it is computed. One that holds repetitions of the
-        same study already is continued: what it holds is not computed again, and more repetitions may be asked for.
+        Zarr store that repetitions are written to as they are computed, by the workers themselves where they see it.
+        One that holds repetitions of the same study already is continued: what it holds is not computed again, and more
+        repetitions may be asked for. Without a store the result is held in memory.
     progress : bool
         Whether to draw a progress bar on the terminal.
 
@@ -143,7 +210,8 @@ def run(
         The variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach (µm), with their
         units, the study's text and the version of stiction as attributes. Of surfaces those of `SurfaceLoadCurve`; by
         the half-space those of `HalfSpaceCurve` over load (mN) in place of approach. A list of sliding rules or of
-        directions is one more dimension, sliding or direction (degrees), of what depends on it.
+        directions is one more dimension, sliding or direction (degrees), of what depends on it. Of a stored result that
+        is larger than 256 MiB, variables are read from there when something of them is asked for.
 
     Raises
     ------
@@ -151,42 +219,202 @@ def run(
         If the study cannot be computed, or the store cannot be written, is another study's, is damaged, is being
         written by somebody else, or lacks repetitions and was begun by another version of stiction.
     """
-    from stiction.studies.dataset import empty_dataset
+    if store is None:
+        return _in_memory(study, executor, progress)
+    return computed(study, store, executor=executor, progress=progress)
+
+
+def computed(
+    study: Study,
+    store: str | Path,
+    *,
+    part: tuple[int, int] | None = None,
+    executor: Executor | None = None,
+    progress: bool = False,
+    say: Callable[[str], None] | None = None,
+) -> xarray.Dataset:
+    """`run` into a store; or one of so many parts, such as (3, 16): every 16th block from the third on.
+
+    Processes with different parts share a store, which any file system will do for that all see and that locks. What
+    they leave is computed by whoever comes without a part.
+
+    Parameters
+    ----------
+    say : function, optional
+        Is told what lies ahead before it begins: bytes, files, hours, and who writes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Of the whole study, or of the part.
+
+    Raises
+    ------
+    ValueError
+        As `run`; and if the same part is being computed by somebody else, or there is no such part.
+    """
     from stiction.studies.store import opened
 
+    if part is not None and not 1 <= part[0] <= part[1]:
+        raise ValueError(f"part must be one of so many, as in 3/16, got {part[0]}/{part[1]}")
+    _check_disk(study, Path(store))
     with contextlib.ExitStack() as stack:
-        kept = None if store is None else stack.enter_context(opened(store, study))
-        result = empty_dataset(study) if kept is None else kept.result
-        finished = frozenset() if kept is None else kept.finished
+        kept = stack.enter_context(opened(store, study, part))
+        missing = _Missing(study.ensemble.repetitions, kept.block, kept.finished, part)
         pool = stack.enter_context(given_or_threads(executor))
-        advance = stack.enter_context(progress_bar("repetitions", study.ensemble.repetitions, len(finished), progress))
+        most = MOST_SUBMITTED
+        if missing.count:
+            shared = pool.submit(_is_shared, kept.writing).result()
+            if say is not None:
+                say(_ahead(study, missing, kept.block, Path(store), shared))
+            if not shared:
+                most = max(32, min(most, MOST_WAITING // (kept.block * _size(study))))
+        here = missing.total - missing.count
+        advance = stack.enter_context(progress_bar("repetitions", missing.total, here, progress))
+        stack.enter_context(kept.refusals())
         # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
-        for repetition, sums in stack.enter_context(contextlib.closing(_computed(study, finished, pool))):
-            if kept is not None:
-                kept.save(repetition, sums)
-            for name, values in sums.items():
-                result[name].values[:, :, repetition] = values
-            advance()
+        for repetitions, sums in stack.enter_context(
+            contextlib.closing(_results(study, missing, pool, kept.writing, most))
+        ):
+            if sums is not None:
+                kept.save(repetitions, sums)
+            advance(len(repetitions))
+        return kept.dataset(missing.all())
+
+
+def _check_disk(study: Study, store: Path) -> None:
+    """Refuse what cannot be: numbers pack to a tenth at best."""
+    size = study.ensemble.repetitions * _size(study)
+    with contextlib.suppress(OSError, RuntimeError):  # which opening the store says better
+        disk = shutil.disk_usage(next(each for each in store.resolve().parents if each.exists())).total
+        if size > MOST_PACKED * disk > 0:
+            raise StudyError(
+                f"the result would take up to {_bytes(size)}, and the disk of {named(store)} has {_bytes(disk)} in "
+                "all: take fewer ensemble.repetitions"
+            )
+
+
+def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
+    from stiction.studies.dataset import empty_dataset
+
+    total = study.ensemble.repetitions
+    size = total * _size(study)
+    if size > MOST_MEMORY:
+        raise StudyError(
+            f"the result would take {size / 2**30:.0f} GiB of memory, more than {MOST_MEMORY / 2**30:.0f}: give it a "
+            "store, or take fewer ensemble.repetitions"
+        )
+    result = empty_dataset(study)
+    missing = _Missing(total, 1, np.empty(0, np.intp), None)
+    with contextlib.ExitStack() as stack:
+        pool = stack.enter_context(given_or_threads(executor))
+        advance = stack.enter_context(progress_bar("repetitions", total, 0, progress))
+        for repetitions, sums in stack.enter_context(
+            contextlib.closing(_results(study, missing, pool, None, MOST_SUBMITTED))
+        ):
+            for name, values in (sums or {}).items():
+                result[name].values[:, :, repetitions] = values
+            advance(len(repetitions))
     return result
 
 
-def _computed(study: Study, finished: frozenset[int], pool: Executor) -> Generator[tuple[int, Sums]]:
-    """Other repetitions as they are done; of however many, so many are submitted at a time."""
-    repetitions = (each for each in range(study.ensemble.repetitions) if each not in finished)
-    waiting: dict[Future[Sums], int] = {}
+def _ahead(study: Study, missing: _Missing, block: int, store: Path, shared: bool) -> str:
+    """What lies ahead: bytes before they are packed, files, time by the fractal dimension in the middle, who writes."""
+    dimensions = study.surfaces.fractal_dimensions()
+    one = study.with_changes({"surfaces.fractal_dimension": [float(dimensions[dimensions.size // 2])]})
+    for _ in range(2):  # the first time everything is slower
+        began = time.thread_time()
+        repetition_sums(one, 0)
+        seconds = (time.thread_time() - began) * dimensions.size * missing.count
+        if seconds > 1000 * missing.count:
+            break
+    files = -(-missing.count // block) * (len(study.sums()) + 1)
+    free = shutil.disk_usage(store).free
+    who = "the workers write them" if shared else "the workers do not see the store, so this process writes them"
+    return (
+        f"to compute: {missing.count} repetitions, up to {_bytes(missing.count * _size(study))} in {files} files "
+        f"({_bytes(free)} are free), about {_time(seconds)} of one core; {who}"
+    )
+
+
+def _bytes(size: float) -> str:
+    power = min(4, max(1, int(math.log(max(size, 1), 1000))))
+    return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
+
+
+def _time(seconds: float) -> str:
+    for most, unit in ((60, "s"), (60, "min"), (48, "hours")):
+        if seconds < most:
+            return f"{seconds:.2g} {unit}"
+        seconds /= most if unit != "hours" else 24
+    return f"{seconds:.3g} days"
+
+
+def _is_shared(writing: Writing) -> bool:
+    """Whether a worker sees the store, asked there."""
+    return writing.is_shared()
+
+
+def _size(study: Study) -> int:
+    """Bytes of a repetition."""
+    return sum(dtype.itemsize * math.prod(shape) for shape, dtype in _arrays(study).values())
+
+
+class _Missing:
+    """The repetitions of a study, or of a part of its blocks, that are not finished."""
+
+    def __init__(self, total: int, block: int, finished: NDArray[np.intp], part: tuple[int, int] | None) -> None:
+        self._block = block
+        self._blocks = range(-(-total // block)) if part is None else range(part[0] - 1, -(-total // block), part[1])
+        self._is_finished = np.zeros(total, np.bool_)
+        self._is_finished[finished] = True
+        own = self.all()
+        self.total = own.size
+        self.count = int(own.size - self._is_finished[own].sum())
+
+    def all(self) -> NDArray[np.intp]:
+        """Finished or not."""
+        blocks = np.asarray(self._blocks, np.intp)
+        numbers = (blocks[:, np.newaxis] * self._block + np.arange(self._block)).ravel()
+        return np.asarray(numbers[numbers < self._is_finished.size])
+
+    def __iter__(self) -> Iterator[list[int]]:
+        """Those of each block that are missing."""
+        for block in self._blocks:
+            first = block * self._block
+            missing = np.flatnonzero(~self._is_finished[first : first + self._block])
+            if missing.size:
+                yield (first + missing).tolist()
+
+
+def _results(
+    study: Study, missing: _Missing, pool: Executor, writing: Writing | None, most: int
+) -> Generator[tuple[list[int], Sums | None]]:
+    """Repetitions of a block as they are done, and their sums if they are not stored; so many blocks are submitted."""
+    blocks = iter(missing)
+    waiting: dict[Future[tuple[int, Sums | None]], list[int]] = {}
     # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
-    done: queue.SimpleQueue[Future[Sums]] = queue.SimpleQueue()
+    done: queue.SimpleQueue[Future[tuple[int, Sums | None]]] = queue.SimpleQueue()
     text = study.to_toml()
+
+    def submit(repetitions: list[int]) -> None:
+        future = pool.submit(task, __version__, text, repetitions, writing)
+        waiting[future] = repetitions
+        future.add_done_callback(done.put)
+
     try:
         while True:
-            for repetition in itertools.islice(repetitions, MOST_SUBMITTED - len(waiting)):
-                future = pool.submit(task, __version__, text, repetition)
-                waiting[future] = repetition
-                future.add_done_callback(done.put)
+            for repetitions in itertools.islice(blocks, max(0, most - len(waiting))):
+                submit(repetitions)
             if not waiting:
                 return
             future = done.get()
-            yield waiting.pop(future), future.result()
+            repetitions = waiting.pop(future)
+            count, sums = future.result()
+            if count < len(repetitions):
+                submit(repetitions[count:])
+            yield repetitions[:count], sums
+            del future, sums
     finally:
         for future in waiting:
             future.cancel()

@@ -1,18 +1,22 @@
-"""Results on disk: a Zarr store that grows by a repetition at a time and may be killed at any moment.
+"""Results on disk: a Zarr store that grows by repetitions and may be killed at any moment.
 
-A repetition is a chunk of each variable, and a flag in `complete` that is written last; a file appears under its name
-when it is whole, by a rename. Only what carries its flag counts, and it is never written again. All metadata follow
-from the study, which stands in the root and is written last when repetitions are added: what was interrupted is put
-right by writing the metadata again.
+Repetitions are kept in blocks, as `blocks` says. Only what carries its flag counts. All metadata follow from the study,
+which stands in the root and is written last when repetitions are added: what was interrupted is put right by writing
+the metadata again.
+
+One process holds the store alone and computes what is missing; or several share it, each with a part of the blocks of
+its own. None of those may change the metadata: that is done by whoever comes first, alone for that moment.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import re
+import random
+import secrets
+import time
 import warnings
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,23 +25,27 @@ from typing import Any
 import numpy as np
 import xarray
 from numpy.typing import NDArray
+from xarray.backends import BackendArray
+from xarray.core import indexing
 
 from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason, replace
 from stiction._text import named, printable
+from stiction.studies.blocks import Blocks, NotWrittenError, StoreError, Writing, root_checksum
 from stiction.studies.dataset import NAMES, empty_dataset
 from stiction.studies.layout import (
+    BLOCK,
     COMPLETE,
     METADATA,
     PARTIAL,
     SCHEMA,
     DecodingError,
+    block_of,
     checksum,
-    chunk,
     decoded,
-    encoded,
     is_known,
     is_left_behind,
+    is_lock,
     layout,
     metadata,
 )
@@ -49,8 +57,15 @@ _CHECKED = ("data_type", "chunk_grid", "chunk_key_encoding", "fill_value", "dime
 """Of an array's metadata; codecs may be spelt differently by other versions of Zarr, and the shape may have grown."""
 
 
-class StoreError(ValueError):
-    """A store that cannot be written or read."""
+MOST_LOADED = 2**28
+"""Bytes of a result that is read into memory at once; of a larger one whatever is asked for, when it is."""
+
+PATIENCE = 60.0
+"""Seconds that a part waits for another process to have laid out the store."""
+
+
+class BusyError(StoreError):
+    """A store that somebody else is writing."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +82,7 @@ class StoreInfo:
 
 
 def read(path: str | Path) -> xarray.Dataset:
-    """Read a result from its store, into memory.
+    """Read a result from its store: into memory, or if it is larger than 256 MiB, whatever is asked for when it is.
 
     Of a study that is not finished, the dataset has the finished repetitions only, and a warning says so.
 
@@ -87,17 +102,17 @@ def read(path: str | Path) -> xarray.Dataset:
     """
     path = Path(path)
     root = _Root.of(path, path)
-    _check_metadata(path, path, root.study)
-    finished = _finished(path, path, root.study)
+    _check_metadata(path, path, root)
     total = root.study.ensemble.repetitions
-    if not finished:
+    finished = root.blocks(path, path).finished(total)
+    if not finished.size:
         raise StoreError(f"{named(path)}: none of its {total} repetitions is finished yet")
-    if len(finished) < total:
+    if finished.size < total:
         warnings.warn(
-            f"{named(path)}: {len(finished)} of {total} repetitions are finished; the result has only those",
+            f"{named(path)}: {finished.size} of {total} repetitions are finished; the result has only those",
             stacklevel=2,
         )
-    return _loaded(path, path, root, finished, finished)
+    return _dataset(path, path, root, finished)
 
 
 def info(path: str | Path) -> StoreInfo:
@@ -120,7 +135,7 @@ def info(path: str | Path) -> StoreInfo:
                 size += os.lstat(Path(folder, file)).st_blocks * 512
     return StoreInfo(
         root.study,
-        len(_finished(path, path, root.study)),
+        root.blocks(path, path).finished(root.study.ensemble.repetitions).size,
         size,
         {name: printable(root.attributes.get(attribute, "unknown")) for name, attribute in names.items()},
     )
@@ -168,7 +183,22 @@ class _Root:
             _check_kinds(path, shown)
         except OSError as error:
             raise StoreError(f"{named(shown)}: cannot be read: {reason(error)}") from None
+        if not 1 <= root.block <= _MOST_IN_BLOCK:
+            raise StoreError(f"{named(shown)}: is damaged: {METADATA} does not say how its chunks are")
         return root
+
+    @property
+    def block(self) -> int:
+        """Repetitions in a chunk; 0 if that is not said."""
+        said = 1 if self.attributes["stiction_schema"] == 1 else self.attributes.get(BLOCK)
+        return said if type(said) is int else 0
+
+    def blocks(self, path: Path, shown: Path) -> Blocks:
+        """What stands in a store of this root."""
+        return Blocks(path, shown, self.block)
+
+
+_MOST_IN_BLOCK = 2**20
 
 
 def _folders() -> list[str]:
@@ -188,8 +218,8 @@ def _check_kinds(path: Path, shown: Path) -> None:
                 )
 
 
-def _check_metadata(path: Path, shown: Path, study: Study) -> None:
-    for name, expected in layout(empty_dataset(study, [])).items():
+def _check_metadata(path: Path, shown: Path, root: _Root) -> None:
+    for name, expected in layout(root.study.with_changes({"ensemble.repetitions": 1}), root.block).items():
         if not name.endswith(f"/{METADATA}"):
             continue
         try:
@@ -201,48 +231,70 @@ def _check_metadata(path: Path, shown: Path, study: Study) -> None:
             raise StoreError(f"{named(shown)}: is damaged: {name}; running its study on it again writes that anew")
 
 
-def _finished(path: Path, shown: Path, study: Study) -> list[int]:
-    """Repetitions that carry their flag, in order."""
-    try:
-        files = os.listdir(path / COMPLETE)
-    except OSError as error:
-        raise StoreError(f"{named(shown)}: is damaged: {COMPLETE}: {error.strerror or error}") from None
-    numbers = sorted(int(match[1]) for file in files if (match := re.fullmatch(r"c\.(0|[1-9][0-9]{0,17})", file)))
-    return [
-        repetition
-        for repetition in numbers
-        if repetition < study.ensemble.repetitions and _flag(path, shown, repetition)
-    ]
+def _dataset(path: Path, shown: Path, root: _Root, repetitions: NDArray[np.intp]) -> xarray.Dataset:
+    """The dataset of some repetitions, all of them finished."""
+    dataset = empty_dataset(root.study, [])
+    coordinates = {
+        str(name): coordinate.copy(data=_coordinate(path, str(name), coordinate))
+        for name, coordinate in ((name, each.variable) for name, each in dataset.coords.items())
+        if name not in ("repetition", "sliding")
+    }
+    numbers = dataset["repetition"].variable
+    coordinates["repetition"] = xarray.Variable(numbers.dims, repetitions.astype(numbers.dtype), numbers.attrs)
+    blocks = root.blocks(path, shown)
+    variables = {
+        str(name): xarray.Variable(
+            variable.dims,
+            indexing.LazilyIndexedArray(_Stored(blocks, str(name), variable, repetitions)),
+            variable.attrs,
+        )
+        for name, variable in ((name, each.variable) for name, each in dataset.data_vars.items())
+    }
+    ordered = {str(name): coordinates.get(str(name), each.variable) for name, each in dataset.coords.items()}
+    stored = xarray.Dataset(variables, ordered, dataset.attrs | {"stiction_version": root.version})
+    return stored.load() if stored.nbytes <= MOST_LOADED else stored
 
 
-def _flag(path: Path, shown: Path, repetition: int) -> bool:
-    name = f"{COMPLETE}/c.{repetition}"
-    try:
-        return bool(decoded(path / name, np.dtype(np.bool_), (1,))[0])
-    except (OSError, DecodingError) as error:
-        raise _damage(shown, name, repetition, error) from None
+class _Stored(BackendArray):
+    """A variable of some repetitions of a store, read and checked whenever something of it is asked for."""
+
+    def __init__(self, blocks: Blocks, name: str, variable: xarray.Variable, repetitions: NDArray[np.intp]) -> None:
+        self._blocks = blocks
+        self._name = name
+        self._repetitions = repetitions
+        self._of_one = (*variable.shape[:2], *variable.shape[3:])
+        self.shape = (*variable.shape[:2], repetitions.size, *variable.shape[3:])
+        self.dtype = variable.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._some)
+
+    def _some(self, key: tuple[Any, ...]) -> NDArray[Any]:
+        """By integers, slices and arrays of integers, each along its own dimension."""
+        wanted = self._repetitions[key[2]]
+        numbers = np.atleast_1d(wanted)
+        result: NDArray[Any] | None = None
+        block_of_each = numbers // self._blocks.size
+        for block in np.unique(block_of_each):
+            whole = self._blocks.read(self._name, self.dtype, self._of_one, int(block))
+            here = np.flatnonzero(block_of_each == block)
+            part = _outer(whole[:, :, numbers[here] - block * self._blocks.size], (*key[:2], slice(None), *key[3:]))
+            at = sum(not isinstance(each, (int, np.integer)) for each in key[:2])  # axis of the repetitions
+            if result is None:
+                result = np.empty((*part.shape[:at], numbers.size, *part.shape[at + 1 :]), self.dtype)
+            place: list[Any] = [*(slice(None),) * at, here]
+            result[tuple(place)] = part
+        if result is None:
+            result = _outer(np.empty(self.shape, self.dtype), (*key[:2], slice(0), *key[3:]))
+        return result if wanted.ndim else result.squeeze(axis=at)
 
 
-def _loaded(
-    path: Path, shown: Path, root: _Root, finished: Collection[int], repetitions: Sequence[int]
-) -> xarray.Dataset:
-    """The dataset of some repetitions, zeros where they are not finished."""
-    dataset = empty_dataset(root.study, repetitions)
-    dataset.attrs["stiction_version"] = root.version
-    for name, coordinate in dataset.coords.items():
-        if name not in ("repetition", "sliding"):
-            stored = _coordinate(path, str(name), coordinate.variable)
-            dataset[name] = coordinate.copy(data=stored)
-    arrays = {str(name): dataset[name].values for name in dataset.data_vars}
-    for index, repetition in enumerate(repetitions):
-        if repetition in finished:
-            for name, array in arrays.items():
-                file = f"{name}/{chunk(repetition, array.ndim)}"
-                try:
-                    array[:, :, index] = decoded(path / file, array.dtype, array[:, :, index].shape)
-                except (OSError, DecodingError) as error:
-                    raise _damage(shown, file, repetition, error) from None
-    return dataset
+def _outer(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:
+    """Indexed along each dimension by itself."""
+    for axis in reversed(range(len(key))):
+        index: list[Any] = [*(slice(None),) * axis, key[axis]]
+        values = values[tuple(index)]
+    return values
 
 
 def _coordinate(path: Path, name: str, expected: xarray.Variable) -> NDArray[Any]:
@@ -253,76 +305,61 @@ def _coordinate(path: Path, name: str, expected: xarray.Variable) -> NDArray[Any
         return expected.values
 
 
-def _damage(shown: Path, file: str, repetition: int, error: Exception) -> StoreError:
-    why = reason(error) if isinstance(error, OSError) else error
-    flag = shown / COMPLETE / f"c.{repetition}"
-    return StoreError(
-        f"{named(shown)}: is damaged: {file}: {why}\n"
-        f"to have repetition {repetition} computed again, remove {named(flag)} and run its study on it again"
-    )
-
-
 # ---- Writing --------------------------------------------------------------------------------------------------------
 
 
 class Store:
-    """A store that is open for writing, by nobody else.
+    """A store that is open for writing, by nobody else or by nobody else in the same part.
 
     Attributes
     ----------
-    result : xarray.Dataset
-        Every repetition of the study: as they are stored, or zeros.
-    finished : frozenset of int
-        Repetitions that were stored when it was opened.
+    finished : (n,) ndarray of int
+        Repetitions that were stored when it was opened, in order.
+    block : int
+        Repetitions in a chunk.
+    writing : Writing
+        What a worker needs to store repetitions by itself.
     """
 
-    def __init__(self, path: Path, shown: Path, result: xarray.Dataset, finished: Collection[int]) -> None:
-        self.result = result
-        self.finished = frozenset(finished)
+    def __init__(self, path: Path, shown: Path, root: _Root, finished: NDArray[np.intp], writer: str) -> None:
+        self.finished = finished
+        self.block = root.block
+        self.writing = Writing(root.blocks(path, shown), root_checksum(path) or 0, writer)
         self._path = path
         self._shown = shown
-        self._saved = len(self.finished)
-        self._identity = path.stat()
+        self._root = root
 
-    def save(self, repetition: int, sums: Mapping[str, NDArray[Any]]) -> None:
-        """Store a repetition for good: each variable of the result, without the dimension of repetitions.
-
-        Raises
-        ------
-        StoreError
-            If it cannot be written; what was finished before stays so.
-        """
-        self.check_is_there()
-        try:
-            for name, values in sums.items():
-                file = self._path / name / chunk(repetition, values.ndim + 1)
-                replace(file, encoded(file, values))
-            flag = self._path / COMPLETE / f"c.{repetition}"
-            replace(flag, encoded(flag, np.ones(1, np.bool_)))
-        except OSError as error:
-            self.check_is_there()
+    def save(self, repetitions: Sequence[int], sums: Mapping[str, NDArray[Any]]) -> None:
+        """`Writing.save`, by whoever opened the store; also a StoreError if somebody removed the lock of that."""
+        if not self.writing.save(repetitions, sums):
             raise StoreError(
-                f"{named(self._shown)}: cannot be written: {reason(error)}\n{self._saved} of "
-                f"{self.result.sizes['repetition']} repetitions are finished and kept; running the study on it again "
-                "continues from there"
-            ) from None
-        self._saved += 1
+                f"{named(self._shown)}: somebody removed {self.writing.writer}, by which its writer is known"
+            )
 
-    def check_is_there(self) -> None:
-        """Raise a StoreError if somebody has removed the store, or put something else in its place."""
+    def dataset(self, repetitions: NDArray[np.intp]) -> xarray.Dataset:
+        """The result of some repetitions, all of them finished."""
+        return _dataset(self._path, self._shown, self._root, repetitions)
+
+    @contextmanager
+    def refusals(self) -> Iterator[None]:
+        """A StoreError in place of a `NotWrittenError`, that says how many repetitions are finished."""
         try:
-            if os.path.samestat(self._path.stat(), self._identity) and (self._path / METADATA).exists():
-                return
-        except OSError:
-            pass
-        raise StoreError(f"{named(self._shown)}: was removed or replaced while it was being written")
+            yield
+        except NotWrittenError as error:
+            self.writing.check_is_there()
+            total = self._root.study.ensemble.repetitions
+            finished = self.writing.blocks.finished(total).size
+            raise StoreError(
+                f"{named(self._shown)}: cannot be written: {error}\n{finished} of {total} repetitions are "
+                "finished and kept; running the study on it again continues from there"
+            ) from None
 
 
 @contextmanager
-def opened(path: str | Path, study: Study) -> Iterator[Store]:
+def opened(path: str | Path, study: Study, part: tuple[int, int] | None = None) -> Iterator[Store]:
     """Open the store of a study for writing: a new one, or one that holds some or all of its repetitions.
 
-    One that holds all of them need not be writeable.
+    One that holds all of them need not be writeable. Parts, such as (3, 16), share a store with each other.
 
     Raises
     ------
@@ -336,23 +373,74 @@ def opened(path: str | Path, study: Study) -> Iterator[Store]:
         real.parent.mkdir(parents=True, exist_ok=True)
     with ExitStack() as locks:
         with _written(shown):
-            try:
-                _enter(locks, locked(real.with_name(f"{real.name}.lock")), shown)
-            except OSError:
-                store = _whole(real, shown, study)
-                if store is None:
-                    raise
-            else:
-                store = _opened(real, shown, study, locks)
+            store = _whole(real, shown, study, locks) if part is None else _shared(real, shown, study, part, locks)
         yield store
-        store.check_is_there()
+        store.writing.check_is_there()
 
 
-def _enter(locks: ExitStack, lock: AbstractContextManager[None], shown: Path) -> None:
+def _whole(path: Path, shown: Path, study: Study, locks: ExitStack) -> Store:
+    """A store that nobody else writes."""
+    try:
+        _enter(locks, locked(path.with_name(f"{path.name}.lock")), shown)
+    except OSError:
+        store = _to_be_read(path, shown, study)
+        if store is None:
+            raise
+        return store
+    root, finished = _laid_out(path, shown, study, locks)
+    return _announced(path, shown, root, finished, locks)
+
+
+def _shared(path: Path, shown: Path, study: Study, part: tuple[int, int], locks: ExitStack) -> Store:
+    """A store that others share, laid out for the study by the first of them that comes."""
+    deadline = time.monotonic() + PATIENCE
+    lock = path.with_name(f"{path.name}.lock")
+    while True:
+        try:
+            with ExitStack() as own:
+                _enter(own, locked(lock, shared=True), shown)
+                if path.is_dir() and not path.is_symlink():
+                    _enter(own, locked_directory(path, shared=True), shown)
+                    root = _Root.of(path, shown)
+                    if _is_laid_out(path, shown, root, study):
+                        _enter(own, locked(path / COMPLETE / f"part-{part[0]}-of-{part[1]}.lock"), shown, part)
+                        finished = root.blocks(path, shown).finished(study.ensemble.repetitions)
+                        locks.push(own.pop_all())
+                        return _announced(path, shown, root, finished, locks)
+            with ExitStack() as alone:
+                _enter(alone, locked(lock), shown)
+                _laid_out(path, shown, study, alone)
+        except BusyError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(random.uniform(0.02, 0.2))
+
+
+def _is_laid_out(path: Path, shown: Path, root: _Root, study: Study) -> bool:
+    """Whether a store is the very study's, with nothing to be changed; a StoreError if it cannot be."""
+    _check_study(shown, root.study, study)
+    _check_same_bits(path, shown, root, study)
+    return all(_holds(path / name, wanted) for name, wanted in layout(study, root.block, root.attributes).items())
+
+
+def _announced(path: Path, shown: Path, root: _Root, finished: NDArray[np.intp], locks: ExitStack) -> Store:
+    """A store with a lock in it that workers know this process by."""
+    writer = f"writer-{secrets.token_hex(8)}.lock"
+    store = Store(path, shown, root, finished, writer)
+    locks.callback(store.writing.wait_for_others)  # after which nobody writes for it, and then the store is let go
+    locks.enter_context(locked(path / COMPLETE / writer))
+    return store
+
+
+def _enter(
+    locks: ExitStack, lock: AbstractContextManager[None], shown: Path, part: tuple[int, int] | None = None
+) -> None:
     try:
         locks.enter_context(lock)
     except BlockingIOError:
-        raise StoreError(f"{named(shown)}: somebody else is writing it") from None
+        if part is not None:
+            raise StoreError(f"{named(shown)}: somebody else is computing part {part[0]}/{part[1]} of it") from None
+        raise BusyError(f"{named(shown)}: somebody else is writing it") from None
 
 
 @contextmanager
@@ -363,32 +451,36 @@ def _written(shown: Path) -> Iterator[None]:
         raise StoreError(f"{named(shown)}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _whole(path: Path, shown: Path, study: Study) -> Store | None:
+def _to_be_read(path: Path, shown: Path, study: Study) -> Store | None:
     """A store that nothing is to be written to; None if something is."""
     if not path.is_dir():
         return None
     root = _Root.of(path, shown)
-    finished = _finished(path, shown, root.study)
-    if len(finished) < study.ensemble.repetitions:
+    finished = root.blocks(path, shown).finished(root.study.ensemble.repetitions)
+    if finished.size < study.ensemble.repetitions:
         return None
-    _check_metadata(path, shown, root.study)
-    return Store(path, shown, _loaded_as(path, shown, root, finished, study), finished)
+    _check_metadata(path, shown, root)
+    return Store(path, shown, _asked(shown, root, finished, study), finished, "")
 
 
-def _opened(path: Path, shown: Path, study: Study, locks: ExitStack) -> Store:
+def _laid_out(path: Path, shown: Path, study: Study, locks: ExitStack) -> tuple[_Root, NDArray[np.intp]]:
+    """Begin a store, or bring one to the layout of a study that it holds; its root, and what is finished."""
     partial = path.with_name(f"{path.name}{PARTIAL}")
     removed = []  # nothing is, before all that may be refused has been looked at
     if os.path.lexists(path):
         if path.is_dir():
             _enter(locks, locked_directory(path), shown)
         root = _Root.of(path, shown)
-        finished = _finished(path, shown, root.study)
-        if finished:
-            return _continued(path, shown, root, finished, study)
+        finished = root.blocks(path, shown).finished(root.study.ensemble.repetitions)
+        if finished.size:
+            asked = _asked(shown, root, finished, study)
+            if finished.size < study.ensemble.repetitions:
+                _check_same_bits(path, shown, root, study)
+            _lay_out_again(path, layout(study, root.block, root.attributes))
+            return asked, finished
         _files_of(path, shown)  # whatever it was to be: there is nothing in it
         removed.append(path)
-    result = empty_dataset(study)
-    files = layout(result)
+    files = layout(study, block_of(study))
     if os.path.lexists(partial):
         _files_of(partial, partial)
         _enter(locks, locked_directory(partial), shown)
@@ -399,7 +491,7 @@ def _opened(path: Path, shown: Path, study: Study, locks: ExitStack) -> Store:
         for each in _files_of(partial, shown):
             each.rmdir() if each.is_dir() else each.unlink()
     _begin(path, partial, files, shown, locks)
-    return Store(path, shown, result, ())
+    return _Root.of(path, shown), np.empty(0, np.intp)
 
 
 def _files_of(store: Path, shown: Path) -> list[Path]:
@@ -451,16 +543,8 @@ def _begin(path: Path, partial: Path, layout: Mapping[str, bytes], shown: Path, 
         raise
 
 
-def _continued(path: Path, shown: Path, root: _Root, finished: list[int], study: Study) -> Store:
-    result = _loaded_as(path, shown, root, finished, study)
-    if len(finished) < study.ensemble.repetitions:
-        _check_same_bits(shown, _Root(root.attributes, study, root.version), result)
-    _lay_out_again(path, layout(result, root.attributes))
-    return Store(path, shown, result, finished)
-
-
-def _loaded_as(path: Path, shown: Path, root: _Root, finished: list[int], study: Study) -> xarray.Dataset:
-    """Every repetition of a study from a store that holds some; a StoreError if that is not of the same study."""
+def _asked(shown: Path, root: _Root, finished: NDArray[np.intp], study: Study) -> _Root:
+    """The root as it will be, of a study that is asked for; a StoreError if the store does not hold that."""
     _check_study(shown, root.study, study)
     total = study.ensemble.repetitions
     if finished[-1] >= total:
@@ -468,15 +552,19 @@ def _loaded_as(path: Path, shown: Path, root: _Root, finished: list[int], study:
             f"{named(shown)}: repetition {finished[-1]} is finished, and ensemble.repetitions = {total} would drop it; "
             f"ask for at least {finished[-1] + 1}, or choose another place"
         )
-    return _loaded(path, shown, _Root(root.attributes, study, root.version), frozenset(finished), range(total))
+    return _Root(root.attributes | {"study": study.to_toml()}, study, root.version)
 
 
 def _lay_out_again(path: Path, layout: Mapping[str, bytes]) -> None:
     """Bring a store to its layout, in the layout's order, and remove what a killed writer left half-written."""
     for folder in (path, *(path / each for each in _folders())):
         for file in folder.iterdir() if folder.is_dir() else ():
-            if is_left_behind(file.name) and file.is_file() and not file.is_symlink():
-                file.unlink()
+            if not file.is_symlink() and file.is_file():
+                if is_lock(file.name):
+                    with suppress(BlockingIOError), locked(file):
+                        pass  # and removed, if nobody holds it: a worker may, whose command was killed
+                elif is_left_behind(file.name):
+                    file.unlink()
     for name, wanted in layout.items():
         file = path / name
         if not _holds(file, wanted):
@@ -511,7 +599,7 @@ def _short(text: str) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _check_same_bits(shown: Path, root: _Root, result: xarray.Dataset) -> None:
+def _check_same_bits(path: Path, shown: Path, root: _Root, study: Study) -> None:
     """Repetitions that are still to come must be those that an undisturbed run would have computed."""
     if root.version != __version__:
         version = printable(root.version)
@@ -519,9 +607,10 @@ def _check_same_bits(shown: Path, root: _Root, result: xarray.Dataset) -> None:
             f"{named(shown)}: was begun by stiction {version} and this is {__version__}, whose results may differ; "
             f"finish it with stiction {version}, or choose another place"
         )
-    here = empty_dataset(root.study).coords
-    for name in here:
-        if not np.array_equal(here[name].values, result[name].values):
+    for name, here in empty_dataset(study, []).coords.items():
+        if name in ("repetition", "sliding"):
+            continue
+        if not np.array_equal(here.values, _coordinate(path, str(name), here.variable)):
             raise StoreError(
                 f"{named(shown)}: was begun on a machine or with a NumPy whose {name} differs in the last digits; "
                 "finish it there, or choose another place"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import xarray
 
 MOST_MEMORY = 16 * 2**30
-"""Bytes of a result, which is held in memory."""
+"""Bytes of a repetition of a result."""
 
 LONGEST_FILE = 1_000_000
 """Bytes of a study file; a study is a page."""
@@ -96,13 +96,13 @@ class Study(Table):
             raise ValueError(
                 f"surfaces.directions times surfaces.frequencies must be at most {MOST_HARMONICS}, got {harmonics}"
             )
-        pairs = self.surfaces.fractal_dimensions().size * self.surfaces.amplitudes().size * self.ensemble.repetitions
+        pairs = self.surfaces.fractal_dimensions().size * self.surfaces.amplitudes().size
         curves = sum(math.prod(map(len, self.motions().values())) if name in DIRECTED else 1 for name in self.sums())
         size = 8 * curves * pairs * self.contact.steps().size
         if size > MOST_MEMORY:
             raise ValueError(
-                f"the result would take {size / 2**30:.0f} GiB, more than {MOST_MEMORY / 2**30:.0f}: take fewer "
-                f"ensemble.repetitions, contact.{self.contact.step}, surfaces.fractal_dimension or surfaces.amplitude"
+                f"a repetition would take {size / 2**30:.0f} GiB, more than {MOST_MEMORY / 2**30:.0f}: take fewer "
+                f"contact.{self.contact.step}, surfaces.fractal_dimension or surfaces.amplitude"
             )
         return self
 

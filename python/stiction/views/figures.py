@@ -14,6 +14,7 @@ from stiction._checks import Floats
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.maps import area_map, friction_map
 from stiction.studies.pairs import ProfileGenerator, pair_of
+from stiction.studies.streams import means
 from stiction.studies.study import Study, step_of, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
@@ -143,7 +144,7 @@ def reached_loads(dataset: xarray.Dataset, steps: int = LOAD_STEPS) -> Floats:
     The lower end is the largest of the ensembles' loads at the first approach (or load, by the half-space), so that
     none of them starts above it.
     """
-    elastic = dataset["normal_elastic"].mean("repetition")
+    elastic = means(dataset, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
         raise ValueError("no pair of this result touches within its approaches, so there is nothing to draw")
@@ -303,7 +304,7 @@ def _chosen_strengths(count: int) -> list[int]:
 
 def _common_load(dataset: xarray.Dataset) -> float:
     """The highest power of ten (mN) that nine of ten ensembles reach, or their highest load if that is out of range."""
-    elastic = dataset["normal_elastic"].mean("repetition").max(step_of(dataset)).values
+    elastic = means(dataset, ["normal_elastic"])["normal_elastic"].max(step_of(dataset)).values
     lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
     return float(power if power >= lowest else max(common, lowest))

@@ -189,7 +189,7 @@ function interval(jack, mean, load) {
     (other, r) => Math.log(other / mean) - ((slope * load) / mean) * Math.log(othersLoad[r]));
   if (logarithms.every(Number.isFinite)) {
     const half = halfWidth(logarithms, confidence);
-    return [mean * Math.exp(-half), mean * Math.exp(half)];
+    return [mean * Math.exp(-half), mean * Math.exp(half)].sort((one, other) => one - other);
   }
   // What is not positive has no logarithm.
   const half = halfWidth(without(values.map((value, r) => value - slope * loads[r])), confidence);

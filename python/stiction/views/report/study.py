@@ -20,6 +20,7 @@ from stiction.mechanics.contact import contacts
 from stiction.mechanics.quantities import AREAL_VALIDITY, DIRECTED, QUANTITIES, VALIDITY
 from stiction.studies.intervals import AROUND, CONFIDENCE
 from stiction.studies.pairs import pair_of
+from stiction.studies.streams import means, pieces
 from stiction.studies.study import Study, differences, step_of, study_names, study_of
 from stiction.surfaces.profile import Profile
 from stiction.views.figures import COLOUR_QUANTILES, LOAD_STEPS, SHARE_LIMIT, TICKS, reached_loads
@@ -162,21 +163,21 @@ class _Result:
     def of(cls, dataset: xarray.Dataset, name: str) -> _Result:
         study = study_of(dataset)
         step = step_of(dataset)
-        data = _checked(dataset, study, step)
+        data = _checked(dataset, step)
+        averages = _averages(data, study, step)
         name = name or _name_of(study)
         motions = _motions(study, data)
         steps = data[step].values
-        numbers, facts = _numbers(data, steps, motions)
-        facts["hasIntervals"] = (
+        has_intervals = (
             data.sizes["repetition"] > 1 and len(motions) * data["contact_area"].size * len(PER_REPETITION) <= MOST_SUMS
         )
-        if not facts["hasIntervals"]:
-            numbers["sums"] = np.empty(0)
+        numbers, facts = _numbers(data, step, motions, has_intervals)
+        facts["hasIntervals"] = has_intervals
         example = None
         if study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
             example = _Example.of(data, study)
             numbers |= {"profiles": example.profiles, "contacts": example.contacts}
-        counts: NDArray[np.bool_] = np.any(data["contact_count"].values, axis=2)  # (dimension, amplitude, step)
+        counts: NDArray[np.bool_] = averages["contact_count"].values > 0  # (dimension, amplitude, step)
         facts |= {
             "name": name,
             "dimensions": data["fractal_dimension"].values.tolist(),
@@ -186,10 +187,10 @@ class _Result:
             "repetitions": data.sizes["repetition"],
             "steps": steps.tolist(),
             "motions": motions,
-            "validity": _validity(data),
+            "validity": _validity(averages),
             "touched": counts.any(axis=2).tolist(),
             "touchedAtLast": counts[:, :, -1].tolist(),
-            "loads": _loads(data),
+            "loads": _loads(data) if counts.any() else [],
             "example": None if example is None else example.facts,
         }
         return cls(study, str(dataset.attrs["study"]), name, {str(k): v for k, v in data.sizes.items()}, facts, numbers)
@@ -253,28 +254,43 @@ def _way(angle: float) -> str:
     return {0.0: "+x", 90.0: "+y", 180.0: "-x", 270.0: "-y"}.get(angle, f"{angle:g}° from +x")
 
 
-def _checked(dataset: xarray.Dataset, study: Study, step: str) -> xarray.Dataset:
-    """The result in the order of the page, if it is one that a page can hold."""
+def _checked(dataset: xarray.Dataset, step: str) -> xarray.Dataset:
+    """The result, if it is one that a page can hold."""
     missing = [name for name in (*_DIMS, step) if not dataset.sizes.get(name)]
     if missing:
         raise ReportError(f"dataset has nothing along {missing[0]!r}; a page needs one repetition or more")
     motions = [dim for dim in _MOTIONS if dim in dataset.dims]
-    data = dataset.transpose(*motions, *_DIMS, step)
-    values = int(np.prod([data.sizes[dim] for dim in (*motions, "fractal_dimension", "amplitude", step)]))
+    values = int(np.prod([dataset.sizes[dim] for dim in (*motions, "fractal_dimension", "amplitude", step)]))
     if values > MOST_MEANS:
         raise ReportError(
             f"the result has {values} pairs times {'approaches' if step == 'approach' else 'loads'}, more than the "
             f"{MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
         )
-    free = study.contact.mechanics == "half-space"  # of free half-planes no approach is known
-    for name in (*study.sums(), "fractal_dimension", "amplitude", step):
+    for name in ("fractal_dimension", "amplitude", step):
+        if name not in dataset.variables:
+            raise ReportError(f"dataset has no {name}; a page is made of what `run` returns")
+        _check_finite(name, dataset[name].values)
+    if not (np.diff(dataset[step].values) > 0).all():
+        raise ReportError(f"dataset has a {step} that does not rise; a page is made of what `run` returns")
+    return dataset
+
+
+def _averages(data: xarray.Dataset, study: Study, step: str) -> xarray.Dataset:
+    """Means over the repetitions (..., dimension, amplitude, step), which are finite only if every number is."""
+    for name in study.sums():
         if name not in data.variables:
             raise ReportError(f"dataset has no {name}; a page is made of what `run` returns")
-        if not np.isfinite(data[name].values).all() and not (free and name == "approach"):
-            raise ReportError(f"dataset has a {name} that is not finite; a page needs numbers")
-    if not (np.diff(data[step].values) > 0).all():
-        raise ReportError(f"dataset has a {step} that does not rise; a page is made of what `run` returns")
-    return data
+    averages = means(data).transpose(..., "fractal_dimension", "amplitude", step)
+    free = study.contact.mechanics == "half-space"  # of free half-planes no approach is known
+    for name in study.sums():
+        if not (free and name == "approach"):
+            _check_finite(name, averages[name].values)
+    return averages
+
+
+def _check_finite(name: str, values: NDArray[Any]) -> None:
+    if not np.isfinite(values).all():
+        raise ReportError(f"dataset has a {name} that is not finite; a page needs numbers")
 
 
 def _motions(study: Study, data: xarray.Dataset) -> list[dict[str, Any]]:
@@ -294,6 +310,20 @@ def _motions(study: Study, data: xarray.Dataset) -> list[dict[str, Any]]:
 
 
 def _numbers(
+    data: xarray.Dataset, step: str, motions: list[dict[str, Any]], has_sums: bool
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Means over the repetitions, and their sums if they are to be there, of pieces of which one is in memory."""
+    parts, sums = [], []
+    for piece in pieces(data):
+        ordered = piece.transpose(*(dim for dim in _MOTIONS if dim in data.dims), *_DIMS, step)
+        numbers, facts = _numbers_of(ordered, data[step].values, motions)
+        parts = [sum(parts, numbers["means"] * (piece.sizes["repetition"] / data.sizes["repetition"]))]
+        if has_sums:
+            sums.append(numbers["sums"])
+    return {"means": parts[0], "sums": np.concatenate(sums, axis=3) if sums else np.empty(0)}, facts
+
+
+def _numbers_of(
     data: xarray.Dataset, steps: Floats, motions: list[dict[str, Any]]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Means and sums, those that have nothing to do with the motion once, and the others for each."""
@@ -317,25 +347,25 @@ def _numbers(
         values = np.gradient(of_motion(name, m) if name in directed else columns[name], steps, axis=-1, edge_order=2)
         return np.asarray(values if compliance is None else values / compliance)
 
-    means = [columns[name].mean(axis=2) for name in plain]
+    averages = [columns[name].mean(axis=2) for name in plain]
     sums = [columns[name] for name in ("contact_area", "normal_elastic")]
     of_sums: dict[str, list[str]] = {"plain": ["contact_area", "normal_elastic"], "directed": directed}
     of_means: dict[str, list[str]] = {"plain": list(plain), "directed": list(directed)}
     parts = ("frictional", "adhesive")
     if has_stiffness:
         of_means["plain"].append("stiffness_elastic")
-        means.append(stiffness("normal_elastic", 0).mean(axis=2))
+        averages.append(stiffness("normal_elastic", 0).mean(axis=2))
         of_means["directed"] += [f"stiffness_{part}" for part in parts]
         if compliance is not None:
             of_sums["plain"].append("compliance")
             sums.append(compliance)
     for m in range(len(motions)):
-        means += [of_motion(name, m).mean(axis=2) for name in directed]
+        averages += [of_motion(name, m).mean(axis=2) for name in directed]
         if has_stiffness:
-            means += [stiffness(f"normal_{part}", m).mean(axis=2) for part in parts]
+            averages += [stiffness(f"normal_{part}", m).mean(axis=2) for part in parts]
         sums += [of_motion(name, m) for name in directed]
     facts = {"variables": of_means, "perRepetition": of_sums, "hasStiffness": has_stiffness}
-    return {"means": np.stack(means), "sums": np.stack(sums)}, facts
+    return {"means": np.stack(averages), "sums": np.stack(sums)}, facts
 
 
 def _validity(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
@@ -358,9 +388,7 @@ def _validity(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
 
 
 def _loads(data: xarray.Dataset) -> list[float]:
-    """Lowest and highest load of the map, mN, in three digits; none where nothing touches."""
-    if not data["contact_count"].values.any():
-        return []
+    """Lowest and highest load of the map, mN, in three digits; none where none is carried."""
     try:
         return [float(f"{load:.3g}") for load in reached_loads(data, 2)]
     except ValueError:

@@ -1,0 +1,81 @@
+"""What does a result of a million repetitions cost: to store, to open, to map, to continue?
+
+The numbers are a stand-in, made without any contact: fractal dimensions and approaches are few, so that what is
+measured is what repetitions cost by themselves.
+"""
+
+import os
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from stiction import Study, area_map, friction_map, run, stiffness_map
+from stiction.studies import runner, store
+
+REPETITIONS = 1_000_000
+MORE = 10_000
+STUDY = Study().with_changes(
+    {
+        "surfaces.fractal_dimension": [1.2, 1.5],
+        "contact.approach.count": 8,
+        "friction.mu0": [0.4],
+        "friction.tau0": ["0 MPa"],
+        "ensemble.repetitions": REPETITIONS,
+    }
+)
+KINDS = 4099
+"""Different repetitions, a prime, so that blocks differ."""
+
+
+def stand_in(study: Study) -> Callable[[Study, int], dict]:
+    """Sums that grow with the approach as Hertz's do, times a random factor of each repetition."""
+    random = np.random.default_rng(study.ensemble.seed)
+    step = np.arange(1.0, 1 + study.contact.steps().size)
+    bank = []
+    for _ in range(KINDS):
+        factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
+        sums = {}
+        for index, (name, (shape, dtype)) in enumerate(runner._arrays(study).items()):
+            values = factor * (index + step) ** 1.5 * (1 + 0.1 * random.random(shape))
+            sums[name] = values.astype(dtype)
+        bank.append(sums)
+    return lambda _, repetition: bank[repetition % KINDS]
+
+
+def timed(function: Callable[[], object]) -> tuple[object, float]:
+    start = time.perf_counter()
+    result = function()
+    return result, time.perf_counter() - start
+
+
+def rows() -> list[tuple[str, str]]:
+    real, runner.repetition_sums = runner.repetition_sums, stand_in(STUDY)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "r.zarr"
+            result, writing = timed(lambda: run(STUDY, store=path))
+            files = sum(len(files) for _, _, files in os.walk(path))
+            kept, looking = timed(lambda: store.info(path))
+            _, opening = timed(lambda: store.read(path))
+            loads = np.geomspace(10, 30, 20)
+            maps = [timed(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)]
+            assert (maps[0][0]["status"] == "ok").all()
+            more = STUDY.with_changes({"ensemble.repetitions": REPETITIONS + MORE})
+            longer, continuing = timed(lambda: run(more, store=path))
+            assert longer.sizes["repetition"] == REPETITIONS + MORE
+            _, again = timed(lambda: run(more, store=path))
+    finally:
+        runner.repetition_sums = real
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return [
+        ("a million repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
+        ("to compute (a stand-in) and to store them", f"{writing:.0f} s"),
+        ("files, and bytes on the disk", f"{files}, {kept.size / 1e9:.2f} GB"),
+        ("to see how far it is, to open it", f"{looking:.1f} s, {opening:.1f} s"),
+        ("maps of friction, area, stiffness at 20 loads", ", ".join(f"{each:.1f}" for _, each in maps) + " s"),
+        (f"to continue with {MORE} more; to find nothing left", f"{continuing:.1f} s, {again:.1f} s"),
+        ("most memory of all that", f"{peak:.0f} MiB"),
+    ]
