@@ -12,7 +12,8 @@ from stiction import Study, area_map, friction_map, run, stiffness_map
 from stiction.studies import claims, intervals, layout, store, streams
 from stiction.studies.export import ExportError, export
 from stiction.views.figures import reached_loads, save_figures
-from stiction.views.report import page
+from stiction.views.report import report_page
+from stiction.views.report import study as study_page
 
 CLOSE = 1e-12
 """Round-off of sums in another order."""
@@ -124,18 +125,18 @@ def test_nothing_holds_all_repetitions(stored, tmp_path, monkeypatch):
     read = []
     of_store = store._Stored.__getitem__
     monkeypatch.setattr(store._Stored, "__getitem__", lambda self, key: read.append(out := of_store(self, key)) or out)
-    monkeypatch.setattr(page, "MOST_SUMS", 0)
+    monkeypatch.setattr(study_page, "MOST_SUMS", 0)
     loads = reached_loads(stored, 4)
     for quantity in MAPS:
         quantity(stored, loads)
     save_figures(stored, tmp_path)
-    page.report_page(stored)
+    report_page(stored)
     export(stored, tmp_path / "r.nc")
     assert max(each.shape[2] for each in read) == 8
 
 
 def test_a_page_and_claims_of_what_is_stored_are_those_in_memory(stored, whole):
-    one, other = page.report_page(stored), page.report_page(whole)
+    one, other = report_page(stored), report_page(whole)
     assert one == other
     means = streams.means(stored)
     for name in means:

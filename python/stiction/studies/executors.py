@@ -73,7 +73,7 @@ def available_cores() -> int:
 
 @contextlib.contextmanager
 def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[..., None]]:
-    """A bar on the terminal if it is wanted, or lines where there is none; what is called with how many are finished."""
+    """A bar on the terminal if it is wanted, or lines where there is none; what is called with how many more are."""
     if not wanted:
         yield lambda count=1: None
         return

@@ -313,14 +313,15 @@ def _numbers(
     data: xarray.Dataset, step: str, motions: list[dict[str, Any]], has_sums: bool
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Means over the repetitions, and their sums if they are to be there, of pieces of which one is in memory."""
-    parts, sums = [], []
+    total: Any = 0.0
+    sums = []
     for piece in pieces(data):
         ordered = piece.transpose(*(dim for dim in _MOTIONS if dim in data.dims), *_DIMS, step)
         numbers, facts = _numbers_of(ordered, data[step].values, motions)
-        parts = [sum(parts, numbers["means"] * (piece.sizes["repetition"] / data.sizes["repetition"]))]
+        total = total + numbers["means"] * (piece.sizes["repetition"] / data.sizes["repetition"])
         if has_sums:
             sums.append(numbers["sums"])
-    return {"means": parts[0], "sums": np.concatenate(sums, axis=3) if sums else np.empty(0)}, facts
+    return {"means": total, "sums": np.concatenate(sums, axis=3) if sums else np.empty(0)}, facts
 
 
 def _numbers_of(
