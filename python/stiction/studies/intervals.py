@@ -60,7 +60,7 @@ class AtLoads:
         self._slope = _slopes(values, normal, self._there.index[0])
         self._carrying = 0
         self._negative = False
-        self._logarithms, self._plain = _Powers(self._load.size), _Powers(self._load.size)
+        self._logarithms, self._plain = _Powers(self._load.shape), _Powers(self._load.shape)
         self._loads, self._values = _Extent(self._load.size), _Extent(self._load.size)
 
     def add(self, normal: Floats, values: Floats) -> None:
@@ -99,6 +99,13 @@ class AtLoads:
         return lower, upper
 
 
+def half_width_of(left_out: Floats) -> Floats:
+    """Half the interval of a mean from its leave-one-out values (r, ...)."""
+    powers = _Powers(left_out.shape[1:])
+    powers.add(left_out - left_out.mean(axis=0))
+    return powers.half_width()
+
+
 class _Extent:
     """Sum, least and most of values (r, l) over r that come by."""
 
@@ -117,11 +124,11 @@ class _Extent:
 
 
 class _Powers:
-    """Sums of powers of jackknife values (r, l) that come by, and half the interval that they give."""
+    """Sums of powers of jackknife values (r, ...) that come by, and half the interval that they give."""
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
-        self._sums = np.zeros((4, size))
+        self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
         self._count += values.shape[0]
