@@ -468,7 +468,7 @@ def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
         handles.append(
             Patch(
                 facecolor=tuple((1 - VEIL) * middle + VEIL), edgecolor="0.2", linewidth=0.6,
-                label="beyond Hertz: over half of the load on overlaps $> R/10$",
+                label="beyond Hertz (dotted): most load on overlaps $> R/10$",
             )
         )  # fmt: skip
     if (_fading(maps)[~(maps["share_beyond_hertz"].values > SHARE_LIMIT)] > 0.1).any():
