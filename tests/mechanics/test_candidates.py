@@ -1,4 +1,5 @@
 import dataclasses
+import pickle
 import subprocess
 import sys
 
@@ -9,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from stiction import (
     Candidates,
     ContactModel,
+    JacksonGreen,
     Profile,
     candidates,
     contacts,
@@ -92,7 +94,20 @@ class TestContactModel:
         assert ours.effective_modulus == 20.0
         assert np.array_equal(ours.tangential_elastic, theirs.tangential_elastic)
 
+    def test_it_is_pickled_without_the_core(self, pair):
+        model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
+        ours = press(*pair, [0.01], model=model)
+        again = pickle.loads(pickle.dumps(model))
+        assert again == model
+        assert hash(again) == hash(model)
+        assert press(*pair, [0.01], model=again).contact_area == ours.contact_area
+        assert press(*pair, [0.01], model=dataclasses.replace(again, shear="+x")).contact_area == ours.contact_area
+
     def test_bad_ones_are_named(self, pair):
+        with pytest.raises(ValueError, match="direction must have at least one element"):
+            ContactModel(direction=[])
+        with pytest.raises(ValueError, match="effective_modulus must be"):
+            ContactModel(effective_modulus=True)
         with pytest.raises(ValueError, match="model must be a ContactModel, got dict"):
             press(*pair, [0.01], model={})
         with pytest.raises(ValueError, match="detection must be one of 'cell', 'gap-minimum', got 'both'"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal, TypedDict
 
 import numpy as np
@@ -87,30 +88,32 @@ class ContactModel:
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
             if _are_many(self.direction):
                 object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
-            self.angles()
+            if not self._angles():
+                raise ValueError("direction must have at least one element, got none")
         number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
         self.core()
 
     def angles(self) -> Floats:
         """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
-        given: Any = self.shear if self.direction is None else self.direction
-        if not _are_many(given):
-            return np.asarray(_angle(given))
-        angles = np.array([_angle(one) for one in given])
-        if not angles.size:
-            raise ValueError("direction must have at least one element, got none")
-        return angles
+        angles = np.array(self._angles())
+        return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
         """(m, 2) horizontal unit vectors (x, y) of the directions."""
-        return np.array([_unit_vector(angle) for angle in self.angles().ravel()])
+        return np.array([_unit_vector(angle) for angle in self._angles()])
+
+    def _has_many_directions(self) -> bool:
+        return isinstance(self.direction, tuple)
+
+    def _angles(self) -> list[float]:
+        given: Any = self.shear if self.direction is None else self.direction
+        return [_angle(one) for one in given] if self._has_many_directions() else [_angle(given)]
 
     def for_profiles(self) -> ContactModel:
         """The model with what it leaves open as profiles have it, and along x."""
-        angles = self.angles()
-        if angles.ndim > 0 or float(angles) not in (0.0, 180.0):
+        if self._has_many_directions() or self._angles()[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
-        return replace(self, detection=self.detection or "cell", curvature=self.curvature or "convex")
+        return self._with(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
         """The model with what it leaves open as surfaces have it."""
@@ -122,20 +125,32 @@ class ContactModel:
             raise ValueError(
                 "law must not be HertzCylinder on surfaces: their contacts are ellipses, for which take HertzSphere"
             )
-        return replace(self, detection="gap-minimum", curvature=self.curvature or "signed")
+        return self._with("gap-minimum", self.curvature or "signed")
+
+    def _with(self, detection: Detection, curvature: Curvature) -> ContactModel:
+        if (self.detection, self.curvature) == (detection, curvature):
+            return self
+        return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
         """The model of the core, with the first direction."""
+        return self._core
+
+    @cached_property
+    def _core(self) -> stiction._core.ContactModel:
         law = law_of(self.law)
-        x, y = self.directions()[0]
         return stiction._core.ContactModel(
             law=law.name,
             parameters=law.parameters(self.effective_modulus),
             detection=self.detection or "cell",
             curvature=self.curvature or "convex",
-            direction=(float(x), float(y)),
+            direction=_unit_vector(self._angles()[0]),
             sliding=self.sliding,
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: all but the model of the core, which is made again."""
+        return {name: value for name, value in vars(self).items() if name != "_core"}
 
 
 def _are_many(direction: Any) -> bool:
@@ -158,6 +173,11 @@ def _unit_vector(angle: float) -> tuple[float, float]:
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
 
 
+_DEFAULT = ContactModel()
+_OF_PROFILES = _DEFAULT.for_profiles()
+_OF_SURFACES = _DEFAULT.for_surfaces()
+
+
 class ContactKeywords(TypedDict, total=False):
     """A contact model as keywords: the model itself, and what shall differ from it."""
 
@@ -174,9 +194,11 @@ class ContactKeywords(TypedDict, total=False):
 def model_of(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
     """The contact model that keywords give; what they leave open is the default's."""
     changes: dict[str, Any] = dict(keywords)
-    model = changes.pop("model", default or ContactModel())
+    model = changes.pop("model", default or _DEFAULT)
     if not isinstance(model, ContactModel):
         raise ValueError(f"model must be a ContactModel, got {type(model).__name__}")
+    if not changes:
+        return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
     # One of the two says where the body moves, and the one that is given replaces the other of the model.
@@ -184,14 +206,15 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
         changes["direction"] = None
     elif changes.get("direction") is not None and "shear" not in changes:
         changes["shear"] = "+x"
-    return replace(model, **changes) if changes else model
+    return replace(model, **changes)
 
 
 def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
     """The contact model that keywords give for two bodies, which are checked; nothing is left open."""
     check_pair(upper, lower)
-    model = model_of(keywords)
-    return model.for_surfaces() if isinstance(upper, Surface) else model.for_profiles()
+    if isinstance(upper, Surface):
+        return model_of(keywords, _OF_SURFACES).for_surfaces()
+    return model_of(keywords, _OF_PROFILES).for_profiles()
 
 
 def check_pair(upper: Any, lower: Any) -> None:
