@@ -1,6 +1,7 @@
 // Any numbers at all into the entry points of the core: they either refuse with std::invalid_argument, or what they
 // return keeps the promises below. The sanitizers watch the rest.
 #include "stiction/amplitude.hpp"
+#include "stiction/areal.hpp"
 #include "stiction/asperity.hpp"
 #include "stiction/contact.hpp"
 #include "stiction/harmonics.hpp"
@@ -116,6 +117,42 @@ void fuzz_contact(Source& source) {
   }
 }
 
+void fuzz_areal(Source& source) {
+  const auto rows = static_cast<stiction::Index>(source.below(14));
+  const auto columns = static_cast<stiction::Index>(source.below(14));
+  const std::vector<double> above = source.numbers(static_cast<std::size_t>(rows * columns));
+  const std::vector<double> below = source.numbers(static_cast<std::size_t>(rows * columns));
+  const Eigen::Map<const stiction::Matrix> upper(above.data(), rows, columns);
+  const Eigen::Map<const stiction::Matrix> lower(below.data(), rows, columns);
+  std::vector<double> approaches = source.numbers(source.below(6));
+  for (double& approach : approaches) {
+    approach = std::abs(approach);
+  }
+  std::sort(approaches.begin(), approaches.end());
+  const stiction::SurfacePair pair{upper, lower, {source.positive(), source.positive()}};
+  const stiction::ContactModel how = model(source);
+  const stiction::ArealCandidates found = stiction::candidates(pair, source.positive(), how.curvature);
+  for (const stiction::ArealCandidate& one : found.all) {
+    require(one.gap <= found.deepest && one.radii.minor > 0.0, "minima are within reach and hollow");
+    require(one.radii.major >= one.radii.minor, "the larger radius is the first");
+  }
+  const std::vector<stiction::Vector2> ways{{1.0, 0.0}, {0.0, -1.0}, {0.6, 0.8}};
+  const std::vector<stiction::ArealSums> sums =
+      stiction::press(found, approaches, how.law, ways, stiction::Sliding::all);
+  require(sums.size() == ways.size() * approaches.size(), "sums of every direction and approach");
+  for (std::size_t k = 0; k < approaches.size(); ++k) {
+    require(!(sums[k].contact_area < 0.0), "no negative area");
+    require(sums[k].unanswered_count <= sums[k].grid_minimum_count, "no more unanswered than there are");
+    for (const stiction::Vector2& way : ways) {
+      const std::vector<stiction::Contact> table = stiction::contacts(found, approaches[k], how.law, way);
+      require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
+      for (const stiction::Contact& contact : table) {
+        require(contact.overlap > 0.0 && contact.normal.z() > 0.0, "contacts overlap and look upwards");
+      }
+    }
+  }
+}
+
 void fuzz_spline(Source& source) {
   const std::vector<double> heights = source.numbers(source.below(300));
   const double spacing = source.positive();
@@ -158,7 +195,7 @@ void fuzz_amplitude(Source& source) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Source source(data, size);
   try {
-    switch (source.byte() % 6) {
+    switch (source.byte() % 8) {
       case 0:
         fuzz_spline(source);
         break;
@@ -167,6 +204,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       case 2:
         fuzz_amplitude(source);
+        break;
+      case 3:
+      case 4:
+        fuzz_areal(source);
         break;
       default:
         fuzz_contact(source);

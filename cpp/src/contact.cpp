@@ -1,12 +1,10 @@
 #include "stiction/contact.hpp"
 
-#include "text.hpp"
+#include "checks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 namespace stiction {
 namespace {
@@ -57,32 +55,10 @@ void list_candidate(const Candidate& candidate, double approach, double half_cel
   });
 }
 
-void check(Values approaches, const ContactModel& model) {
-  const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
-  if (approaches.empty()) {
-    fail("approaches is empty, at least one is needed");
-  }
-  for (std::size_t k = 0; k < approaches.size(); ++k) {
-    if (!(approaches[k] >= 0.0) || !std::isfinite(approaches[k])) {
-      fail("approach is " + text(approaches[k]) + " µm, must be 0 or above and finite");
-    }
-    if (k > 0 && !(approaches[k] > approaches[k - 1])) {
-      fail("approaches must increase, but " + text(approaches[k - 1]) + " µm is followed by " + text(approaches[k]) +
-           " µm");
-    }
-  }
+void check(Values approaches, double deepest, const ContactModel& model) {
+  check_approaches(approaches, deepest);
   check(model.law);
-  constexpr double round_off = 1e-12;
-  if (!(std::abs(model.direction.squaredNorm() - 1.0) < round_off)) {
-    fail("direction is (" + text(model.direction.x()) + ", " + text(model.direction.y()) + "), must be a unit vector");
-  }
-}
-
-void check(const Candidates& found, double deepest) {
-  if (deepest > found.deepest) {
-    throw std::invalid_argument("approach is " + text(deepest) + " µm, but candidates were looked for up to " +
-                                text(found.deepest) + " µm only");
-  }
+  check_direction(model.direction);
 }
 
 double half_cell(const ProfilePair& pair, const ContactModel& model) {
@@ -93,7 +69,7 @@ double half_cell(const ProfilePair& pair, const ContactModel& model) {
 
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const Checkpoint& checkpoint) {
-  check({&approach, 1}, model);
+  check({&approach, 1}, anywhere, model);
   std::vector<Contact> rows;
   const auto list_with = [&](const auto& law) {
     for_each_candidate(
@@ -109,8 +85,7 @@ std::vector<Contact> contacts(const ProfilePair& pair, double approach, const Co
 
 std::vector<Contact> contacts(const Candidates& found, double approach, const ContactModel& model,
                               const Checkpoint& checkpoint) {
-  check({&approach, 1}, model);
-  check(found, approach);
+  check({&approach, 1}, found.deepest, model);
   std::vector<Contact> rows;
   const auto list_with = [&](const auto& law) {
     for (const Candidate& candidate : found.all) {
@@ -124,7 +99,7 @@ std::vector<Contact> contacts(const Candidates& found, double approach, const Co
 
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const Checkpoint& checkpoint) {
-  check(approaches, model);
+  check(approaches, anywhere, model);
   std::vector<Sums> sums(approaches.size());
   const auto press_with = [&](const auto& law) {
     for_each_candidate(
@@ -141,8 +116,7 @@ std::vector<Sums> press(const ProfilePair& pair, Values approaches, const Contac
 
 std::vector<Sums> press(const Candidates& found, Values approaches, const ContactModel& model,
                         const Checkpoint& checkpoint) {
-  check(approaches, model);
-  check(found, approaches.back());
+  check(approaches, found.deepest, model);
   std::vector<Sums> sums(approaches.size());
   const auto press_with = [&](const auto& law) {
     for (const Candidate& candidate : found.all) {

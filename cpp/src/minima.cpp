@@ -1,5 +1,6 @@
 #include "stiction/minima.hpp"
 
+#include "marks.hpp"
 #include "multiversion.hpp"
 
 #include <algorithm>
@@ -76,34 +77,125 @@ void screen_cells(const double* lowest, const double* x_low, const double* x_hig
   }
 }
 
-// ---- One cell -------------------------------------------------------------------------------------------------------
+// ---- Parts of cells, several at a time ------------------------------------------------------------------------------
 
 // Bernstein coefficients of a bicubic on a square, x along the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-Net bernstein(const MatrixView& coefficients, Index row, Index column) {
-  const auto convert = [](double a, double b, double c, double d) {
-    return std::array<double, 4>{(a + 4.0 * b + c) / 6.0, (2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0,
-                                 (b + 4.0 * c + d) / 6.0};
-  };
-  Net rows;
-  for (Index j = 0; j < 4; ++j) {
-    const double* c = coefficients.data() + (row + j) * coefficients.outerStride() + column;
-    rows[static_cast<std::size_t>(j)] = convert(c[0], c[1], c[2], c[3]);
-  }
-  Net net;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto turned = convert(rows[0][i], rows[1][i], rows[2][i], rows[3][i]);
-    for (std::size_t j = 0; j < 4; ++j) {
-      net[j][i] = turned[j];
-    }
-  }
-  return net;
+// The same of several squares, for each coefficient one after the other.
+template <std::size_t lanes>
+using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
+
+constexpr std::size_t together = 8;  // cells
+
+// What the signs of a part of a cell say about minima in it.
+enum class Finding : unsigned char { none, convex, open };
+
+// Packs of numbers, a square in each.
+template <std::size_t Width>
+using PackNet = Pack<Width>[4][4];
+
+template <class P>
+STICTION_INLINE void narrow(P& low, P& high, const P& value) {
+  low = value < low ? value : low;
+  high = value > high ? value : high;
 }
 
+template <std::size_t Width>
+STICTION_INLINE void examine(const PackNet<Width>& net, double highest, const Pack<Width>& slack, Finding* findings) {
+  using P = Pack<Width>;
+  const P none{};
+  P low = net[0][0];
+  P x_low = net[0][1] - net[0][0];
+  P x_high = x_low;
+  P y_low = net[1][0] - net[0][0];
+  P y_high = y_low;
+  // Second derivatives: 6, 9 and 6 times these.
+  P xx_low = net[0][2] - 2.0 * net[0][1] + net[0][0];
+  P xx_high = xx_low;
+  P xy_low = (net[1][1] - net[1][0]) - (net[0][1] - net[0][0]);
+  P xy_high = xy_low;
+  P yy_low = net[2][0] - 2.0 * net[1][0] + net[0][0];
+  P yy_high = yy_low;
+  for (std::size_t j = 0; j < 4; ++j) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      low = net[j][i] < low ? net[j][i] : low;
+      if (i < 3) {
+        narrow<P>(x_low, x_high, net[j][i + 1] - net[j][i]);
+      }
+      if (j < 3) {
+        narrow<P>(y_low, y_high, net[j + 1][i] - net[j][i]);
+      }
+      if (i < 2) {
+        narrow<P>(xx_low, xx_high, net[j][i + 2] - 2.0 * net[j][i + 1] + net[j][i]);
+      }
+      if (j < 2) {
+        narrow<P>(yy_low, yy_high, net[j + 2][i] - 2.0 * net[j + 1][i] + net[j][i]);
+      }
+      if (i < 3 && j < 3) {
+        narrow<P>(xy_low, xy_high, (net[j + 1][i + 1] - net[j + 1][i]) - (net[j][i + 1] - net[j][i]));
+      }
+    }
+  }
+  const P least_xy = xy_low > none ? xy_low : (xy_high < none ? -xy_high : none);
+  const P most_xy = xy_high > -xy_low ? xy_high : -xy_low;
+  const auto level = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
+  const auto hollow = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
+  const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * least_xy * least_xy;  // not everywhere
+  const auto possible = level & hollow & no_saddle & (low <= none + highest);
+  const auto convex = (xx_low > none) & (yy_low > none) & (36.0 * xx_low * yy_low > 81.0 * most_xy * most_xy);
+  for (std::size_t k = 0; k < Width; ++k) {
+    findings[k] = possible[k] == 0 ? Finding::none : (convex[k] == 0 ? Finding::open : Finding::convex);
+  }
+}
+
+template <class P>
+STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
+  // Not by divisions, which would take longer than all else.
+  constexpr double third = 1.0 / 3.0;
+  constexpr double sixth = 1.0 / 6.0;
+  const P a = sixth * (c0 + 4.0 * c1 + c2);
+  const P b = third * (2.0 * c1 + c2);
+  const P c = third * (c1 + 2.0 * c2);
+  const P d = sixth * (c1 + 4.0 * c2 + c3);
+  c0 = a;
+  c1 = b;
+  c2 = c;
+  c3 = d;
+}
+
+// Of B-spline coefficients, in place, those of Bernstein; the round-off of a cell's values.
+template <std::size_t Width>
+STICTION_INLINE void examine_cells_kernel(double* coefficients, double highest, double* round_off, Finding* findings) {
+  for (std::size_t k = 0; k < together; k += Width) {
+    PackNet<Width> net;
+    Pack<Width> largest{};
+    for (std::size_t j = 0; j < 4; ++j) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        net[j][i] = load<Width>(coefficients + (4 * j + i) * together + k);
+      }
+      to_bernstein(net[j][0], net[j][1], net[j][2], net[j][3]);
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      to_bernstein(net[0][i], net[1][i], net[2][i], net[3][i]);
+      for (std::size_t j = 0; j < 4; ++j) {
+        const Pack<Width> size = net[j][i] > -net[j][i] ? net[j][i] : -net[j][i];
+        largest = size > largest ? size : largest;
+        store<Width>(net[j][i], coefficients + (4 * j + i) * together + k);
+      }
+    }
+    const Pack<Width> slack = 4.0 * epsilon * largest;
+    store<Width>(slack, round_off + k);
+    examine<Width>(net, highest, slack, findings + k);
+  }
+}
+
+STICTION_KERNEL(examine_cells, (double* coefficients, double highest, double* round_off, Finding* findings),
+                (coefficients, highest, round_off, findings))
+
 // The coefficients of both halves of a cubic.
-STICTION_INLINE void halve(std::array<double, 4>& first, std::array<double, 4>& second) {
-  const auto [a, b, c, d] = first;
+STICTION_INLINE void halve(double a, double b, double c, double d, std::array<double, 4>& first,
+                           std::array<double, 4>& second) {
   const double ab = 0.5 * (a + b);
   const double bc = 0.5 * (b + c);
   const double cd = 0.5 * (c + d);
@@ -114,93 +206,62 @@ STICTION_INLINE void halve(std::array<double, 4>& first, std::array<double, 4>& 
   second = {middle, bcd, cd, d};
 }
 
-void halve_along_x(Net& first, Net& second) {
-  for (std::size_t j = 0; j < 4; ++j) {
-    halve(first[j], second[j]);
-  }
-}
-
-void halve_along_y(Net& first, Net& second) {
+// The quarters of a part: left and right of the lower half, and of the upper one.
+void quarter(const Net& net, Nets<4>& quarters) {
+  std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {
-    std::array<double, 4> one{first[0][i], first[1][i], first[2][i], first[3][i]};
-    std::array<double, 4> other;
-    halve(one, other);
+    std::array<double, 4> lower;
+    std::array<double, 4> upper;
+    halve(net[0][i], net[1][i], net[2][i], net[3][i], lower, upper);
     for (std::size_t j = 0; j < 4; ++j) {
-      first[j][i] = one[j];
-      second[j][i] = other[j];
+      halves[0][j][i] = lower[j];
+      halves[1][j][i] = upper[j];
+    }
+  }
+  for (std::size_t half = 0; half < 2; ++half) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      std::array<double, 4> left;
+      std::array<double, 4> right;
+      const auto& row = halves[half][j];
+      halve(row[0], row[1], row[2], row[3], left, right);
+      for (std::size_t i = 0; i < 4; ++i) {
+        quarters[j][i][2 * half] = left[i];
+        quarters[j][i][2 * half + 1] = right[i];
+      }
     }
   }
 }
 
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void take(double value) {
-    low = least(low, value);
-    high = most(high, value);
-  }
-};
-
-// What the signs of a part of a cell say about minima in it.
-enum class Finding { none, convex, open };
-
-Finding examine(const Net& net, double highest, double round_off) {
-  Range x;
-  for (const auto& row : net) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      x.take(row[i + 1] - row[i]);
+template <std::size_t Width>
+STICTION_INLINE void examine_quarters_kernel(const double* quarters, double highest, double round_off,
+                                             Finding* findings) {
+  constexpr std::size_t width = Width < 4 ? Width : 4;
+  for (std::size_t k = 0; k < 4; k += width) {
+    PackNet<width> net;
+    for (std::size_t j = 0; j < 4; ++j) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        net[j][i] = load<width>(quarters + 4 * (4 * j + i) + k);
+      }
     }
+    examine<width>(net, highest, Pack<width>{} + round_off, findings + k);
   }
-  if (x.low > round_off || x.high < -round_off) {
-    return Finding::none;
-  }
-  Range y;
-  for (std::size_t j = 0; j < 3; ++j) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      y.take(net[j + 1][i] - net[j][i]);
-    }
-  }
-  if (y.low > round_off || y.high < -round_off) {
-    return Finding::none;
-  }
-  Range value;
-  for (const auto& row : net) {
-    for (const double one : row) {
-      value.take(one);
-    }
-  }
-  if (value.low > highest) {
-    return Finding::none;
-  }
-  // Second derivatives: 6, 9 and 6 times these.
-  Range xx;
-  Range xy;
-  Range yy;
+}
+
+STICTION_KERNEL(examine_quarters, (const double* quarters, double highest, double round_off, Finding* findings),
+                (quarters, highest, round_off, findings))
+
+template <std::size_t lanes>
+Net one_of(const Nets<lanes>& nets, std::size_t lane) {
+  Net net;
   for (std::size_t j = 0; j < 4; ++j) {
     for (std::size_t i = 0; i < 4; ++i) {
-      if (i < 2) {
-        xx.take(net[j][i + 2] - 2.0 * net[j][i + 1] + net[j][i]);
-      }
-      if (j < 2) {
-        yy.take(net[j + 2][i] - 2.0 * net[j + 1][i] + net[j][i]);
-      }
-      if (i < 3 && j < 3) {
-        xy.take((net[j + 1][i + 1] - net[j + 1][i]) - (net[j][i + 1] - net[j][i]));
-      }
+      net[j][i] = nets[j][i][lane];
     }
   }
-  if (xx.high <= 2.0 * round_off || yy.high <= 2.0 * round_off) {
-    return Finding::none;
-  }
-  const double least_xy = xy.low > 0.0 ? xy.low : (xy.high < 0.0 ? -xy.high : 0.0);
-  if (36.0 * xx.high * yy.high < 81.0 * least_xy * least_xy) {
-    return Finding::none;  // a saddle everywhere
-  }
-  const double most_xy = most(std::abs(xy.low), std::abs(xy.high));
-  const bool convex = xx.low > 0.0 && yy.low > 0.0 && 36.0 * xx.low * yy.low > 81.0 * most_xy * most_xy;
-  return convex ? Finding::convex : Finding::open;
+  return net;
 }
+
+// ---- One cell -------------------------------------------------------------------------------------------------------
 
 class Cell {
  public:
@@ -209,25 +270,15 @@ class Cell {
 
   // Calls found(Minimum), whose u and v may be somewhat beyond the cell.
   template <class Found>
-  void search(const Found& found) const {
-    const Net net = bernstein(coefficients_, row_, column_);
-    double largest = 0.0;
-    for (const auto& row : net) {
-      for (const double value : row) {
-        largest = most(largest, std::abs(value));
-      }
-    }
-    part(net, 0.0, 0.0, 1.0, 4.0 * epsilon * largest, found);
+  void search(const Net& net, double round_off, Finding finding, const Found& found) const {
+    part(net, 0.0, 0.0, 1.0, round_off, finding, found);
   }
 
  private:
   template <class Found>
-  void part(const Net& net, double u, double v, double size, double round_off, const Found& found) const {
+  void part(const Net& net, double u, double v, double size, double round_off, Finding finding,
+            const Found& found) const {
     constexpr double smallest = 1.0 / 64.0;
-    const Finding finding = examine(net, highest_, round_off);
-    if (finding == Finding::none) {
-      return;
-    }
     const bool last = size <= smallest;
     if (finding == Finding::convex || last) {
       const double around = last ? size : beyond;
@@ -243,18 +294,16 @@ class Cell {
         return;
       }
     }
+    Nets<4> quarters;
+    std::array<Finding, 4> findings;
+    quarter(net, quarters);
+    examine_quarters(quarters[0][0].data(), highest_, round_off, findings.data());
     const double half = 0.5 * size;
-    Net lower_left = net;
-    Net upper_left;
-    halve_along_y(lower_left, upper_left);
-    Net lower_right;
-    Net upper_right;
-    halve_along_x(lower_left, lower_right);
-    halve_along_x(upper_left, upper_right);
-    part(lower_left, u, v, half, round_off, found);
-    part(lower_right, u + half, v, half, round_off, found);
-    part(upper_left, u, v + half, half, round_off, found);
-    part(upper_right, u + half, v + half, half, round_off, found);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (findings[k] != Finding::none) {
+        part(one_of(quarters, k), k % 2 == 0 ? u : u + half, k < 2 ? v : v + half, half, round_off, findings[k], found);
+      }
+    }
   }
 
   static bool inside(double t) { return t >= -beyond && t <= 1.0 + beyond; }
@@ -318,25 +367,45 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, 
   std::vector<Minimum> found;
   std::vector<unsigned char> marks(static_cast<std::size_t>(where.columns));
   Ranges ranges(where.columns + 3);
+  std::vector<Index> columns_left;  // of the cells in a row
+  Nets<together> nets{};
+  std::array<double, together> round_off;
+  std::array<Finding, together> findings;
+  const auto keep = [&](Minimum minimum) {
+    const double x = static_cast<double>(minimum.column) + minimum.u;
+    const double y = static_cast<double>(minimum.row) + minimum.v;
+    const bool on_edge =
+        x < same || y < same || x > static_cast<double>(columns) - same || y > static_cast<double>(rows) - same;
+    if (!on_edge) {
+      settle(minimum.u, minimum.column, columns);
+      settle(minimum.v, minimum.row, rows);
+      found.push_back(minimum);
+    }
+  };
   for (Index row = where.row; row < where.row + where.rows; ++row) {
     checkpoint();
     screen_columns(coefficients.data() + row * stride + where.column, stride, where.columns + 3, ranges.lowest(),
                    ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high());
     screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), where.columns,
                  highest, marks.data());
-    for (Index i = 0; i < where.columns; ++i) {
-      if (marks[static_cast<std::size_t>(i)] != 0) {
-        Cell(coefficients, row, where.column + i, highest).search([&](Minimum minimum) {
-          const double x = static_cast<double>(minimum.column) + minimum.u;
-          const double y = static_cast<double>(minimum.row) + minimum.v;
-          const bool on_edge =
-              x < same || y < same || x > static_cast<double>(columns) - same || y > static_cast<double>(rows) - same;
-          if (!on_edge) {
-            settle(minimum.u, minimum.column, columns);
-            settle(minimum.v, minimum.row, rows);
-            found.push_back(minimum);
+    columns_left.clear();
+    for_each_marked(marks.data(), 0, where.columns, [&](Index i) { columns_left.push_back(where.column + i); });
+    for (std::size_t begin = 0; begin < columns_left.size(); begin += together) {
+      const std::size_t count = std::min(together, columns_left.size() - begin);
+      for (std::size_t k = 0; k < count; ++k) {
+        const double* c = coefficients.data() + row * stride + columns_left[begin + k];
+        for (std::size_t j = 0; j < 4; ++j, c += stride) {
+          for (std::size_t i = 0; i < 4; ++i) {
+            nets[j][i][k] = c[i];
           }
-        });
+        }
+      }
+      examine_cells(nets[0][0].data(), highest, round_off.data(), findings.data());
+      for (std::size_t k = 0; k < count; ++k) {
+        if (findings[k] != Finding::none) {
+          Cell(coefficients, row, columns_left[begin + k], highest)
+              .search(one_of(nets, k), round_off[k], findings[k], keep);
+        }
       }
     }
   }

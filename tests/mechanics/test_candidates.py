@@ -142,10 +142,12 @@ def test_the_ladder_of_statuses():
     [
         "press(*(Profile(np.random.default_rng(seed).random(2_000_000), spacing=1.0) for seed in (1, 2)),"
         " np.linspace(0.5, 1.5, 400), detection='gap-minimum', curvature='signed')",
+        "press(*(Surface(np.random.default_rng(seed).random((2048, 2048)), spacing=1.0) for seed in (1, 2)),"
+        " np.linspace(0.01, 1.5, 400), direction=range(0, 360, 5), sliding='all')",
         "weierstrass_mandelbrot(random_phases(1, directions=2000), 1.5, points=2_000_000)",
         "weierstrass_mandelbrot_surface(random_phases(1, directions=2000), 1.5, shape=(2000, 2000))",
     ],
-    ids=["press", "profile", "surface"],
+    ids=["press", "press areas", "profile", "surface"],
 )
 def test_ctrl_c_ends_a_long_call(call):
     program = f"""

@@ -1,5 +1,7 @@
 """Contact and friction of two maps in plain NumPy on scipy's splines: slow, and each step as its formula reads."""
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.interpolate import NdBSpline, make_interp_spline
 from scipy.optimize import brentq
@@ -28,6 +30,12 @@ class Spline:
 
 def minima(heights, spacing):
     """(n, 2) places x, y of the local minima of a map's spline: Newton's method from 16 starts in every cell."""
+    return _minima(heights.tobytes(), heights.shape, tuple(spacing))
+
+
+@lru_cache(maxsize=8)
+def _minima(values, shape, spacing):
+    heights = np.frombuffer(values).reshape(shape)
     spline = Spline(heights, spacing)
     rows, columns = heights.shape
     step = np.array([spacing[1], spacing[0]])

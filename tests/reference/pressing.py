@@ -1,5 +1,7 @@
 """Contact and friction of two profiles, one grid point after the other in plain NumPy on scipy's natural spline."""
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -98,20 +100,23 @@ def loads(rows, sigma, mu0, tau0):
     return normal, tangential
 
 
+@lru_cache(maxsize=1)
+def _minima(upper, lower):
+    """Splines of both profiles, where their gap has its minima, and how high above first touch."""
+    upper, lower = np.frombuffer(upper), np.frombuffer(lower)
+    x = np.arange(upper.size) * 1.0
+    gap = CubicSpline(x, upper - lower, bc_type="natural")
+    places = gap.derivative().roots(extrapolate=False)
+    places = places[(gap(places, 2) > 0) & (places > 0) & (places < x[-1])]
+    bodies = (CubicSpline(x, body, bc_type="natural") for body in (upper, lower))
+    return *bodies, places, gap(places) - (upper - lower).min()
+
+
 def minimum_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
     """Rows as of `contacts`, at the minima of the splined gap: every root of its slope, by scipy."""
-    x = np.arange(upper.size) * 1.0
-    spline_u = CubicSpline(x, upper, bc_type="natural")
-    spline_l = CubicSpline(x, lower, bc_type="natural")
-    gap = CubicSpline(x, upper - lower, bc_type="natural")
-    first_touch = (upper - lower).min()
+    spline_u, spline_l, places, heights = _minima(upper.tobytes(), lower.tobytes())
     rows = []
-    for place in gap.derivative().roots(extrapolate=False):
-        if gap(place, 2) <= 0 or place <= 0 or place >= x[-1]:
-            continue
-        height = gap(place) - first_touch
-        if height > approach:
-            continue
+    for place, height in zip(places[heights <= approach], heights[heights <= approach], strict=True):
         slope = spline_l(place, 1) / spacing
         q = np.sqrt(1 + slope**2)
         with np.errstate(divide="ignore"):

@@ -10,6 +10,7 @@
 #include "stiction/law.hpp"
 
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <variant>
 
@@ -43,6 +44,9 @@ struct Sums {
   /// Δx [µm] of grid points.
   void add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction, Sliding sliding,
            double spacing);
+
+  /// Of it, what does not depend on the direction. Returns the load F n_z [mN].
+  double add(const Vector3& normal, double overlap, double radius, const ForceArea& carried, double spacing);
 };
 
 /// A member of `Sums`: its name, the unit and the words in which results speak of it.
@@ -79,6 +83,15 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// A contact whose normal force on the upper body points against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
+/// How a sliding contact of this normal pulls on the upper body: -s·n times its force, and t_z and -s·t times its
+/// friction.
+struct Pull {
+  double push;  ///< -s·n
+  double lift;  ///< t_z
+  double drag;  ///< -s·t, the length of n less its part along s
+};
+Pull pull(const Vector3& normal, const Vector2& direction);
+
 /// F_N [mN], upwards on the upper body, and F_T [mN], which starts the sliding; mu0 [-], tau0 [GPa].
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
@@ -104,26 +117,40 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
 /// Overlap over radius up to which Hertz is trusted: he assumes a << R.
 inline constexpr double hertz_limit = 0.1;
 
-inline void Sums::add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction,
-                      Sliding sliding, double spacing) {
-  const auto [force, area] = carried;
-  const double radius = radii.mean();
-  const double load = force * touch.normal.z();
-  const double relative_overlap = touch.overlap / radius;
+inline Pull pull(const Vector3& normal, const Vector2& direction) {
+  const double along = normal.head<2>().dot(direction);
+  const double across = normal.y() * direction.x() - normal.x() * direction.y();
+  if (across == 0.0) {
+    return {-along, along, normal.z()};  // as on every profile
+  }
+  const double length = std::sqrt(normal.z() * normal.z() + across * across);
+  return {-along, along * (normal.z() / length), length};
+}
+
+inline double Sums::add(const Vector3& normal, double overlap, double radius, const ForceArea& carried,
+                        double spacing) {
+  const double load = carried.force * normal.z();
+  const double relative_overlap = overlap / radius;
   contact_count += 1;
-  contact_area += area;
+  contact_area += carried.area;
   normal_elastic += load;
   overlap_load += load * relative_overlap;
   load_beyond_hertz += relative_overlap > hertz_limit ? load : 0.0;
   load_below_grid += radius < spacing ? load : 0.0;
+  return load;
+}
+
+inline void Sums::add(const Touch& touch, const Radii& radii, const ForceArea& carried, const Vector2& direction,
+                      Sliding sliding, double spacing) {
+  add(touch.normal, touch.overlap, radii.mean(), carried, spacing);
   if (sliding == Sliding::all || opposes(touch.normal, direction)) {
-    const Vector3 friction = tangent(touch.normal, direction);
-    const double along = friction.head<2>().dot(direction);
-    tangential_elastic -= force * touch.normal.head<2>().dot(direction);
-    normal_frictional += force * friction.z();
-    tangential_frictional -= force * along;
-    normal_adhesive += area * friction.z();
-    tangential_adhesive -= area * along;
+    const auto [force, area] = carried;
+    const Pull by = pull(touch.normal, direction);
+    tangential_elastic += force * by.push;
+    normal_frictional += force * by.lift;
+    tangential_frictional += force * by.drag;
+    normal_adhesive += area * by.lift;
+    tangential_adhesive += area * by.drag;
   }
 }
 
