@@ -138,6 +138,7 @@ std::vector<double> rises_through(const ManyValues& function, Values levels, Val
   }
   std::vector<double> roots;
   roots.reserve(searches.size());
+  roots.reserve(searches.size());
   for (const Search& search : searches) {
     roots.push_back(search.root());
   }
