@@ -183,7 +183,6 @@ double PressureSearch::balance() {
     }
   }
   free_.clear();
-  bound_load_ = 0.0;
   std::array<std::int32_t, block> found{};
   std::array<std::uint8_t, block> marks{};
   for (std::size_t first = 0; first < pressure_.size(); first += block) {
@@ -196,9 +195,6 @@ double PressureSearch::balance() {
       }
       free_.insert(free_.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(many));
     }
-  }
-  for (std::size_t i = 0; i < pressure_.size() && std::isfinite(hardness_); ++i) {
-    bound_load_ += pressure_[i] >= hardness_ && !(potential_[i] > approach_) ? pressure_[i] : 0.0;
   }
   double distance = 0.0;
   sum = 0.0;
@@ -309,6 +305,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   const auto count = static_cast<double>(std::max<std::size_t>(size, 1));
   collect(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
+  double load = 0.0;  // of free points, which a step keeps: what it lacked would grow with longer steps
   double mean = 0.0;
   double mean_step = 0.0;
   double product = 0.0;
@@ -316,6 +313,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   for (std::size_t k = 0; k < size; ++k) {
     const auto i = static_cast<std::size_t>(free_[k]);
     const double value = collected_[k];
+    load += pressure_[i];
     mean += value;
     if (conjugate_) {
       mean_step += static_cast<double>(step_[i]);
@@ -354,7 +352,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
     aim();
   }
   conjugate_ = beta > 0.0;
-  const double shift = shift_to_sum(target_, total_ - bound_load_, hardness_);
+  const double shift = shift_to_sum(target_, load, hardness_);
   for (const std::int32_t point : moved_) {
     step_[static_cast<std::size_t>(point)] = 0.0F;
   }

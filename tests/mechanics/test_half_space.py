@@ -9,6 +9,7 @@ from reference import dense_half_space
 from stiction import (
     HalfSpaceCurve,
     Profile,
+    Study,
     Surface,
     gentle_friction,
     half_space,
@@ -20,6 +21,7 @@ from stiction import (
     westergaard_pressure,
 )
 from stiction.mechanics.elastic_pressure import Kernel
+from stiction.studies.pairs import pair_of
 
 MODULUS = 10.0
 
@@ -663,3 +665,11 @@ def test_ctrl_c_ends_it_within_a_second():
         assert time.monotonic() - pressed[0] < 1.0
     finally:
         timer.cancel()
+
+
+def test_a_sum_that_round_off_changes_is_not_blown_up_by_long_steps():
+    """A half-plane on which steps are some thirty times as long as they were tried."""
+    study = Study.named("figure6-half-plane")
+    dimension = float(study.surfaces.fractal_dimensions()[7])
+    upper, lower = pair_of(study, 14, fractal_dimension=dimension, amplitude=float(study.surfaces.amplitudes()[0]))
+    assert half_space(upper, lower, [0.1389495494373138]).error[0] <= 1e-6

@@ -79,7 +79,6 @@ class PressureSearch {
   std::vector<double> target_;       // pressure at free points after a whole step
   double approach_ = 0.0;
   double mean_ = 0.0;          // potential of free points
-  double bound_load_ = 0.0;    // sum of pressures that are not free
   double length_ = 1.0;        // of the next step, in preconditioned residuals
   double plain_length_ = 1.0;  // the same in residuals
   double curvature_ = 0.0;     // step·K step
