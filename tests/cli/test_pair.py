@@ -13,6 +13,7 @@ from stiction import (
     cropped,
     effective_modulus,
     levelled,
+    read_profile,
     self_affine,
     traverse,
     traverse_mean,
@@ -20,7 +21,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.views.traverse import _cell, load_figure, means
+from stiction.views.traverse import _cell, doubts, load_figure, means
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "100 MPa", "--load", "20 uN"]
 
@@ -351,3 +352,23 @@ def test_an_afm_map_and_a_surrogate(measured, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "128: 128 pairs of lines" in done.stdout
     assert "column 0" in done.stdout
+
+
+def test_form_and_spikes_of_a_profile_are_said(measured):
+    profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.1, longest_wavelength=40.0)
+
+    def said(body):
+        return doubts([body], [profile], [0.1], mu0=[0.3], effective_modulus=10.0)
+
+    assert said(profile) == []
+    bowed = Profile(profile.heights + 1e-5 * (profile.x - 200) ** 2, spacing=0.1)
+    assert len(said(bowed)) == 1
+    assert "a parabola is" in said(bowed)[0]
+    spiky = profile.heights.copy()
+    spiky[1000] += 0.2
+    assert "3 points bend more than 12 times" in said(Profile(spiky, spacing=0.1))[0]
+    stylus = said(levelled(read_profile(measured("dektak-1.csv")), "line"))
+    assert [words in one for words, one in zip(("a parabola is 83 %", "33 points"), stylus, strict=True)] == [
+        True,
+        True,
+    ]

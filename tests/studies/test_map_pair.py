@@ -120,6 +120,16 @@ def test_nothing_but_lengths_changes_with_the_scale(mechanics, tolerance):
     np.testing.assert_allclose(ten["normal_stiffness"].values, 10 * one["normal_stiffness"].values, rtol=tolerance)
 
 
+def test_by_a_power_of_two_nothing_changes_at_all():
+    """By ten the half-space goes other ways to its tolerance, with other round-off."""
+    upper, lower = pair()
+    larger = [Surface(8 * body.heights, spacing=0.8) for body in (upper, lower)]
+    one = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=ANGLES, shifts=2)
+    eight = pressed_maps(*larger, 64 * np.array(LOADS), mu0=0.3, directions=ANGLES, shifts=2)
+    for name in ("friction_coefficient", "contact_area_fraction", "contact_count", "pressure", "share_on_largest"):
+        np.testing.assert_allclose(eight[name].values, one[name].values, rtol=ROUND_OFF, err_msg=name)
+
+
 def test_gentle_gaussian_maps_are_on_the_one_curve():
     """Within 5 % by the paper's rule on the mean, which few contacts of few shifts scatter about; 1 % if all rub."""
     upper, lower = pair(shape=(128, 128), rms=0.01)

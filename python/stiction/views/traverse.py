@@ -12,6 +12,7 @@ import numpy as np
 from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.surfaces.pairing import lower_piece
+from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.views.digits import with_interval
 from stiction.views.style import DIRECTIONS, FORCE, FRICTION, MILLIMETRE, STYLE, WIDTH, label, save_picture
@@ -288,6 +289,8 @@ def doubts(
             sentences.append(
                 f"{name}: heights span {height:.3g} µm over a length of {extent:.3g} µm; is their unit right?"
             )
+        if len(profiles) == 1:
+            sentences += _of_its_shape(name, profiles[0])
     if max(mu0) > HIGHEST_MU0:
         sentences.append(f"mu0 = {max(mu0):g} is more than any pair of materials has; is it in percent?")
     area = uppers[0].extent
@@ -297,6 +300,34 @@ def doubts(
         for load in loads
         if load / area > 0.1 * contact["effective_modulus"]
     ]
+    return sentences
+
+
+FORM = 0.6
+"""Share of the mean square height that a parabola takes, from which on it is form: of the longest waves it is half."""
+
+SPIKE = 12.0
+"""Of the usual second difference (median over 0.67), from which on a point stands out: by chance none does at 5."""
+
+
+def _of_its_shape(name: str, profile: Profile) -> list[str]:
+    """A sentence on form, and on spikes, that would carry the load in place of roughness."""
+    level = levelled(profile, "line").heights
+    sentences = []
+    form = 1 - levelled(profile, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
+    if form > FORM:
+        sentences.append(
+            f"{name}: a parabola is {100 * form:.0f} % of its mean square height; that form carries the load, unless "
+            "--level quadratic takes it off"
+        )
+    bends = np.abs(np.diff(profile.heights, 2))
+    usual = float(np.median(bends)) / 0.6745
+    spikes = int(np.count_nonzero(bends > SPIKE * usual)) if usual > 0 else 0
+    if spikes:
+        sentences.append(
+            f"{name}: {_count(spikes, 'point')} bend more than {SPIKE:g} times as sharply as others do; spikes of the "
+            "instrument would be the first contacts"
+        )
     return sentences
 
 

@@ -1,0 +1,69 @@
+"""True area and friction of maps as areas, as lines of them, and by tamaas: docs/generated/lines_or_areas.md."""
+
+from pathlib import Path
+
+import numpy as np
+import tamaas
+from stiction import approach_at_load, half_space, paired_lines, press, self_affine_surface, traverse, turned_over
+from stiction.mechanics.patches import true_share
+
+OUT = Path(__file__).parent.parent / "generated/lines_or_areas.md"
+POINTS, SPACING, PRESSURE, PAIRS, LINES, MU0 = 128, 0.1, 0.02, 6, 32, 0.3  # µm, GPa
+FOUR = [0.0, 90.0, 180.0, 270.0]
+
+
+def bodies(repetition):
+    """The two surfaces of a repetition."""
+    return tuple(
+        self_affine_surface(
+            3, repetition=repetition, hurst_exponent=0.8, rms=0.03, shape=(POINTS, POINTS), spacing=SPACING,
+            longest_wavelength=3.2, shortest_wavelength=0.8, side=side,
+        )
+        for side in ("upper", "lower")
+    )  # fmt: skip
+
+
+def answers(upper, lower):
+    """A/A0 (%) and mu_s of each kind of pressing."""
+    area = (POINTS * SPACING) ** 2
+    load = [PRESSURE * area]
+    found = {}
+    for name, boundary in (("areas: half-space, periodic", "periodic"), ("areas: half-space, free edges", "free")):
+        curve = half_space(upper, lower, load, boundary=boundary, direction=FOUR)
+        found[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+    curve = press(upper, lower, approach_at_load(upper, lower, load, mu0=0.0), direction=FOUR)
+    found["areas: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+    model = tamaas.Model(tamaas.model_type.basic_2d, [POINTS * SPACING] * 2, [POINTS, POINTS])
+    model.E, model.nu = 10.0, 0.0
+    tamaas.PolonskyKeerRey(model, np.ascontiguousarray(lower.heights - upper.heights), 1e-10).solve(PRESSURE)
+    touching = model.traction > 0
+    found["tamaas, points under pressure"] = touching.mean(), np.nan
+    found["tamaas, less what edges add"] = true_share(touching, periodic=True).sum() / touching.size, np.nan
+    uppers, lowers = paired_lines(turned_over(upper), lower, lines=LINES)
+    length = uppers[0].extent
+    for name, law, curvature in (
+        ("32 lines: spheres on a strip 1 µm thick", "hertz-sphere", "convex"),
+        ("32 lines: cylinders", "hertz-cylinder", "signed"),
+    ):  # fmt: skip
+        result = traverse(
+            uppers, lowers, [PRESSURE * length], mu0=MU0, law=law, curvature=curvature, detection="gap-minimum"
+        )
+        friction = result["friction_coefficient"].where(result["status"] == "ok")
+        found[name] = float(result["contact_area"].mean()) / length, float(friction.mean())
+    return found
+
+
+def main():
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    every = [answers(*bodies(repetition)) for repetition in range(PAIRS)]
+    lines = ["| pressed as | A/A0 (%) | μ_s, opposing |", "|---|---|---|"]
+    for name in every[0]:
+        values = np.array([each[name] for each in every]) * [100, 1]
+        mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(PAIRS)
+        cells = ["" if np.isnan(one) else f"{one:.3g} ± {off:.2g}" for one, off in zip(mean, error, strict=True)]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    OUT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
