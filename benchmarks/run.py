@@ -9,7 +9,17 @@ HERE = Path(__file__).parent
 
 def main() -> None:
     lines = []
-    for name in sys.argv[1:] or ("pair", "against", "areal", "half_space", "growth", "cluster", "report"):
+    for name in sys.argv[1:] or (
+        "pair",
+        "against",
+        "areal",
+        "half_space",
+        "growth",
+        "cluster",
+        "memory",
+        "million",
+        "report",
+    ):
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| | |", "|---|---|"]
         for question, answer in module.rows():

@@ -95,7 +95,9 @@ def fuzz_study_file(random, folder):
         study = Study.from_toml(path)
     except ValueError:
         study = None
-    if study is not None and study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6:
+    if study is not None and (
+        study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6 or study.ensemble.repetitions > 100
+    ):
         return None  # too much to compute
     output = folder / "output"
     status, said = command("run", path, "--output", output, "--workers", "1")

@@ -24,11 +24,11 @@ KILLS = 25
 SHORTEST = 25.0
 """Seconds that the undisturbed run takes at least, so that a kill seldom finds it done."""
 
-# Many repetitions of a few hundredths of a second, so that many kills fall into writes.
+# Many repetitions of a tenth of a second, so that many kills fall into writes; and fewer than 1024, each a block.
 STUDY = Study().with_changes(
     {
         "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 20},
-        "surfaces.points": 20_000,
+        "surfaces.points": 80_000,
         "surfaces.extent": "6 um",
         "contact.approach.count": 20,
     }
