@@ -1,0 +1,83 @@
+"""Figure 6 by half-planes and by cylinders: writes images/half_plane.png.
+
+    python docs/scripts/half_plane.py [DIRECTORY]
+
+Results are kept there (build/half_plane); what is missing is computed, in 40 minutes of one core. With --as-is the
+half-planes are those that are finished.
+"""
+
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from stiction import Study, friction_map, run
+from stiction.studies import store
+
+DOCS = Path(__file__).parents[1]
+
+LOADS = (0.05, 0.25)
+"""mN."""
+MU0 = 0.4
+STRENGTHS = (0.0, 0.2)
+"""tau0 in GPa."""
+COLOURS = {0.0: "#0072B2", 0.2: "#D55E00"}  # Okabe & Ito
+
+
+def results(directory: Path) -> dict:
+    exact = Study.named("figure6-half-plane")
+    cylinders = Study().with_changes(
+        {
+            "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 25},
+            "surfaces.points": 131_072,
+            "surfaces.band_limit": "nyquist",
+            "contact.law": "hertz-cylinder",
+            "contact.detection": "gap-minimum",
+            "contact.sliding": ["opposing", "all"],
+            "contact.approach": {"start": "0.1 nm", "stop": "100 nm", "count": 100, "spacing": "geometric"},
+            "ensemble.repetitions": 50,
+        }
+    )
+    found = {}
+    for name, study in {"half-plane": exact, "cylinders": cylinders}.items():
+        path = directory / name / "result.zarr"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        found[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path)
+    return found
+
+
+def main(directory: Path) -> None:
+    found = results(directory)
+    figure = Figure(figsize=(6.7, 4.8), dpi=200, layout="constrained")
+    axes = figure.subplots(2, 2, sharex=True, sharey="row")
+    for name, result in found.items():
+        shown = friction_map(result, LOADS, mu0=[MU0], tau0=STRENGTHS).squeeze()
+        for row, rule in enumerate(("opposing", "all")):
+            for ax, load in zip(axes[row], LOADS, strict=True):
+                for strength in STRENGTHS:
+                    one = shown.sel(sliding=rule, tau0=strength).sel(load=load, method="nearest")
+                    dimension, mean = one["fractal_dimension"].values, one["friction_coefficient"].values
+                    exact = name == "half-plane"
+                    ax.plot(
+                        dimension, mean, "-" if exact else "--", lw=1.1, color=COLOURS[strength],
+                        label=f"{name}, $\\tau_0$ = {1000 * strength:g} MPa",
+                    )  # fmt: skip
+                    low, high = (one[end].values for end in ("lower", "upper"))
+                    ax.fill_between(dimension, low, high, color=COLOURS[strength], alpha=0.25 if exact else 0.12, lw=0)
+                ax.set_title(f"{rule}, $F_N$ = {load:g} mN", fontsize=8)
+                ax.tick_params(labelsize=7)
+    for ax in axes[1]:
+        ax.set_xlabel("fractal dimension $D$", fontsize=8)
+    for ax in axes[:, 0]:
+        ax.set_ylabel(r"$\mu_s$", fontsize=8)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5, frameon=False)
+    figure.savefig(DOCS / "images/half_plane.png")
+    print({name: int(np.size(result["repetition"])) for name, result in found.items()})
+
+
+if __name__ == "__main__":
+    warnings.filterwarnings("ignore", message=".*repetitions are finished.*")
+    paths = [Path(each) for each in sys.argv[1:] if not each.startswith("--")]
+    main(paths[0] if paths else DOCS.parent / "build/half_plane")
