@@ -574,6 +574,12 @@ def test_a_page_is_called_by_its_study_and_says_its_material(result):
     assert "<title>quick – " in report_page(quick)
 
 
+def test_a_page_is_of_datasets(result):
+    for wrong in (None, [result, 3]):
+        with pytest.raises(ReportError, match=r"must be an xarray\.Dataset"):
+            report_page(wrong)
+
+
 def test_a_page_has_one_result_or_two(result):
     for count in (0, 3):
         with pytest.raises(ReportError, match=f"one result or two, got {count}"):

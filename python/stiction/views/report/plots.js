@@ -234,8 +234,8 @@ function colourBar(id, frame, low, high, ticks, title, unit) {
   const stops = VIRIDIS.map((hex, i) => shape("stop", {offset: i / (VIRIDIS.length - 1), "stop-color": `#${hex}`}));
   const at = scaleOf({low, high, isLog: true}, frame.x, frame.x + frame.width);
   let last = -Infinity;
-  const marks = (ticks ?? ticksOf(low, high, true, 8).filter(({text}) => text).map(({value}) => value))
-    .filter((tick) => tick >= low * 0.999 && tick <= high * 1.001)
+  const inside = (ticks ?? []).filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
+  const marks = (inside.length > 2 ? inside : ticksOf(low, high, true, 8).filter(({text}) => text).map(({value}) => value))
     .filter((tick) => at(tick) - last >= 2.6 * unit && (last = at(tick), true));
   return [
     shape("linearGradient", {id}, ...stops),

@@ -53,7 +53,12 @@ def report_page(dataset: xarray.Dataset | Sequence[xarray.Dataset], *, names: Se
         If there are more than two, one is too large for a page or has no repetitions, or one of its numbers is not
         finite.
     """
+    import xarray
+
     datasets: list[xarray.Dataset] = list(dataset) if isinstance(dataset, (list, tuple)) else [cast("Any", dataset)]
+    for each in datasets:
+        if not isinstance(each, xarray.Dataset):
+            raise ReportError(f"dataset must be an xarray.Dataset or a list of them, got {type(each).__name__}")
     if not 1 <= len(datasets) <= MOST_RESULTS:
         raise ReportError(f"a page is of one result or two, got {len(datasets)}")
     named = [*names, *[""] * len(datasets)][: len(datasets)]

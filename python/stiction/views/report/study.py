@@ -48,8 +48,8 @@ BYTES = {"means": 8, "sums": 5, "profiles": 3, "contacts": 3}
 
 STATUSES = {
     friction.STATUS_OK: ("", ""),
-    friction.STATUS_NOT_REACHED: ("load not reached", "no approach carries this load"),
-    friction.STATUS_BELOW_RANGE: ("below the loads computed", "the smallest approach carries more than this load"),
+    friction.STATUS_NOT_REACHED: ("load not reached", "no computed approach or load carries it"),
+    friction.STATUS_BELOW_RANGE: ("below the loads computed", "the first computed approach or load carries more"),
     friction.STATUS_NO_CONTACT: ("no contact", "no pair touches within the approaches"),
     friction.STATUS_SELF_LOCKED: (
         "self-locked: no load is carried",
@@ -301,7 +301,7 @@ def _motions(study: Study, data: xarray.Dataset) -> list[dict[str, Any]]:
         {
             "sliding": rule,
             "direction": float(angle),
-            "words": f"{'opposing' if rule == 'opposing' else 'all'} contacts rub, to {_way(float(angle))}",
+            "words": f"{'Opposing' if rule == 'opposing' else 'All'} contacts rub, to {_way(float(angle))}",
             "shear": 1 if float(angle) < 90 else -1,
         }
         for rule in rules
