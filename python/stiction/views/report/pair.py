@@ -117,10 +117,10 @@ def _words(result: xarray.Dataset) -> str:
     """The table that `pair` prints of its result."""
     loads = np.atleast_1d(result.attrs["loads_mN"])
     if result.attrs["title"] == MAPS:
-        from stiction.studies.map_pair import pressed_maps_mean
+        from stiction.studies.map_pair import means_of_all
         from stiction.views.map_pair import map_pair_text
 
-        return map_pair_text(result, pressed_maps_mean(result), loads)
+        return map_pair_text(result, means_of_all(result), loads)
     from stiction.studies.traverse import traverse_mean
     from stiction.views.traverse import traverse_text
 
