@@ -158,7 +158,7 @@ def test_surrogates_stand_beside_the_shifts(where):
     for words in (
         "asperities (surrogates)", "Intervals are over 3 shifts of these two maps",
         "Those of surrogates are over 4 independent pairs of surfaces with these spectra",
-        "surrogates 4 pairs with the spectra of both, new phases, seed 2016 of the same size",
+        "surrogates 4 pairs with the spectra of both, new phases, seed 2016, of the same size",
     ):  # fmt: skip
         assert words in done.stdout, done.stdout
     rows = (where / "kind" / "result.csv").read_text().splitlines()

@@ -130,7 +130,7 @@ def _pieces(result: xarray.Dataset, size: str) -> list[str]:
     if True in kinds:
         of = "isotropic surfaces" if result.attrs.get("of_profiles") else "new phases"
         number, seed = _count(kinds[True].sizes["shift"], "pair"), int(result.attrs["seed"])
-        where = " of the same size" if lines else f", {how}"
+        where = ", of the same size" if lines else f", {how}"
         lines.append(f"{'surrogates':<10} {number} with the spectra of both, {of}, seed {seed}{where}")
     return lines
 
