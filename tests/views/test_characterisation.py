@@ -10,6 +10,7 @@ from matplotlib.text import Text
 from stiction import (
     Profile,
     Surface,
+    gentle_friction,
     hurst_exponent_of,
     levelled,
     power_spectrum,
@@ -175,3 +176,22 @@ def test_the_figure_of_a_surface_shows_the_fit(surface):
     legends = [text.get_text() for ax in figure.findobj(Axes) if ax.get_legend() for text in ax.get_legend().texts]
     assert any("q^{-2-2H}" in text for text in legends)
     assert sum("q^{-1-2H}" in text for text in legends) == 2
+
+
+def test_friction_by_slope_is_that_of_two_bodies_of_the_same_roughness():
+    x = np.arange(4000) * 0.01
+    slope = 0.2  # of a body; the gap has that of two
+    heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
+    line = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
+    said = rows(characterisation_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0)))
+    assert said["friction by slope"].startswith(f"{line:.3f}, against its like, where mu0 is 0.4")
+
+
+def test_friction_by_slope_of_a_surface_is_along_both_axes():
+    x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
+    random = np.random.default_rng(1)
+    heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)
+    surface = Surface(heights, spacing=(0.1, 0.1))
+    said = rows(surface_characterisation_text(surface, *lines_along_both(surface)))["friction by slope"]
+    along_x, along_y = (float(value) for value in re.findall(r"(0\.\d+) along", said))
+    assert along_x > along_y > 0.2

@@ -134,6 +134,7 @@ def claims_command(
             _draw(dataset, output / name, said)
             if Study.named(name) == claims.claims_study():
                 result, outcomes = dataset, claims.judge(dataset)
+                last = outcomes
         for name in claims.VARIANTS:
             study = claims.variant_study(name).with_changes(replaced)
             dataset = _result(study, output / "variants" / name, executor, said)
@@ -145,13 +146,13 @@ def claims_command(
         if repetitions is not None:
             most = repetitions
             study = claims.claims_study().with_changes({**replaced, "ensemble.repetitions": most})
-            result = _result(study, output / "columns/lines", executor)
-            beside[f"lines, {most} repetitions"] = claims.judge(result)
+            result = _result(study, output / "columns/lines", executor, said)
+            beside[f"lines, {most} repetitions"] = last = claims.judge(result)
         beside["the same by bands"] = claims.judge(result, ruling="bands")
         del result
         for name, column in claims.COLUMNS.items() if columns else ():
             study = column.of(most)
-            dataset = _result(study, output / "columns" / column.place, executor)
+            dataset = _result(study, output / "columns" / column.place, executor, said)
             beside[f"{name}, {study.ensemble.repetitions}"] = claims.judge(
                 dataset, sliding=column.sliding, ruling="bands"
             )
@@ -162,7 +163,7 @@ def claims_command(
     ):
         (output / file).write_text(text, encoding="utf-8")
         said(f"wrote {output / file}")
-    tell(records.claims_record(outcomes) if as_json else tables.claims_text(outcomes))
+    tell(records.claims_record(last) if as_json else tables.claims_text(last))
 
 
 @command("plot", "stiction plot figure6", "stiction plot figure6 --output figures")

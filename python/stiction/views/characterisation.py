@@ -63,6 +63,7 @@ def characterisation_text(profile: Profile, *, band: tuple[float, float] | None 
         ("Psk", f"{parameters.Psk:.3f}"),
         ("Pku", f"{parameters.Pku:.3f}"),
         ("Pdq", f"{parameters.Pdq:.4g} (seven points), {neighbours:.4g} (neighbours)"),
+        ("friction by slope", _by_slope(profile)),
         ("m0", f"{moments.height:.4g} µm²"),
         ("m2", f"{moments.slope:.4g}"),
         ("m4", f"{moments.curvature:.4g} 1/µm²"),
@@ -75,6 +76,25 @@ def characterisation_text(profile: Profile, *, band: tuple[float, float] | None 
     window = "as it is, periodic" if periodic else "after a Hann window"
     rows.append(("spectrum", f"{window}; moments over all of its wavelengths"))
     return _table(rows)
+
+
+def _by_slope(body: Profile | Surface) -> str:
+    """What its slopes alone say of friction against another body of the same roughness."""
+    from stiction.mechanics.closed_forms import gentle_friction
+    from stiction.mechanics.patches import slopes
+
+    spacing = (body.spacing,) if isinstance(body, Profile) else body.spacing
+    # Of the gap of two such bodies, along x first.
+    squares = [2 * float(np.square(along).mean()) for along in slopes(body.heights, spacing, periodic=False)][::-1]
+    if not min(squares) > 0:
+        return "none, without slopes"
+    found = [
+        float(gentle_friction(_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
+        for square in squares
+    ]
+    axes = (" along x,", " along y,") if len(found) == 2 else (",",)
+    values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(found, axes, strict=True))
+    return f"{values} against its like, where mu0 is {_MU0:g} (gentle_friction)"
 
 
 def _hurst_rows(
@@ -110,6 +130,9 @@ def _hurst_rows(
         )
     return rows
 
+
+_MU0 = 0.4
+"""Of the friction that slopes alone say; the paper's."""
 
 _PEAKED = 3.0
 """Times the density at longer wavelengths, above which a band begins on a peak and not behind a roll-off."""
@@ -209,6 +232,7 @@ def surface_characterisation_text(
         ("Ssk", f"{found.Ssk:.3f}"),
         ("Sku", f"{found.Sku:.3f}"),
         ("Sdq", f"{found.Sdq:.4g} (seven points), {other.Sdq:.4g} (neighbours)"),
+        ("friction by slope", _by_slope(surface)),
         ("Sdr", f"{100 * found.Sdr:.4g} %"),
         ("Sal", "none: no decay to 0.2 within half the map" if math.isnan(found.Sal) else _length(found.Sal)),
         ("Str", _str(found.Sal, found.Str, surface)),
