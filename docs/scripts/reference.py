@@ -197,7 +197,8 @@ def commands() -> str:
             rows = [_parameter(each) for each in command.get_params(context) if each.param_type_name == kind]
             if rows:
                 lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
-        lines += [command.epilog, ""] if command.epilog else []
+        shown = re.findall(r"^  (stiction .*)$", command.epilog or "", re.MULTILINE)
+        lines += ["```text", *shown, "```", ""]
     return "\n".join(lines)
 
 

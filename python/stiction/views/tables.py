@@ -25,16 +25,28 @@ def claims_text(outcomes: Outcomes) -> str:
 
 def claims_markdown(outcomes: Outcomes) -> str:
     """A table with a row for each part."""
-    lines = ["| | claim, and its numbers | value [95 %] | wanted | verdict |", "|---|---|---|---|---|"]
+    lines = ["| | verdict | claim, and its numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
     for claim, statement in CLAIMS.items():
-        lines.append(f"| **{claim}** | **{statement}** | | | **{verdict_of(claim, outcomes)}** |")
+        lines.append(f"| **{claim}** | {_chip(verdict_of(claim, outcomes))} | **{statement}** | | |")
         for outcome in _parts(claim, outcomes):
             part = outcome.part
             lines.append(
-                f"| {part.name} | {part.statement}{_left_out(outcome)} | {_value(outcome)} | {_wanted(part)} "
-                f"| {outcome.verdict} |"
+                f"| {part.name} | {outcome.verdict} | {part.statement}{_left_out(outcome)} | {_value(outcome)} "
+                f"| {_wanted(part)} |"
             )
-    return "\n".join(lines) + "\n"
+    return _in_letters("\n".join(lines) + "\n")
+
+
+def _chip(verdict: str) -> str:
+    """A verdict that pages set in a colour of its own."""
+    return f'<span class="verdict verdict-{verdict}">{verdict}</span>'
+
+
+def _in_letters(text: str) -> str:
+    """Symbols as the other pages write them."""
+    for plain, letters in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
+        text = text.replace(plain, letters)
+    return text
 
 
 def variants_markdown(variants: Mapping[str, Outcomes]) -> str:
