@@ -275,13 +275,14 @@ LARGEST_DIFFERENCE = 5.0
 """Root mean square of grey levels, of 255: for letters that lie a little elsewhere; 10 nm of approach are 13."""
 
 
-def test_the_drawing_of_the_conventions_is_what_the_library_does_now(tmp_path):
+@pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
+def test_the_drawings_of_the_conventions_are_what_the_library_does_now(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the pictures are not here")
-    conventions = script("conventions")
-    conventions.save(tmp_path / "now.png")
-    difference = compare_images(str(conventions.IMAGE), str(tmp_path / "now.png"), LARGEST_DIFFERENCE)
-    assert difference is None, f"run docs/scripts/conventions.py and look at it: {difference}"
+    drawing = script(name)
+    drawing.save(tmp_path / "now.png")
+    difference = compare_images(str(drawing.IMAGE), str(tmp_path / "now.png"), LARGEST_DIFFERENCE)
+    assert difference is None, f"run docs/scripts/{name}.py and look at it: {difference}"
 
 
 def test_the_reference_has_every_key_option_and_study():
