@@ -65,6 +65,25 @@ def write_reference(app: Sphinx) -> None:
             path.write_text(text, encoding="utf-8")
 
 
+REACHABLE = (
+    ('role="heading"><span class="caption-text"', 'role="heading" aria-level="2"><span class="caption-text"'),
+    ("<pre>", '<pre tabindex="0">'),
+    ('<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'),
+    ('<div class="formula"', '<div tabindex="0" class="formula"'),
+    (' aria-label="Toggle hidden content"', ""),
+)
+"""What the theme leaves out for those who use a keyboard or a screen reader, and what it should say."""
+
+
+def make_reachable(app: Sphinx, exception: Exception | None) -> None:
+    """What scrolls sideways can be reached by keys, and headings have a level."""
+    for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
+        text = page.read_text("utf-8")
+        for before, after in REACHABLE:
+            text = text.replace(before, after)
+        page.write_text(text, encoding="utf-8")
+
+
 def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
     """End the build if what a cell printed tells where it was built."""
     folders = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
@@ -160,4 +179,5 @@ def setup(app: Sphinx) -> None:
     app.connect("builder-inited", write_reference)
     app.connect("builder-inited", ship_font)
     app.connect("html-page-context", describe)
+    app.connect("build-finished", make_reachable)
     app.connect("build-finished", refuse_paths)
