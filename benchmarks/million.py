@@ -60,7 +60,7 @@ def rows() -> list[tuple[str, str]]:
             files = sum(len(files) for _, _, files in os.walk(path))
             kept, looking = timed(lambda: store.info(path))
             _, opening = timed(lambda: store.read(path))
-            loads = np.geomspace(10, 30, 20)
+            loads = np.geomspace(20, 60, 20)
             maps = [timed(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)]
             assert (maps[0][0]["status"] == "ok").all()
             more = STUDY.with_changes({"ensemble.repetitions": REPETITIONS + MORE})
