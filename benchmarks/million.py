@@ -71,7 +71,7 @@ def rows() -> list[tuple[str, str]]:
         runner.repetition_sums = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
-        ("a million repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
+        (f"{REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
         ("to compute (a stand-in) and to store them", f"{writing:.0f} s"),
         ("files, and bytes on the disk", f"{files}, {kept.size / 1e9:.2f} GB"),
         ("to see how far it is, to open it", f"{looking:.1f} s, {opening:.1f} s"),

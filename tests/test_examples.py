@@ -212,6 +212,15 @@ kill -- "-$1"
 """
 
 
+SLURM_TASK = {
+    "SLURM_CPUS_PER_TASK": "1",
+    "SLURM_ARRAY_TASK_ID": "2",
+    "SLURM_ARRAY_TASK_COUNT": "2",
+    "SHARED": "shared",
+}
+"""What Slurm tells a task of an array, and a directory of the user's."""
+
+
 @named([page for page in PAGES if page.name == "cluster.md"])
 @pytest.mark.filterwarnings("ignore")  # distributed leaves sockets and loops to the collector
 def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
@@ -221,11 +230,15 @@ def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
         (tmp_path / name).write_text(script, encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    for name, value in SLURM_TASK.items():
+        monkeypatch.setenv(name, value)
     computed = 0
     with distributed.LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
 
         def here(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
+            for name, value in SLURM_TASK.items():  # as the shell would
+                text = text.replace(f"${name}", value)
             return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
 
         for block in blocks(page):

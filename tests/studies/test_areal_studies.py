@@ -23,11 +23,9 @@ from stiction import (
 from stiction.mechanics.half_space import half_space
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
 from stiction.studies import store
-from stiction.studies.claims import ClaimsError, check
 from stiction.studies.study import study_from_text
 from stiction.studies.study_text import StudyError
 from stiction.views.figures import save_figures
-from stiction.views.report.page import ReportError, report_page
 
 FEW = {
     "surfaces.fractal_dimension": [1.2, 1.5],
@@ -233,13 +231,6 @@ def test_figures_are_files_for_each_rule_and_direction(tmp_path):
     assert {path.name for path in save_figures(run(HALF_PLANES), tmp_path)} == {
         f"{kind}_{rule}.png" for kind in ("friction_mu0_0.4", "area") for rule in ("opposing", "all")
     }
-
-
-def test_what_is_of_profiles_only_says_so(result):
-    with pytest.raises(ReportError, match="a page is of profiles that touch at asperities"):
-        report_page(result)
-    with pytest.raises(ClaimsError, match="claims are judged on profiles"):
-        check(HALF_PLANES)
 
 
 @pytest.mark.parametrize(
