@@ -1,5 +1,6 @@
 """`stiction pair`, from files to figures."""
 
+import json
 import re
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from stiction import (
     cropped,
     effective_modulus,
     levelled,
+    paired_lines,
     read_profile,
     self_affine,
     traverse,
@@ -372,3 +374,55 @@ def test_form_and_spikes_of_a_profile_are_said(measured):
         True,
         True,
     ]
+
+
+def test_half_planes_beside_asperities(where):
+    given = [*BODIES, *MATERIAL, "--lay", "grooves"]
+    done = stiction_command(*given, "--check", "-o", "checked", cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"half-planes: 63 solutions of 1000 points, about .* s by the first position", done.stderr)
+    assert "elastic half-planes; beside them hertz-cylinder" in done.stdout
+    assert "half-planes, both directions  asperities, both directions" in done.stdout
+    assert re.search(r"\napproach \(nm\) +none +\d", done.stdout)
+    assert "Half-planes have no approach and no stiffness" in done.stdout
+    assert "In short, by half-planes: at 0.02 mN mu_s" in done.stdout
+    with xarray.open_dataset(where / "checked" / "result.nc", engine="h5netcdf") as kept:
+        result = kept.load()
+    for mechanics, law in (("half-space", {}), ("asperities", {"law": "hertz-cylinder"})):
+        single = traverse(
+            *(each[0] for each in lines_of(where)), result["load"].values, mu0=0.3, tau0=0.1, mechanics=mechanics,
+            offsets=result["offset"].values, **law,
+        )  # fmt: skip
+        np.testing.assert_allclose(
+            result["friction_coefficient"].sel(mechanics=mechanics), single["friction_coefficient"], rtol=1e-9
+        )
+    rows = (where / "checked" / "result.csv").read_text().splitlines()
+    assert rows[0].startswith("mechanics,normal load (mN)")
+    assert [row.split(",")[0] for row in rows[1:]] == ["half-space"] * 3 + ["asperities"] * 3
+    for folder in ("half-space", "asperities"):
+        assert (where / "checked" / folder / "friction.png").exists()
+    assert stiction_command("info", "checked", cwd=where).stdout in done.stdout
+    assert stiction_command("plot", "checked", cwd=where).returncode == 0
+    told = json.loads(stiction_command("info", "checked", "--json", cwd=where).stdout)
+    assert {value["at"]["mechanics"] for value in told["values"]} == {"half-space", "asperities"}
+    assert stiction_command("report", "checked", "-o", "checked.html", cwd=where).returncode == 0
+
+
+def test_half_planes_alone(where):
+    given = [*BODIES, *MATERIAL, "--mechanics", "half-space"]
+    done = stiction_command(*given, "-o", "planes", cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert "elastic half-planes\n" in done.stdout
+    assert "approach (nm)" not in done.stdout
+    assert "Half-planes are the same all along their third direction" in done.stdout
+    assert not (where / "planes" / "contact.png").exists()
+    assert stiction_command("report", "planes", "-o", "planes.html", cwd=where).returncode == 0
+    refused = stiction_command(*given, "--law", "hertz-cylinder", "-o", "bad", cwd=where)
+    assert_refused(refused, "--law is for --mechanics asperities, of lines, got --law hertz-cylinder")
+    refused = stiction_command(*BODIES, *MATERIAL, "--check", "--mechanics", "asperities", "-o", "bad", cwd=where)
+    assert_refused(refused, "--check presses by both")
+
+
+def lines_of(where):
+    bodies = (read_profile(where / f"{side}.csv") for side in ("upper", "lower"))
+    return paired_lines(*bodies, travel=None, level="line", lines=1, along="x", surrogates="none", seed=2016)

@@ -8,6 +8,7 @@ from stiction import (
     approach_at_load,
     contacts,
     cropped,
+    half_space,
     levelled,
     nondimensional,
     paired_lines,
@@ -444,3 +445,92 @@ def test_a_direction_is_not_for_a_traverse_of_profiles():
     upper, lower = two_rough_profiles()
     with pytest.raises(ValueError, match="direction must not be given"):
         traverse(upper, lower, [0.02], mu0=0.3, direction="-x")
+
+
+# ---- Half-planes -----------------------------------------------------------------------------------------------------
+
+SAME = 1e-12
+"""Relative: the same solution, summed in the same order."""
+
+LISTS = {"mu0": [0.2, 0.3], "tau0": [0.0, 0.05, 0.1]}
+
+
+@pytest.fixture(scope="module")
+def small_pair():
+    return cropped(turned_over(scan("upper", points=600)), 0, 2), scan("lower", points=600)
+
+
+@pytest.mark.parametrize("sliding", ["opposing", "all"])
+def test_half_planes_are_half_space_at_each_position(small_pair, sliding):
+    upper, lower = small_pair
+    given = {"compliance_share": 0.3, "effective_modulus": 8.0, "sliding": sliding}
+    result = traverse(upper, lower, LOADS, offsets=[0.0, 1.0, 2.5], mechanics="half-space", **LISTS, **given)
+    assert (result["status"] == "ok").all()
+    for offset in (0.0, 2.5):
+        for shear in ("+x", "-x"):
+            at = result.sel(shear=shear, offset=offset, line=0)
+            curve = half_space(upper, cropped(lower, offset, offset + 2), LOADS, direction=shear, **given)
+            for i, mu0 in enumerate(LISTS["mu0"]):
+                for j, tau0 in enumerate(LISTS["tau0"]):
+                    one, material = at.isel(mu0=i, tau0=j), {"mu0": mu0, "tau0": tau0}
+                    friction = curve.friction_coefficient(**material)
+                    np.testing.assert_allclose(one["friction_coefficient"], friction, rtol=SAME)
+                    np.testing.assert_allclose(one["tangential_load"], curve.tangential_load(**material), rtol=SAME)
+                    np.testing.assert_allclose(one["contact_area"], curve.contact_area, rtol=SAME)
+                    np.testing.assert_array_equal(one["contact_count"], curve.contact_count)
+    both = result["share_opposing"].sum("shear").values
+    np.testing.assert_allclose(both, 1, atol=0.02)  # every patch opposes one of the two, but for squares of slopes
+    for name in ("approach", "normal_stiffness", "relative_overlap", "share_below_grid"):
+        assert np.isnan(result[name]).all()
+    assert result.attrs["mechanics"] == "half-space"
+    assert "law" not in result.attrs
+
+
+def test_a_direction_of_a_half_space_is_that_of_another_solution(small_pair):
+    upper, lower = small_pair[0], cropped(small_pair[1], 0, 2)
+    turned = half_space(upper, lower, LOADS).with_direction("-x")
+    other = half_space(upper, lower, LOADS, direction="-x")
+    for name in ("tangential_elastic", "tangential_frictional", "normal_frictional", "tangential_adhesive"):
+        np.testing.assert_allclose(getattr(turned, name), getattr(other, name), rtol=SAME)
+    assert turned.direction == 180
+    with pytest.raises(ValueError, match="direction on profiles"):
+        turned.with_direction(30.0)
+
+
+def test_a_position_without_a_solution_leaves_the_others_theirs(small_pair, monkeypatch):
+    from stiction.studies import traverse as module
+
+    def unsolved(upper, lower, loads, **given):
+        if upper.heights[0] + lower.heights[0] == bad and max(loads) > LOADS[0]:
+            raise RuntimeError("no solution")
+        return half_space(upper, lower, loads, **given)
+
+    upper, lower = small_pair
+    bad = upper.heights[0] + module.lower_piece(lower, 1.0, upper).heights[0]
+    monkeypatch.setattr(module, "half_space", unsolved)
+    result = traverse(upper, lower, LOADS, offsets=[0.0, 1.0], mechanics="half-space", **FRICTION)
+    there = result.isel(line=0)
+    assert (there["status"].sel(offset=1.0, load=LOADS[1]) == "not-solved").all()
+    assert np.isnan(there["contact_area"].sel(offset=1.0, load=LOADS[1])).all()
+    assert (there["status"] == "ok").sum() == 6
+    assert int(traverse_mean(result)["ok"].sel(shear="+x", load=LOADS[1])) == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"mechanics": "half-plane"}, "mechanics must be"),
+        ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law must not be given for half-planes"),
+        ({"mechanics": "half-space", "detection": "cell"}, "detection must not be given for half-planes"),
+        ({"mechanics": "half-space", "compliance_share": 1.5}, "compliance_share must be from 0 to 1, got 1.5"),
+    ],
+)
+def test_what_half_planes_do_not_take_is_refused(small_pair, given, words):
+    with pytest.raises(ValueError, match=words):
+        traverse(*small_pair, LOADS, **FRICTION, **given)
+
+
+def test_surfaces_are_not_half_planes():
+    flat = Surface(np.zeros((20, 20)), spacing=0.1)
+    with pytest.raises(ValueError, match="mechanics of surfaces must be 'asperities', got 'half-space'"):
+        traverse(flat, flat, LOADS, mechanics="half-space", **FRICTION)

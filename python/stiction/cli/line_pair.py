@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from stiction.cli.application import announce, say, tell
 from stiction.cli.options import check_directory
-from stiction.surfaces.pairing import paired_lines
+from stiction.studies.executors import available_cores
+from stiction.surfaces.pairing import lower_piece, paired_lines
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -25,6 +27,8 @@ def press_lines(
     mu0: list[float],
     tau0: list[float],
     effective_modulus: float,
+    mechanics: tuple[str, ...],
+    compliance_share: float,
     law: Any,
     detection: str,
     curvature: str,
@@ -61,15 +65,30 @@ def press_lines(
     for sentence in views.doubts(uppers, lowers, loads, mu0=mu0, **contact):
         say(sentence)
     check_directory(output, table, replace=replace)
-    result = traverses.traverse(
-        uppers, lowers, traverses.loads_around(loads),
-        mu0=mu0 if len(mu0) > 1 else mu0[0],
-        tau0=tau0 if len(tau0) > 1 else tau0[0],
+    chosen: dict[str, Any] = {
+        "mu0": mu0 if len(mu0) > 1 else mu0[0],
+        "tau0": tau0 if len(tau0) > 1 else tau0[0],
         # One line on itself is no pair at 0; several are not on themselves.
-        offsets=0.0 if len(uppers) > 1 and positions == 1 and travel is None
+        "offsets": 0.0 if len(uppers) > 1 and positions == 1 and travel is None
         else room * np.arange(1, positions + 1) / positions,
-        progress=True, **contact,
-    )  # fmt: skip
+        "progress": True,
+    }  # fmt: skip
+    elastic: dict[str, Any] = {"effective_modulus": effective_modulus, "compliance_share": compliance_share}
+    around = traverses.loads_around(loads)
+    if "half-space" in mechanics:
+        around = traverses.loads_around(
+            loads, around=traverses.AROUND_HALF_SPACE, steps=traverses.HALF_SPACE_STEPS
+        )  # fmt: skip
+        pair = uppers[0], lower_piece(lowers[0], float(np.atleast_1d(chosen["offsets"])[-1]), uppers[0])
+        _say_what_it_costs(pair, around, len(uppers) * positions, **elastic)
+    results = [
+        traverses.traverse(
+            uppers, lowers, around, mechanics=each,  # type: ignore[arg-type]
+            **chosen, **(elastic if each == "half-space" else contact),
+        )
+        for each in mechanics
+    ]  # fmt: skip
+    result = results[0] if len(results) == 1 else traverses.joined_traverses(results)
     result.attrs |= {"loads_mN": np.array(loads), "remark": remark}
     mean = views.means(result)
     show_line_pair(result, as_json=as_json)
@@ -82,6 +101,21 @@ def press_lines(
     announce("drawing")
     for path in views.save_traverse_figures(result, mean, loads, output, bodies=(uppers, lowers), **contact):
         said(f"wrote {path}")
+
+
+def _say_what_it_costs(pair: tuple[Profile, Profile], loads: Any, positions: int, **elastic: Any) -> None:
+    """How long all solutions take, from one position."""
+    from stiction.mechanics.half_space import half_space
+
+    words = f"half-planes: {positions * len(loads)} solutions of {len(pair[0])} points"
+    try:
+        half_space(*pair, loads[:1], **elastic)  # what is imported at the first time is not counted
+        started = time.perf_counter()
+        half_space(*pair, loads, **elastic)
+    except RuntimeError:
+        say(f"{words}; the first does not reach its tolerance")
+        return
+    say(f"{words}, about {(time.perf_counter() - started) * positions / available_cores():.2g} s by the first position")
 
 
 def show_line_pair(result: Any, *, as_json: bool = False) -> None:

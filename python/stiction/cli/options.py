@@ -127,7 +127,8 @@ def refuse(context: typer.Context, why: str, *names: str) -> None:
     for name in names:
         if given(context, name):
             option = f"--{name.replace('_', '-')}"
-            raise ValueError(f"{option} {why}, got {option} {context.params[name]}")
+            value = context.params[name]
+            raise ValueError(f"{option} {why}, got {option}" + (f" {value}" if value is not True else ""))
 
 
 _FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip")

@@ -38,7 +38,7 @@ from stiction.surfaces.surface import Surface
 _OF_LINES = (
     "offsets", "travel", "along", "law", "yield_strength", "detection", "curvature",
 )  # fmt: skip
-_OF_AREAS = ("mechanics", "check", "direction", "shifts", "rotate")
+_OF_AREAS = ("direction", "shifts", "rotate")
 
 
 @command(
@@ -172,14 +172,15 @@ def pair(
         ),
     ] = "convex",
     mechanics: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--mechanics",
             metavar="half-space|asperities",
-            help="How maps are pressed: the exact elastic answer, or a fast one.",
+            help="The exact elastic answer (of lines: of half-planes), or a fast one.",
+            show_default="half-space of maps, asperities of lines",
         ),
-    ] = "half-space",
-    check: Annotated[bool, typer.Option("--check", help="Press maps by both mechanics, side by side.")] = False,
+    ] = None,
+    check: Annotated[bool, typer.Option("--check", help="Press by both mechanics, side by side.")] = False,
     direction: Annotated[
         str | None,
         typer.Option(
@@ -249,13 +250,14 @@ def pair(
     }
     maps = isinstance(slider, Surface) and isinstance(base, Surface) and lines is None
     isotropic = _isotropic(slider, base, lay)
+    if mechanics is not None and mechanics not in get_args(Mechanics):
+        raise ValueError(f"--mechanics must be {' or '.join(get_args(Mechanics))}, got {mechanics!r}")
+    if check and mechanics is not None:
+        raise ValueError(f"--check presses by both, so --mechanics {mechanics} must not be given beside it")
+    usual = "half-space" if maps or isotropic else "asperities"
+    by = get_args(Mechanics) if check else (mechanics or usual,)
     if maps or isotropic:
         refuse(context, "is for lines; give --lines as well" if maps else "is for --lay grooves", *_OF_LINES)
-        if mechanics not in get_args(Mechanics):
-            raise ValueError(f"--mechanics must be {' or '.join(get_args(Mechanics))}, got {mechanics!r}")
-        if check and given(context, "mechanics"):
-            raise ValueError(f"--check presses by both, so --mechanics {mechanics} must not be given beside it")
-        by = get_args(Mechanics) if check else (mechanics,)
         if by != ("half-space",):
             refuse(context, "is for the half-space alone, of maps", "hardness")
         if isotropic:
@@ -288,7 +290,14 @@ def pair(
         return
     refuse(context, "is for the areas of two maps, without --lines", *_OF_AREAS)
     remark = ""
-    if lay == "grooves":
+    if by == ("half-space",):
+        refuse(
+            context, "is for --mechanics asperities, of lines", "law", "yield_strength", "hardness", "detection",
+            "curvature",
+        )  # fmt: skip
+        if lay is None and isinstance(slider, Profile) and isinstance(base, Profile):
+            remark = "Half-planes are the same all along their third direction, as grooves are; --lay isotropic: areas."
+    elif lay == "grooves":
         if given(context, "law") and law != "hertz-cylinder":
             raise ValueError(f"--lay grooves presses cylinders, so --law {law} must not be given beside it")
         law = "hertz-cylinder"
@@ -315,6 +324,8 @@ def pair(
         travel=None if travel is None else quantity_of("--travel", travel, "length"),
         level=None if level == "none" else level or "line",
         lines=LINES if lines is None else lines,
+        mechanics=by,
+        compliance_share=compliance_share(modulus, young, poisson),
         along=along,
         surrogates=surrogates,
         seed=seed,

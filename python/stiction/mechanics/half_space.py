@@ -186,7 +186,26 @@ class HalfSpaceCurve(Curve):
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
         """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""
-        problem = replace(self._problem, model=replace(self._problem.model, sliding=sliding))
+        return self._by(replace(self._problem.model, sliding=sliding))
+
+    def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
+        """The same contacts where the upper body is about to move elsewhere; nothing is solved again.
+
+        Parameters
+        ----------
+        direction : {"+x", "-x"}, float or a sequence of them
+            As for `half_space`.
+
+        Raises
+        ------
+        ValueError
+            If it is no direction, or not one along x on profiles.
+        """
+        model = replace(self._problem.model, direction=direction)
+        return self._by(model.for_profiles() if self._problem.gap.ndim == 1 else model)
+
+    def _by(self, model: ContactModel) -> HalfSpaceCurve:
+        problem = replace(self._problem, model=model)
         rows = [_sums(problem, self._pressure(i)) for i in range(self.load.size)]
         return replace(self, **_columns(rows, problem.model), _problem=problem)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -484,16 +484,7 @@ def _half_space(
     values = _nothing(loads, mu0, tau0, angles, friction.STATUS_NOT_SOLVED)
     steepness = _slopes_of(pair)
     dy, dx = pair[0].spacing
-    curves: list[tuple[NDArray[np.intp], HalfSpaceCurve]] = []
-    try:
-        curves.append((np.arange(loads.size), solve(loads)))
-    except RuntimeError:
-        for index in range(loads.size):
-            try:
-                curves.append((np.array([index]), solve(loads[index : index + 1])))
-            except RuntimeError:
-                continue
-    for at, curve in curves:
+    for at, curve in solved(solve, loads):
         _fill(values, at, curve, curve.with_sliding("all"), mu0, tau0)
         values["normal_stiffness"][at] = curve.stiffness
         for name in ("approach", "error", "load_share_at_hardness"):
@@ -513,6 +504,20 @@ def _half_space(
                 share = contact.pressure[body.magnitude > body.steep].sum() / pressure.sum()
                 values[f"share_on_steepest_{side}"][load] = share
     return _completed(values, steepness, pair, mu0, tau0, angles, modulus)
+
+
+def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
+    """The curves of a half-space and which loads are theirs; a load without a solution is in none."""
+    try:
+        return [(np.arange(loads.size), solve(loads))]
+    except RuntimeError:
+        curves = []
+        for index in range(loads.size):
+            try:
+                curves.append((np.array([index]), solve(loads[index : index + 1])))
+            except RuntimeError:
+                continue
+        return curves
 
 
 @dataclass(frozen=True, eq=False)

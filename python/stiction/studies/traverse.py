@@ -16,15 +16,17 @@ from typing import TYPE_CHECKING, Any, Unpack, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array
+from stiction._checks import Floats, choice, float_array, number
 from stiction._core import __version__
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
+from stiction.mechanics.half_space import half_space
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
 from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import in_order
+from stiction.studies.map_pair import Mechanics, solved
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -36,6 +38,11 @@ AROUND = 30.0
 """How far a curve goes to both sides of the loads that are asked for."""
 
 LOAD_STEPS = 25
+
+AROUND_HALF_SPACE = 10.0
+"""As `AROUND`, of half-planes, of which each load takes a solution."""
+
+HALF_SPACE_STEPS = 7
 
 THICKNESS = 1.0
 """µm, of every profile."""
@@ -64,6 +71,8 @@ def traverse(
     mu0: ArrayLike,
     tau0: ArrayLike = 0.0,
     offsets: ArrayLike = 0.0,
+    mechanics: Mechanics = "asperities",
+    compliance_share: float = 0.5,
     executor: Executor | None = None,
     progress: bool = False,
     **contact: Unpack[ContactKeywords],
@@ -85,13 +94,19 @@ def traverse(
         Positions of the slider's first point on the lower profile, rising, rounded to whole spacings. The whole slider
         must be over the lower profile. Of surfaces (o, 2), positions (x, y) of the upper map's first point on the lower
         map, which may be negative: what lies above each other is pressed, at least 16 rows and columns.
+    mechanics : {"asperities", "half-space"}
+        Of profiles also elastic half-planes, `half_space` with free boundaries: bodies of one section all along their
+        third direction, as grooves are.
+    compliance_share : float
+        Of `half_space`.
     executor : concurrent.futures.Executor, optional
         Where positions are computed; a thread for each core by default.
     progress : bool
         Whether to draw a progress bar on the terminal.
     **contact
         effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
-        given, because contacts of a single position must not depend on the grid. `shear` is both. Of surfaces also
+        given, because contacts of a single position must not depend on the grid. `shear` is both. Of half-planes
+        effective_modulus and sliding alone. Of surfaces also
         `direction`, by default 0, 90, 180 and 270 degrees, and a single mu0 and tau0.
 
     Returns
@@ -103,6 +118,9 @@ def traverse(
         tau0 (GPa) if lists of them are given. The status is "ok", "no-contact", "self-locked", "not-reached" or
         "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N
         jumps over a load, values are between those before and behind the jump, in the proportion that carries the load.
+        Of half-planes the load is Σ F n_z, as for `pressed_maps`, and the coefficient F_T/F_N at this pressing;
+        approach, normal_stiffness and the figures of `Validity` are NaN, for a free half-plane has no approach; the
+        status is "not-solved" where a solution did not reach its tolerance.
         Of surfaces over direction (degrees), offset and load: also lateral_load (mN) and the figures of
         `SurfaceValidity`, but no stiffness; where F_N jumps, values are those behind the jump.
 
@@ -127,7 +145,10 @@ def traverse(
     """
     import xarray
 
+    choice("mechanics", mechanics, Mechanics)
     if isinstance(upper, Surface) or isinstance(lower, Surface):
+        if mechanics != "asperities":
+            raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
         from stiction.studies.areal_traverse import traverse_surfaces
 
         return traverse_surfaces(
@@ -143,6 +164,10 @@ def traverse(
     for name in ("shear", "direction"):
         if name in contact:
             raise ValueError(f"{name} must not be given: a traverse of profiles has both directions")
+    if mechanics == "half-space":
+        for name in contact:
+            if name not in ("effective_modulus", "sliding"):
+                raise ValueError(f"{name} must not be given for half-planes: it is of asperities")
     model = model_of(contact)
     model = replace(model, detection=model.detection or "gap-minimum").for_profiles()
     load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
@@ -173,9 +198,13 @@ def traverse(
     )  # fmt: skip
     arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
     arrays["status"] = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    position = functools.partial(
-        _position, loads=load_values, mu0=friction_parameters["mu0"], tau0=friction_parameters["tau0"], model=model
-    )
+    chosen: dict[str, Any] = {"loads": load_values, **friction_parameters, "model": model}
+    position: Any = functools.partial(_position, **chosen)
+    if mechanics == "half-space":
+        share = number("compliance_share", compliance_share)
+        if not 0 <= share <= 1:
+            raise ValueError(f"compliance_share must be from 0 to 1, got {compliance_share!r}")
+        position = functools.partial(_half_planes, **chosen, compliance_share=share)
     members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
     pairs = (
         (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
@@ -208,9 +237,12 @@ def traverse(
         coordinates,
         {
             "title": "stiction traverse",
-            "detection": model.detection,
-            "law": str(model.law),
-            "curvature": model.curvature,
+            "mechanics": mechanics,
+            **(
+                {"compliance_share": float(compliance_share)}
+                if mechanics == "half-space"
+                else {"detection": model.detection, "law": str(model.law), "curvature": model.curvature}
+            ),
             "sliding": model.sliding,
             "upper": "\n".join(uppers[0].history),
             "lower": "\n".join(lowers[0].history),
@@ -219,15 +251,15 @@ def traverse(
     )
 
 
-def loads_around(loads: ArrayLike) -> Floats:
+def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_STEPS) -> Floats:
     """Given loads (mN), and enough others around them in equal ratios for a curve."""
     given = np.atleast_1d(float_array("loads", loads))
     if not given.size or not (given > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    around = np.geomspace(given.min() / AROUND, given.max() * AROUND, LOAD_STEPS)
+    others = np.geomspace(given.min() / around, given.max() * around, steps)
     # Given ones stay to the bit; others next to them would be the same again.
-    apart = np.abs(around[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([given, around[apart]]))
+    apart = np.abs(others[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given, others[apart]]))
 
 
 def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel) -> Any:
@@ -270,6 +302,39 @@ def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0
     return {**values, "status": status}
 
 
+def _half_planes(
+    pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel,
+    compliance_share: float,
+) -> dict[str, Any]:  # fmt: skip
+    """As `_position`, of elastic half-planes."""
+    shape = (len(SHEARS), loads.size, mu0.size, tau0.size)
+    values: dict[str, Any] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
+    status = np.full(shape, friction.STATUS_NOT_SOLVED, dtype=STATUS_DTYPE)
+    solve = functools.partial(
+        half_space, *pair, effective_modulus=model.effective_modulus, compliance_share=compliance_share,
+        sliding=model.sliding,
+    )  # fmt: skip
+    material = {"mu0": mu0.reshape(-1, 1), "tau0": tau0.reshape(1, -1)}
+    for at, solution in solved(solve, loads):
+        for row, shear in enumerate(SHEARS):
+            curve = solution.with_direction(shear)
+            rubbing = curve.with_sliding("opposing")
+            # (mu0, tau0, load), where results have the load first.
+            tangential, of_curve = curve.tangential_load(**material), curve.status(**material)
+            ok = of_curve == friction.STATUS_OK
+            row_values = {
+                "friction_coefficient": curve.friction_coefficient(**material),
+                "tangential_load": tangential,
+                "contact_area": curve.contact_area,
+                "contact_count": curve.contact_count,
+                "share_opposing": rubbing.tangential_frictional / rubbing.normal_elastic,
+            }
+            for name, value in row_values.items():
+                values[name][row, at] = np.moveaxis(np.where(ok, value, np.nan), -1, 0)
+            status[row, at] = np.moveaxis(of_curve, -1, 0)
+    return {**values, "status": status}
+
+
 def _across(curve: Sums, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
     """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
     to_load, jump = rise
@@ -283,7 +348,7 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     Parameters
     ----------
     result : xarray.Dataset
-        What `traverse` returns of profiles.
+        What `traverse` returns of profiles, or several of them along a dimension mechanics.
 
     Returns
     -------
@@ -306,6 +371,11 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     """
     import xarray
 
+    if "mechanics" in result.dims:
+        return xarray.concat(
+            [traverse_mean(each) for each in of_each_mechanics(result)], result["mechanics"], combine_attrs="override",
+            data_vars="all",
+        )  # fmt: skip
     others = tuple(name for name in ("mu0", "tau0") if name in result.dims)
     if "direction" in result.dims:
         raise ValueError("result must be a traverse of profiles, got one of surfaces")
@@ -332,6 +402,28 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     }  # fmt: skip
     kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
+
+
+def joined_traverses(results: Sequence[xarray.Dataset]) -> xarray.Dataset:
+    """Results of the same positions and loads by several mechanics as one, with a dimension mechanics."""
+    import xarray
+
+    names = xarray.Variable("mechanics", [str(result.attrs["mechanics"]) for result in results])
+    whole = xarray.concat(list(results), names, combine_attrs="override", data_vars="all")
+    attributes = {name: value for result in results for name, value in result.attrs.items() if name != "mechanics"}
+    whole.attrs = attributes
+    return whole
+
+
+def of_each_mechanics(result: xarray.Dataset) -> list[xarray.Dataset]:
+    """A result for each mechanics of one that has several, or the one of it."""
+    if "mechanics" not in result.dims:
+        return [result]
+    parts = []
+    for index, mechanics in enumerate(result["mechanics"].values):
+        part = result.isel(mechanics=index).drop_vars("mechanics")
+        parts.append(part.assign_attrs(mechanics=str(mechanics)))
+    return parts
 
 
 def _independent(values: Floats, ok: NDArray[np.bool_]) -> Floats:

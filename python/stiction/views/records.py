@@ -113,8 +113,8 @@ def pair_record(mean: xarray.Dataset, loads: Any) -> str:
     values += [value for name in unloaded for value in _mean_values(name, mean[name])]
     about = {
         name: str(mean.attrs[name])
-        for name in ("title", "upper", "lower", "detection", "law", "curvature")
-        if name in mean.attrs
+        for name in ("title", "mechanics", "upper", "lower", "detection", "law", "curvature")
+        if name in mean.attrs and name not in mean.dims
     }
     positions = int((mean["positions"] if "positions" in mean else mean["shifts"]).max())
     return record(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
+from stiction.studies.traverse import of_each_mechanics
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -41,6 +43,10 @@ _ROWS = {
     "share_crossed": ("contacts refused", 1.0),
 }
 """What the table says of each load, and the factor to its unit."""
+
+_OF_ASPERITIES = (
+    "normal_stiffness", "approach", "relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed",
+)  # fmt: skip
 
 _WITHOUT_INTERVAL = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
 
@@ -88,6 +94,32 @@ def means(result: xarray.Dataset) -> xarray.Dataset:
     )  # fmt: skip
 
 
+NAMES = {"half-space": "half-planes", "asperities": "asperities"}
+"""Of the mechanics of lines."""
+
+_NO_APPROACH = """\
+Half-planes have no approach and no stiffness: their far points have no limit. Their load is what the bodies press on
+each other before anything slides; that of asperities includes what friction on slopes adds."""
+
+
+def mechanics_of(result: xarray.Dataset) -> list[str]:
+    """One, or several of a result that compares them."""
+    if "mechanics" in result.dims:
+        return [str(each) for each in result["mechanics"].values]
+    return [str(result.attrs.get("mechanics", "asperities"))]
+
+
+def _of_mechanics(result: xarray.Dataset) -> str:
+    """What was assumed, in words."""
+    words = []
+    for each in mechanics_of(result):
+        if each == "half-space":
+            words.append("elastic half-planes")
+        else:
+            words.append(", ".join(str(result.attrs[name]) for name in ("law", "detection", "curvature")))
+    return "; beside them ".join(words)
+
+
 def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> str:
     """What a traverse was and what it says at some of its loads, with 95 % intervals and units.
 
@@ -98,8 +130,10 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
     loads : (l,) array_like of float, mN
         Of those of the result.
     """
-    positions = int(mean["positions"])
-    length, cylinders = float(result["nominal_area"]), "cylinder" in result.attrs["law"].lower()
+    positions = int(mean["positions"].max())
+    length, by = float(result["nominal_area"]), mechanics_of(result)
+    # What is the same all along the third direction.
+    cylinders = "half-space" in by or "cylinder" in result.attrs["law"].lower()
     offsets, pairs = result["offset"].values, result.sizes["line"]
     span = f"{offsets[0]:.4g} to {offsets[-1]:.4g} µm" if offsets.size > 1 else f"{offsets[0]:.4g} µm"
     first = "" if pairs == 1 else f", the first of {pairs} pairs"
@@ -109,8 +143,7 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         f"{'lower':<12} {_then(result.attrs['lower'])}{first}",
         f"{'positions':<12} {positions}: {_count(pairs, 'pair')} of lines, {_count(offsets.size, 'offset')} ({span})",
         f"{'slider':<12} {length:.4g} µm long, 1 µm thick{area}",
-        f"{'model':<12} E* = {float(result['effective_modulus']):g} GPa, {_material(result)}, "
-        f"{result.attrs['law']}, {result.attrs['detection']}, {result.attrs['curvature']}",
+        f"{'model':<12} E* = {float(result['effective_modulus']):g} GPa, {_material(result)}, {_of_mechanics(result)}",
     ]
     told = False
     for load in np.atleast_1d(loads):
@@ -128,8 +161,14 @@ def traverse_text(result: xarray.Dataset, mean: xarray.Dataset, loads: Any) -> s
         lines += ["", _RULE if float(result["share_opposing"].max()) > 0 else _LEVEL]
     if told and BOTH in mean["shear"].values:
         where = _materials(mean)[0][1]
-        said = [_in_short(result.isel(where), mean.isel(where), load) for load in np.atleast_1d(loads)]
+        said = [
+            _in_short(its.isel(where), its_mean.isel(where), load, by=len(by) > 1)
+            for load in np.atleast_1d(loads)
+            for its, its_mean in zip(of_each_mechanics(result), of_each_mechanics(mean), strict=True)
+        ]
         lines += ["", *(textwrap.fill(each, 118) for each in said)]
+    if told and "half-space" in by:
+        lines += ["", _NO_APPROACH]
     if remark := str(result.attrs.get("remark", "")):
         lines += ["", remark]
     return "\n".join(lines) + "\n"
@@ -139,10 +178,10 @@ HIGH_PRESSURE = 0.01
 """Of E*; metals yield at less."""
 
 
-def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float) -> str:
+def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float, *, by: bool) -> str:
     """One sentence on one load: the coefficient over both directions, and what keeps it from being quoted."""
     at = mean.sel(load=load, method="nearest").sel(shear=BOTH)
-    head = f"In short: at {load:.4g} mN"
+    head = f"In short{f', by {NAMES[mechanics_of(result)[0]]}' if by else ''}: at {load:.4g} mN"
     if 2 * int(at["ok"]) < int(at["positions"]):
         return f"{head} there is no mean: only {int(at['ok'])} of {int(at['positions'])} positions have an answer."
     value, lower, upper = (float(each) for each in at["friction_coefficient"].values)
@@ -166,7 +205,8 @@ def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float) -> str:
     )
     if faults:
         words += f" Do not quote it: {'; '.join(faults)}."
-    if pressure > HIGH_PRESSURE * float(mean["effective_modulus"]) and "hertz" in str(mean.attrs["law"]).lower():
+    elastic = mechanics_of(mean) == ["half-space"] or "hertz" in str(mean.attrs["law"]).lower()
+    if elastic and pressure > HIGH_PRESSURE * float(mean["effective_modulus"]):
         words += f" It holds if the softer body is harder than {_pressure(pressure)}, the mean pressure in contact."
     return words
 
@@ -183,32 +223,45 @@ def _pressure(value: float) -> str:
 
 
 def _table(result: xarray.Dataset, mean: xarray.Dataset, positions: int) -> list[str]:
-    """The lines of one load, a column for each direction."""
+    """The lines of one load: a column for each direction, or of several mechanics one for each of them."""
+    by = mechanics_of(mean)
     shears = [str(shear) for shear in mean["shear"].values]
+    single = [shear for shear in shears if shear != BOTH]
+    columns = [(index, shear) for index in range(len(by)) for shear in shears]
+    if len(by) > 1 and BOTH in shears:
+        columns = [(index, BOTH) for index in range(len(by))]
     materials = _materials(mean)
-    titles = ["", *("both directions" if shear == BOTH else f"upper body to {shear}" for shear in shears)]
-    table = [titles]
+    words = {shear: "both directions" if shear == BOTH else f"upper body to {shear}" for shear in shears}
+    named = len(by) > 1
+    table = [["", *(f"{NAMES[by[index]]}, {words[shear]}" if named else words[shear] for index, shear in columns)]]
     few = False
-    for material, (at, there) in {name: (mean.isel(where), result.isel(where)) for name, where in materials}.items():
-        enough = {shear: 2 * int(at["ok"].sel(shear=shear)) >= positions for shear in shears}
-        few = few or not all(enough.values())
-        rows = _ROWS if material == materials[0][0] else ("friction_coefficient",)
+    for material, where in materials:
+        means_by, all_by = of_each_mechanics(mean.isel(where)), of_each_mechanics(result.isel(where))
+
+        def row(
+            name: str, ways: Sequence[str | None], means_by: Sequence[xarray.Dataset] = means_by
+        ) -> list[str]:  # fmt: skip
+            """A cell for each column, in its own direction or in another."""
+            cells = []
+            for (index, own), way in zip(columns, ways, strict=True):
+                at = means_by[index].sel(shear=way or own)
+                enough = 2 * int(at["ok"]) >= positions
+                cells.append(_cell(_ROWS[name][1] * at[name].values, name) if enough else "none")
+            return cells
+
+        few = few or any(2 * int(means_by[index]["ok"].sel(shear=shear)) < positions for index, shear in columns)
         if len(materials) > 1:
-            table.append([material, *("" for _ in shears)])
-        for name in rows:
-            title, factor = _ROWS[name]
-            table.append(
-                [
-                    title,
-                    *(
-                        _cell(factor * at[name].sel(shear=shear).values, name) if enough[shear] else "none"
-                        for shear in shears
-                    ),
-                ]
-            )
+            table.append([material, *("" for _ in columns)])
+        there = [_towards(all_by[index], shear) for index, shear in columns]
+        for name in _ROWS if material == materials[0][0] else ("friction_coefficient",):
+            if by == ["half-space"] and name in _OF_ASPERITIES:
+                continue
+            table.append([_ROWS[name][0], *row(name, [None] * len(columns))])
             if name == "friction_coefficient":
-                table.append(["  four of five positions", *(_spread(_towards(there, shear)) for shear in shears)])
-        table.append(["positions with an answer", *(_answers(_towards(there, shear)) for shear in shears)])
+                if len(by) > 1 and BOTH in shears:
+                    table += [[f"  {words[way]}", *row(name, [way] * len(columns))] for way in single]
+                table.append(["  four of five positions", *map(_spread, there)])
+        table.append(["positions with an answer", *map(_answers, there)])
     widths = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
     lines = ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
     lines += advice(str(kind) for kind in np.unique(result["status"].values))
@@ -256,16 +309,26 @@ def traverse_csv(mean: xarray.Dataset, loads: Any) -> str:
     loads : (l,) array_like of float, mN
         Of those of the result.
     """
-    header = ["normal load (mN)", "upper body to", "mu0", "tau0 (MPa)", "positions", "positions with an answer"]
+    several = "mechanics" in mean.dims
+    header = [
+        *(["mechanics"] if several else []),
+        "normal load (mN)",
+        "upper body to",
+        "mu0",
+        "tau0 (MPa)",
+        "positions",
+        "positions with an answer",
+    ]
     for title, _ in _ROWS.values():
         header += [title, f"{title}: lower", f"{title}: upper"]
     rows = [header]
-    for load in np.atleast_1d(loads):
-        for _, where in _materials(mean):
-            for shear in mean["shear"].values:
-                at = mean.isel(where).sel(load=load, method="nearest").sel(shear=shear)
+    for its, load in itertools.product(of_each_mechanics(mean), np.atleast_1d(loads)):
+        for _, where in _materials(its):
+            for shear in its["shear"].values:
+                at = its.isel(where).sel(load=load, method="nearest").sel(shear=shear)
                 numbers = [value * factor for name, (_, factor) in _ROWS.items() for value in at[name].values]
                 head = [
+                    *([str(its.attrs["mechanics"])] if several else []),
                     f"{load:.12g}", str(shear), f"{float(at['mu0']):.12g}", f"{1000 * float(at['tau0']):.12g}",
                     str(int(at["positions"])), str(int(at["ok"])),
                 ]  # fmt: skip
@@ -396,7 +459,15 @@ def save_traverse_figures(
     ``friction.png``: `load_figure`. ``positions.png``: `positions_figure` at the first of the loads. ``contact.png``:
     `contact_figure` of the first position that carries it, if there is one and the bodies are given. Further mu0 and
     tau0 have theirs, ``friction-2.png`` and so on. Where no position has an answer there are no positions to draw.
+    Contacts are those of asperities. Of several mechanics each has a folder.
     """
+    if "mechanics" in result.dims:
+        paths = []
+        for its, its_mean in zip(of_each_mechanics(result), of_each_mechanics(mean), strict=True):
+            folder = directory / its.attrs["mechanics"]
+            folder.mkdir(exist_ok=True)
+            paths += save_traverse_figures(its, its_mean, loads, folder, bodies=bodies, **contact)
+        return paths
     load = float(np.atleast_1d(loads)[0])
     figures = {}
     for number, (_, where) in enumerate(_materials(result), 1):
@@ -407,7 +478,7 @@ def save_traverse_figures(
     result = result.isel(_materials(result)[0][1])
     at = result.sel(shear="+x").sel(load=load, method="nearest").transpose("line", "offset")
     answered = np.argwhere(at["status"].values == friction.STATUS_OK)
-    if answered.size and bodies is not None:
+    if answered.size and bodies is not None and mechanics_of(result) == ["asperities"]:
         uppers, lowers = bodies
         line, place = (int(index) for index in answered[0])
         upper, lower = uppers[line], lowers[line]
@@ -471,7 +542,8 @@ def _sign(shear: str) -> str:
 def _choices(result: xarray.Dataset) -> str:
     return (
         rf"$E^*$ = {float(result['effective_modulus']):g} GPa, $\mu_0$ = {float(result['mu0']):g}, "
-        rf"$\tau_0$ = {1000 * float(result['tau0']):g} MPa, {result.attrs['detection']}"
+        rf"$\tau_0$ = {1000 * float(result['tau0']):g} MPa, "
+        + ("half-planes" if mechanics_of(result) == ["half-space"] else str(result.attrs["detection"]))
     )
 
 

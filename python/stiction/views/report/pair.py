@@ -153,7 +153,7 @@ def _page(
     common |= {"mu0Most": max(1.0, *common["mu0"]), "tau0Most": max(20 * modulus, 1000 * max(common["tau0"]))}
     of = str(result.attrs.get("files", "two measured surfaces"))
     bodies = [f"{side}: {'; '.join(str(result.attrs[side]).splitlines()[:8])}" for side in ("upper", "lower")]
-    law = "" if is_maps else f", law {result.attrs.get('law', '')}"
+    law = "" if is_maps or "law" not in result.attrs else f", law {result.attrs['law']}"
     interval = (
         "Intervals are over positions of these two surfaces, which have heights in common: other pieces of them may "
         "differ by more."
@@ -331,8 +331,14 @@ _FEWEST_WAVES = 16
 
 
 def _of_lines(result: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
-    from stiction.studies.traverse import traverse_mean
+    from stiction.studies.traverse import of_each_mechanics, traverse_mean
+    from stiction.views.traverse import NAMES
 
+    # Of several mechanics the page shows the first, the exact one.
+    result = of_each_mechanics(result)[0]
+    mechanics = NAMES["half-space"]
+    if result.attrs.get("mechanics", "asperities") == "asperities":
+        mechanics = f"asperities, law {printable(result.attrs.get('law', ''))}"
     whole = result
     for name in ("mu0", "tau0"):
         if name not in whole.dims:
@@ -351,7 +357,7 @@ def _of_lines(result: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
     quantities = _quantities(mean)
     names = ["friction_coefficient", *(each["name"] for each in quantities)]
     facts = {
-        "mechanics": [f"asperities, law {printable(result.attrs.get('law', ''))}"],
+        "mechanics": [mechanics],
         "series": [
             {"name": str(way), "words": f"the upper body moves to {way}", "short": f"to {way}"}
             for way in ("+x" if each == "+x" else "-x" for each in result["shear"].values)
