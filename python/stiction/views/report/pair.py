@@ -153,7 +153,8 @@ def _page(
     common |= {"mu0Most": max(1.0, *common["mu0"]), "tau0Most": max(20 * modulus, 1000 * max(common["tau0"]))}
     of = str(result.attrs.get("files", "two measured surfaces"))
     bodies = [f"{side}: {'; '.join(str(result.attrs[side]).splitlines()[:8])}" for side in ("upper", "lower")]
-    law = "" if is_maps or "law" not in result.attrs else f", law {result.attrs['law']}"
+    one_law = "law" in result.attrs and "mechanics" not in result.dims
+    law = "" if is_maps or not one_law else f", law {result.attrs['law']}"
     interval = (
         "Intervals are over positions of these two surfaces, which have heights in common: other pieces of them may "
         "differ by more."
