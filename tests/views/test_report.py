@@ -230,9 +230,11 @@ def test_pictures_and_numbers_are_saved(driver, page, tmp_path):
         for button in driver.find_elements("css selector", f"#{name} + .saves button"):
             assert driver.execute_script("return arguments[0].ariaLabel", button).startswith(button.text)
             driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+            file = tmp_path / f"study_{name}.{button.text.lower()}"
             button.click()
+            browser.wait(driver, lambda _, file=file: file.exists())  # a browser holds back many downloads at once
     wanted = {f"study_{name}.{kind}" for name in names for kind in ("svg", "png", "csv")}
-    browser.wait(driver, lambda _: wanted <= {each.name for each in tmp_path.iterdir()})
+    assert wanted <= {each.name for each in tmp_path.iterdir()}
     for name in names:
         root = xml.etree.ElementTree.parse(tmp_path / f"study_{name}.svg").getroot()
         assert root.tag.endswith("svg")
