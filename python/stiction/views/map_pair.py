@@ -297,14 +297,23 @@ def _in_one_sentence(at: xarray.Dataset, load: float, area: float) -> str:
         return f"At {1000 * load / area:.4g} MPa there is no answer."
     around = first["friction_coefficient"].sel(statistic="mean").mean("direction")
     alone = first["gentle_friction"].sel(statistic="mean").mean("direction")
-    opposing, every = (
-        f"{float(around.sel(sliding=rule)):.3g} (by slope alone {float(alone.sel(sliding=rule)):.3g})"
-        for rule in _RULES
-    )
+    ends = first["friction_coefficient"]
+    lowest, highest = ends.sel(statistic="lower").min("direction"), ends.sel(statistic="upper").max("direction")
+
+    def said(rule: str) -> str:
+        words = f"{float(around.sel(sliding=rule)):.3g}"
+        if np.isfinite(lowest.sel(sliding=rule)) and np.isfinite(highest.sel(sliding=rule)):
+            words += (
+                f" [{float(lowest.sel(sliding=rule)):.2g} to {float(highest.sel(sliding=rule)):.2g} in any direction]"
+            )
+        return f"{words}, by slope alone {float(alone.sel(sliding=rule)):.3g},"
+
+    opposing, every = (said(rule) for rule in _RULES)
     percent = 100 * float(first["contact_area_fraction"].sel(statistic="mean"))
     return (
         f"In short: at {1000 * load / area:.4g} MPa {percent:.3g} % of the area touches; around the compass mu_s is\n"
-        f"{opposing} if only opposing contacts rub, {every} if all rub."
+        f"{opposing} if only opposing contacts rub, and\n"
+        f"{every} if all rub, which is the rule for a mu0 that was measured on smooth faces."
     )
 
 

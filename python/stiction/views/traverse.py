@@ -199,10 +199,21 @@ def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float, *, by: 
     elif value > 0 and upper - lower > 2 * WIDE * value:
         faults.append(f"its interval is wider than {WIDE:.0%} to either side; more positions or lines narrow it")
     single = _spread(result.sel(load=load, method="nearest"))
-    words = (
-        f"{head} mu_s = {_cell((value, lower, upper), 'friction_coefficient')}, the mean over both directions; four of "
-        f"five single positions, in one direction, lie between {single.replace(' to ', ' and ')}."
+    each_way = mean.sel(load=load, method="nearest")["friction_coefficient"]
+    # What leans against one direction leans with the other, so their mean scatters less than either.
+    either = " and ".join(
+        f"{_cell(each_way.sel(shear=shear).values, 'friction_coefficient')} to {shear}"
+        for shear in map(str, mean["shear"].values)
+        if shear != BOTH
     )
+    words = (
+        f"{head} mu_s = {_cell((value, lower, upper), 'friction_coefficient')}, the mean over both directions; "
+        f"{either}; "
+        f"four of five single positions, in one direction, lie between {single.replace(' to ', ' and ')}."
+    )
+    count = float(at["contact_count"].sel(statistic="mean"))
+    if count < FEW_ON_A_LINE:
+        words += f" {count:.2g} contacts on the mean are few, so mu_s is that of single contacts."
     if faults:
         words += f" Do not quote it: {'; '.join(faults)}."
     elastic = mechanics_of(mean) == ["half-space"] or "hertz" in str(mean.attrs["law"]).lower()
@@ -210,6 +221,9 @@ def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float, *, by: 
         words += f" It holds if the softer body is harder than {_pressure(pressure)}, the mean pressure in contact."
     return words
 
+
+FEW_ON_A_LINE = 10
+"""Below which the mean is that of single contacts."""
 
 WIDE = 0.5
 """Half the width of an interval over its value from which on a coefficient is not to be quoted."""

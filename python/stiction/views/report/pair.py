@@ -187,7 +187,9 @@ def _quantities(result: xarray.Dataset) -> list[dict[str, Any]]:
             "limit": SHARE_LIMIT if name in WARNED else None,
         }
         for name, (words, unit, factor) in QUANTITIES.items()
-        if name in result and not (name == "contact_area" and "contact_area_fraction" in result)
+        if name in result
+        and not (name == "contact_area" and "contact_area_fraction" in result)
+        and not (name == "load_share_at_hardness" and "hardness_GPa" not in result.attrs)
     ]  # fmt: skip
 
 
