@@ -230,8 +230,6 @@ def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
         (tmp_path / name).write_text(script, encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    for name, value in SLURM_TASK.items():
-        monkeypatch.setenv(name, value)
     computed = 0
     with distributed.LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stiction.cli.application import announce, say, tell
-from stiction.cli.options import check_directory
+from stiction.cli.application import say, tell
+from stiction.cli.options import check_directory, leave_pair
 from stiction.studies.executors import available_cores
 from stiction.surfaces.pairing import lower_piece, paired_lines
 from stiction.surfaces.profile import Profile
@@ -46,7 +47,6 @@ def press_lines(
     remark: str = "",
 ) -> None:
     """Press, print, write and draw; a remark stands below the table."""
-    from stiction.studies import export as exports
     from stiction.studies import traverse as traverses
     from stiction.views import traverse as views
 
@@ -92,15 +92,10 @@ def press_lines(
     result.attrs |= {"loads_mN": np.array(loads), "remark": remark}
     mean = views.means(result)
     show_line_pair(result, as_json=as_json)
-    said = say if as_json else tell
-    exports.export(result, table, replace=replace)
-    said(f"wrote {table}")
-    listed = output / views.TABLE
-    listed.write_text(views.traverse_csv(mean, loads), encoding="utf-8")
-    said(f"wrote {listed}")
-    announce("drawing")
-    for path in views.save_traverse_figures(result, mean, loads, output, bodies=(uppers, lowers), **contact):
-        said(f"wrote {path}")
+    draw = functools.partial(
+        views.save_traverse_figures, result, mean, loads, output, bodies=(uppers, lowers), **contact
+    )  # fmt: skip
+    leave_pair(result, table, views.traverse_csv(mean, loads), draw, replace=replace, as_json=as_json)
 
 
 def _say_what_it_costs(pair: tuple[Profile, Profile], loads: Any, positions: int, **elastic: Any) -> None:

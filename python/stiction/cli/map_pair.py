@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stiction.cli.application import announce, say, tell
-from stiction.cli.options import check_directory
+from stiction.cli.application import say, tell
+from stiction.cli.options import check_directory, leave_pair
 from stiction.mechanics.half_space import half_space
 from stiction.studies.executors import available_cores
 from stiction.studies.map_pair import COMPASS, Pieces, joined, means_of_all, pressed_maps, with_picture
@@ -59,9 +60,7 @@ def press_areas(
     as_json: bool,
 ) -> None:
     """Press, print, write and draw."""
-    from stiction.studies import export as exports
     from stiction.views import map_pair as views
-    from stiction.views import traverse
 
     chosen: dict[str, Any] = {"shifts": shifts, "surrogates": surrogates, "seed": seed, "level": level}
     places = Pieces.of(upper, lower, **chosen)
@@ -92,15 +91,8 @@ def press_areas(
         result = with_picture(result, places, shift, loads[0], hardness=hardness, **elastic)
     mean = means_of_all(result)
     show_map_pair(result, as_json=as_json)
-    said = say if as_json else tell
-    exports.export(result, table, replace=replace)
-    said(f"wrote {table}")
-    listed = output / traverse.TABLE
-    listed.write_text(views.map_pair_csv(mean, loads), encoding="utf-8")
-    said(f"wrote {listed}")
-    announce("drawing")
-    for path in views.save_map_pair_figures(result, mean, loads, output):
-        said(f"wrote {path}")
+    draw = functools.partial(views.save_map_pair_figures, result, mean, loads, output)
+    leave_pair(result, table, views.map_pair_csv(mean, loads), draw, replace=replace, as_json=as_json)
 
 
 def _loads_around(loads: list[float], most: float | None) -> list[float]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from stiction._units import quantity
+from stiction.cli.application import announce, say, tell
 from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -146,3 +148,21 @@ def check_directory(output: Path, table: Path, *, replace: bool) -> None:
             pass
     except OSError as error:
         raise ValueError(f"{output}: cannot be written: {os.strerror(error.errno or 0)}") from None
+
+
+def leave_pair(
+    result: Any, table: Path, rows: str, draw: Callable[[], Iterable[Path]], *, replace: bool, as_json: bool
+) -> None:
+    """What a pair leaves: its result, its table beside it, and its figures; each is said."""
+    from stiction.studies.export import export
+    from stiction.views.traverse import TABLE
+
+    said = say if as_json else tell
+    export(result, table, replace=replace)
+    said(f"wrote {table}")
+    listed = table.with_name(TABLE)
+    listed.write_text(rows, encoding="utf-8")
+    said(f"wrote {listed}")
+    announce("drawing")
+    for path in draw():
+        said(f"wrote {path}")

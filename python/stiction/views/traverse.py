@@ -180,7 +180,8 @@ HIGH_PRESSURE = 0.01
 
 def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float, *, by: bool) -> str:
     """One sentence on one load: the coefficient over both directions, and what keeps it from being quoted."""
-    at = mean.sel(load=load, method="nearest").sel(shear=BOTH)
+    either_way = mean.sel(load=load, method="nearest")
+    at = either_way.sel(shear=BOTH)
     head = f"In short{f', by {NAMES[mechanics_of(result)[0]]}' if by else ''}: at {load:.4g} mN"
     if 2 * int(at["ok"]) < int(at["positions"]):
         return f"{head} there is no mean: only {int(at['ok'])} of {int(at['positions'])} positions have an answer."
@@ -199,10 +200,9 @@ def _in_short(result: xarray.Dataset, mean: xarray.Dataset, load: float, *, by: 
     elif value > 0 and upper - lower > 2 * WIDE * value:
         faults.append(f"its interval is wider than {WIDE:.0%} to either side; more positions or lines narrow it")
     single = _spread(result.sel(load=load, method="nearest"))
-    each_way = mean.sel(load=load, method="nearest")["friction_coefficient"]
     # What leans against one direction leans with the other, so their mean scatters less than either.
     either = " and ".join(
-        f"{_cell(each_way.sel(shear=shear).values, 'friction_coefficient')} to {shear}"
+        f"{_cell(either_way['friction_coefficient'].sel(shear=shear).values, 'friction_coefficient')} to {shear}"
         for shear in map(str, mean["shear"].values)
         if shear != BOTH
     )
