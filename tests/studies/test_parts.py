@@ -9,6 +9,7 @@ import threading
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
+import numcodecs
 import numpy as np
 import pytest
 import xarray
@@ -130,6 +131,20 @@ def test_a_store_of_schema_1_is_read_and_continued_with_a_repetition_in_each_chu
     assert store.info(path).versions["schema"] == "1"
     assert (path / "contact_area" / "c.0.0.21.0").exists()
     assert_same_bits(store.read(path), undisturbed)
+
+
+def test_a_store_that_is_compressed_harder_is_read_and_continued(tmp_path, undisturbed):
+    path = tmp_path / "r.zarr"
+    with pytest.MonkeyPatch.context() as before:
+        before.setattr(layout, "_LEVEL", 0)
+        before.setattr(layout, "_zstd", numcodecs.Zstd(level=0, checksum=True))
+        own = runner.computed(STUDY, path, part=(1, 2))
+    stored = (path / "contact_area" / "c.0.0.0.0").read_bytes()
+    with pytest.warns(UserWarning, match="12 of 22"):
+        assert_same_bits(store.read(path), own)
+    runner.computed(STUDY, path, part=(2, 2))
+    assert_same_bits(store.read(path), undisturbed)
+    assert (path / "contact_area" / "c.0.0.0.0").read_bytes() == stored
 
 
 def _schema_1(study):

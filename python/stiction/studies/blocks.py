@@ -160,7 +160,8 @@ class Writing:
                     return True
                 for name, values in sums.items():
                     file = self.blocks.path / name / chunk(block, values.ndim)
-                    replace(file, encoded(file, self._beside(name, values[:, :, fresh], block, flags, places[fresh])))
+                    own = values if fresh.all() else values[:, :, fresh]
+                    replace(file, encoded(file, self._beside(name, own, block, flags, places[fresh])))
                 flag = self.blocks.path / COMPLETE / f"c.{block}"
                 flags[places] = True
                 replace(flag, encoded(flag, flags))
@@ -173,6 +174,8 @@ class Writing:
         self, name: str, values: NDArray[Any], block: int, flags: NDArray[np.bool_], places: NDArray[np.intp]
     ) -> NDArray[Any]:
         """A whole block of a variable: what is finished there, some repetitions at their places, and nothing."""
+        if np.array_equal(places, np.arange(self.blocks.size)):
+            return values  # most blocks are written in one go, and copies take longer than writing does
         shape = (*values.shape[:2], *values.shape[3:])
         if flags.any():
             whole = self.blocks.read(name, values.dtype, shape, block)
