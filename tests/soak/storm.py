@@ -1,7 +1,8 @@
 """Writers of one store killed at random moments: commands, their workers, workers of a scheduler, parts of four.
 
-After each round: nothing that was finished is lost, has other bits or was computed again; no process is left. At the
-end the bits of many repetitions are those of an undisturbed computation.
+At each kill it is noted what is finished and what its victim had in hand. What is finished is computed by nobody from
+then on. After each round nothing that was finished is lost or has other bits, and no process is left. A store lives for
+some kills; then the bits of many repetitions are those of an undisturbed computation, and a new store is begun.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import collections
 import contextlib
 import os
 import random
+import re
 import secrets
 import signal
 import subprocess
@@ -18,6 +20,7 @@ import sys
 import tempfile
 import time
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,29 +30,36 @@ from stiction.studies.dataset import empty_dataset
 from stiction.studies.layout import block_of
 
 KILLS = 200
-SAMPLE = 2000
-"""Repetitions that are computed once more at the end."""
+OF_A_STORE = 20
+"""Kills, before a new one is begun: so that many fall into its beginning."""
+
+SAMPLE = 300
+"""Repetitions of a store that are computed once more at the end."""
+
+ROUNDS = {"writers": ("threads", "processes", "workers", "scheduler"), "parts": ("parts",)}
 
 PATIENCE = 60.0
 
 STUDY = Study().with_changes(
     {
-        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 3},
-        "surfaces.points": 3000,
+        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 2},
+        "surfaces.points": 1000,
         "surfaces.extent": "4 um",
         "surfaces.directions": 8,
         "surfaces.frequencies": 12,
-        "contact.approach.count": 6,
-        "ensemble.repetitions": 100_000,
+        "contact.approach.count": 4,
+        "ensemble.repetitions": 200_000,
         "figures.draw": [],
     }
 )
 
-# Every process notes what it computes.
+# Every process notes what it computes, has its tasks stored soon, and dawdles before and after each file gets its name.
 RECORDING = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
-    from stiction.studies import runner
+    import pathlib, random, time
+    from stiction.studies import blocks, runner
+    runner.TASK = 0.2
     sums = runner.repetition_sums
     def noted(study, repetition):
         if study.surfaces.fractal_dimensions().size > 1:  # or it is done to say how long it takes
@@ -57,12 +67,26 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
                 file.write(b"%d\\n" % repetition)
         return sums(study, repetition)
     runner.repetition_sums = noted
+    def dawdling(function, seconds):
+        def slow(*arguments, **options):
+            time.sleep(random.expovariate(1 / seconds))
+            result = function(*arguments, **options)
+            time.sleep(random.expovariate(1 / seconds))
+            return result
+        return slow
+    for name, seconds in (("replace", 0.003), ("mkdir", 0.01), ("rename", 0.1)):
+        setattr(pathlib.Path, name, dawdling(getattr(pathlib.Path, name), seconds))
+    blocks.Writing.save = dawdling(blocks.Writing.save, 0.1)  # so that some die before they say that it is done
 """
 
 
 class Storm:
-    def __init__(self, folder: Path, chance: random.Random) -> None:
-        self.folder, self.chance = folder, chance
+    def __init__(self, folder: Path, chance: random.Random, rounds: tuple[str, ...]) -> None:
+        self.folder, self.chance, self.rounds = folder, chance, rounds
+        self.repetitions = STUDY.ensemble.repetitions
+        self.first_write = 1.0  # seconds that it lately took
+        self.finished: frozenset[int] = frozenset()  # at the last kill
+        self.phases: collections.Counter[str] = collections.Counter()
         self.path = folder / "out" / "result.zarr"
         self.log = folder / "computed"
         (folder / "site").mkdir()
@@ -79,6 +103,7 @@ class Storm:
 
     def start(self, *options: str) -> subprocess.Popen[bytes]:
         command = [sys.executable, "-m", "stiction", "run", "s.toml", "--store", "out", *options]
+        command += ["--set", f"ensemble.repetitions={self.repetitions}"]
         return self.process(command)
 
     def process(self, command: list[str]) -> subprocess.Popen[bytes]:
@@ -88,19 +113,21 @@ class Storm:
         )  # fmt: skip
 
     def wait(self, *processes: subprocess.Popen[bytes]) -> None:
-        """Until something is written, seldom less; then any moment."""
-        before, until = (
-            self.written(),
-            time.monotonic() + (self.chance.uniform(0, 4) if self.chance.random() < 0.2 else 60),
-        )
+        """Some moment of the time until something is written, or then some moment of the next half second."""
+        before, began = self.written(), time.monotonic()
+        early = self.chance.random() < 0.3
+        until = began + (self.chance.uniform(0, 1.2 * self.first_write) if early else PATIENCE)
         while time.monotonic() < until and self.written() == before:
             assert all(process.poll() is None for process in processes), "a run ended by itself"
             time.sleep(0.002)
-        time.sleep(self.chance.uniform(0, 1))
+        if not early:
+            assert self.written() != before, "nothing is written"
+            self.first_write = time.monotonic() - began
+            time.sleep(self.chance.uniform(0, 0.5))
 
     def written(self) -> int:
         with contextlib.suppress(FileNotFoundError):
-            return max(file.stat().st_mtime_ns for file in (self.path / "complete").iterdir() if file.suffix != ".lock")
+            return max((file.stat().st_mtime_ns for file in (self.path / "complete").glob("c.*")), default=0)
         return 0
 
     def kill(self, what: str, process: subprocess.Popen[bytes]) -> None:
@@ -109,16 +136,23 @@ class Storm:
             process.send_signal(signal.SIGSTOP)
             time.sleep(0.2)
         kids = children(process.pid)
+        self.note(what, process.pid, *kids)
         process.kill()
         process.wait()
-        self.kills[what] += 1
         until = time.monotonic() + PATIENCE
         while any(map(alive, kids)) and time.monotonic() < until:
             time.sleep(0.02)
         assert not any(map(alive, kids)), "a worker outlived its command"
 
+    def note(self, what: str, *victims: int) -> None:
+        """What is computed up to now, what is finished, and what victims have in hand."""
+        self.check()
+        self.kills[what] += 1
+        self.phases[phase(self.folder, victims)] += 1
+
     def round(self) -> None:
-        what = self.chance.choice(["threads", "processes", "workers", "scheduler", "parts", "parts"])
+        self.repetitions += self.chance.choice([0, self.chance.randint(1, 1000)])  # which changes the metadata
+        what = self.chance.choice(self.rounds)
         match what:
             case "threads":
                 process = self.start("--workers", "2")
@@ -129,9 +163,10 @@ class Storm:
                 self.wait(process)
                 for _ in range(2 * (what == "workers")):
                     if kids := children(process.pid):
-                        os.kill(self.chance.choice(kids), signal.SIGKILL)
-                        self.kills["a worker of --cluster"] += 1
-                    time.sleep(self.chance.uniform(0, 2))
+                        victim = self.chance.choice(kids)
+                        self.note("a worker of --cluster", victim)
+                        os.kill(victim, signal.SIGKILL)
+                    time.sleep(self.chance.uniform(0, 3))  # in which another one may have begun
                 self.kill("--cluster", process)
             case "scheduler":
                 self.start_scheduler()
@@ -141,7 +176,7 @@ class Storm:
                     victim = self.dask.pop()
                     self.kill("a worker of Dask", victim)
                     self.add_worker()
-                    time.sleep(self.chance.uniform(0, 2))
+                    time.sleep(self.chance.uniform(0, 3))  # in which another one may have begun
                 self.kill("--scheduler", process)
             case "parts":
                 parts = {i: self.start("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}
@@ -150,8 +185,8 @@ class Storm:
                 self.kill("--part", parts[again])
                 parts[again] = self.start("--part", f"{again}/4", "--workers", "1")
                 self.wait(*parts.values())
-                for process in parts.values():
-                    self.kill("--part", process)
+                for each in self.chance.sample(sorted(parts), 4):
+                    self.kill("--part", parts[each])
                     time.sleep(self.chance.uniform(0, 0.3))
 
     def start_scheduler(self) -> None:
@@ -174,13 +209,20 @@ class Storm:
         options = [self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         self.dask.append(self.process([sys.executable, "-c", code, *options]))
 
-    def check(self, before: frozenset[int]) -> None:
+    def check(self) -> None:
+        """That nobody has computed what was finished at the last kill; and what is finished now."""
+        finished = self.all_finished()  # before the log is read, which has all of them then
         computed = [int(line) for line in self.log.read_text().split()] if self.log.exists() else []
-        self.log.unlink(missing_ok=True)
-        self.computed += len(computed)
-        twice = before & set(computed)
+        twice = self.finished & set(computed[self.computed :])
         assert not twice, f"computed though finished: {sorted(twice)[:5]}"
-        self.look()
+        assert self.finished <= finished, f"lost: {sorted(self.finished - finished)[:5]}"
+        self.computed, self.finished = len(computed), finished
+
+    def all_finished(self) -> frozenset[int]:
+        if not self.path.exists():
+            return frozenset()
+        blocks = store.Blocks(self.path, self.path, block_of(STUDY))
+        return frozenset(blocks.finished(self.repetitions).tolist())
 
     def look(self) -> None:
         if not self.path.exists():
@@ -189,7 +231,7 @@ class Storm:
         size = block_of(STUDY)
         finished = store.Blocks(self.path, self.path, size)
         template = empty_dataset(STUDY, [0]).data_vars
-        now = finished.finished(STUDY.ensemble.repetitions)
+        now = finished.finished(self.repetitions)
         lost = self.bits.keys() - set(now.tolist())
         assert not lost, f"lost: {sorted(lost)[:5]}"
         for block in np.unique(now // size).tolist():
@@ -214,15 +256,29 @@ class Storm:
         for repetition in {*first, *self.chance.sample(sorted(self.bits), min(SAMPLE, len(self.bits)))}:
             sums = runner.repetition_sums(STUDY, repetition)
             assert crc(list(sums.values())) == self.bits[repetition], f"repetition {repetition} has other bits"
-        said = [
-            line for line in (self.folder / "said").read_text().splitlines() if "Error" in line and "stiction" in line
-        ]
-        kinds = ", ".join(f"{count} of {what}" for what, count in self.kills.most_common())
+        errors = [line for line in (self.folder / "said").read_text().splitlines() if "Error" in line]
         return (
-            f"{sum(self.kills.values())} kills ({kinds}); "
-            f"{len(self.bits)} repetitions finished in blocks of {size}, {len(self.partial)} blocks in several goes; "
-            f"{self.computed} computed, none that was finished; none lost; same bits{'; ' + said[0] if said else ''}"
+            f"{len(self.bits)} repetitions finished in blocks of {size}, {len(self.partial)} of them seen half full; "
+            f"{self.computed} computed, none that was finished; none lost; same bits"
+            + (f"; {errors[0]}" if errors else "")
         )
+
+
+def phase(folder: Path, victims: Sequence[int]) -> str:
+    """What processes are at, by the locks that they hold in the folder."""
+    open_files = []
+    for victim in victims:
+        for file in Path(f"/proc/{victim}/fd").glob("*"):
+            with contextlib.suppress(OSError):
+                open_files.append(Path(os.readlink(file)))
+    names = {file.name for file in open_files if folder in file.parents}
+    for pattern, words in (
+        (r"block-.*\.lock", "writing a block"), (r"writer-.*\.lock", "computing"),
+        (r"result\.zarr\.partial", "laying out a new store"), (r"result\.zarr\.lock", "opening, or changing metadata"),
+    ):  # fmt: skip
+        if any(re.fullmatch(pattern, name) for name in names):
+            return words
+    return "holding no lock"
 
 
 def crc(values: list[np.ndarray]) -> int:
@@ -247,21 +303,34 @@ def alive(pid: int) -> bool:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=KILLS)
+    parser.add_argument("--kills", type=int, default=KILLS, help="of each kind")
+    parser.add_argument("--kind", choices=ROUNDS, action="append", help="of writers that write; both by default")
     parser.add_argument("--seed", type=int, default=secrets.randbelow(2**31), help="of the moments")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="stiction-storm-") as folder:
-        storm = Storm(Path(folder), random.Random(arguments.seed))
-        try:
-            while sum(storm.kills.values()) < arguments.kills:
-                before = frozenset(storm.bits)
-                storm.round()
-                storm.check(before)
-                print(f"storm: {dict(storm.kills)}, {len(storm.bits)} finished", flush=True)
-            print(f"storm: {storm.in_the_end()}, seed {arguments.seed}")
-        finally:
-            for process in storm.dask:
-                process.kill()
+    for kind in arguments.kind or ROUNDS:
+        kills: collections.Counter[str] = collections.Counter()
+        phases: collections.Counter[str] = collections.Counter()
+        chance = random.Random(arguments.seed)
+        while kills.total() < arguments.kills:
+            with tempfile.TemporaryDirectory(prefix="stiction-storm-") as folder:
+                storm = Storm(Path(folder), chance, ROUNDS[kind])
+                try:
+                    while storm.kills.total() < OF_A_STORE and (kills + storm.kills).total() < arguments.kills:
+                        storm.round()
+                        storm.check()
+                        storm.look()
+                    kills, phases = kills + storm.kills, phases + storm.phases
+                    print(f"storm: {kind}: {kills.total()} kills; {storm.in_the_end()}", flush=True)
+                finally:
+                    for process in storm.dask:
+                        process.kill()
+        print(
+            f"storm: {kind}: seed {arguments.seed}; killed: {said(kills)}; while they were: {said(phases)}", flush=True
+        )
+
+
+def said(counts: collections.Counter[str]) -> str:
+    return ", ".join(f"{count} {what}" for what, count in counts.most_common())
 
 
 if __name__ == "__main__":
