@@ -12,6 +12,7 @@ void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
 void bind_loading(pybind11::module_& module);
 void bind_pressure_search(pybind11::module_& module);
+void bind_student(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
@@ -27,4 +28,5 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_areal(module);
   stiction::python::bind_loading(module);
   stiction::python::bind_pressure_search(module);
+  stiction::python::bind_student(module);
 }

@@ -25,6 +25,8 @@ __all__: list[str] = [
     "press",
     "quantities",
     "scale_to_amplitude",
+    "student_probability",
+    "student_quantile",
 ]
 
 class Candidates:
@@ -311,6 +313,22 @@ def scale_to_amplitude(
 ) -> bool:
     """
     Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.
+    """
+
+def student_probability(
+    freedom: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> typing.Any:
+    """
+    Probability of a smaller t by Student's distribution with so many degrees of freedom.
+    """
+
+def student_quantile(
+    freedom: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    probability: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> typing.Any:
+    """
+    The t below which a probability lies by Student's distribution with so many degrees of freedom.
     """
 
 __version__: str = "0.1.0"

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import stiction
 import xarray
+import zarr
 from command import assert_refused, stiction_command
 from stiction import Study, _files, run
 from stiction.mechanics.quantities import SUMS
@@ -119,6 +120,42 @@ def test_gives_back_what_was_written(tmp_path, undisturbed):
     assert_same_bits(run(SMALL, store=path), undisturbed)
     assert_same_bits(store.read(path), undisturbed)
     assert os.listdir(path.parent) == ["result.zarr"]
+
+
+def test_a_store_is_laid_out_as_zarr_would(tmp_path):
+    """Of every kind of array: of numbers, counts and flags, over all dimensions that a result may have."""
+    study = MORE.with_changes({"contact.sliding": ["opposing", "all"]})
+    written = {}
+    group = zarr.create_group(zarr.storage.MemoryStore(written), zarr_format=3)
+    dataset = empty_dataset(study)
+    dataset["complete"] = xarray.Variable(
+        "repetition", np.zeros(dataset.sizes["repetition"], np.bool_), {"long_name": "whether it is finished"}
+    )
+    for name, variable in dataset.variables.items():
+        if name != "sliding":
+            in_chunk = 4096 if name == "repetition" else 2
+            array = group.create_array(
+                name,
+                shape=variable.shape,
+                dtype=variable.dtype,
+                chunks=[in_chunk if dim == "repetition" else size for dim, size in variable.sizes.items()],
+                fill_value=layout.FILL[variable.dtype.kind],
+                compressors=zarr.codecs.ZstdCodec(level=layout._LEVEL, checksum=True),
+                chunk_key_encoding={"name": "default", "separator": "."},
+                dimension_names=variable.dims,
+                attributes=variable.attrs,
+            )
+            if name in dataset.coords:
+                array[...] = variable.values
+    expected = {name: buffer.to_bytes() for name, buffer in written.items()}
+    found = layout.layout(study, 2)
+    assert list(found)[-2:] == ["complete/zarr.json", "zarr.json"]
+    assert found.keys() == expected.keys()
+    for name in found.keys() - {"zarr.json"}:
+        as_read = json.loads if name.endswith("json") else bytes
+        assert as_read(found[name]) == as_read(expected[name]), name
+    root, as_zarr = (json.loads(each["zarr.json"]) for each in (found, expected))
+    assert root | {"attributes": {}} == as_zarr
 
 
 def test_zarr_and_xarray_read_the_same(whole, undisturbed):

@@ -9,7 +9,7 @@ import stiction.studies.export as exports
 import xarray
 from reference.at_loads import at_load
 from stiction import Study, area_map, friction_map, run, stiffness_map
-from stiction.studies import claims, intervals, layout, store, streams
+from stiction.studies import claims, intervals, layout, lazy, store, streams
 from stiction.studies.export import ExportError, export
 from stiction.views.figures import reached_loads, save_figures
 from stiction.views.report import report_page
@@ -85,7 +85,7 @@ def whole():
 def stored(tmp_path, whole, monkeypatch):
     """The same, left on the disk in chunks of four, of which pieces of eight come at a time; and what was read."""
     monkeypatch.setattr(layout, "FEWEST_BLOCKS", 9)
-    monkeypatch.setattr(store, "MOST_LOADED", 0)
+    monkeypatch.setattr(lazy, "MOST_LOADED", 0)
     monkeypatch.setattr(streams, "PIECE", 8 * whole.nbytes // 37)
     result = run(STUDY, store=tmp_path / "r.zarr")
     assert streams.repetitions_of_piece(result) == 8
@@ -123,8 +123,8 @@ def test_maps_of_what_is_stored_are_those_in_memory(stored, whole, quantity, mon
 def test_nothing_holds_all_repetitions(stored, tmp_path, monkeypatch):
     """Whatever is made of a stored result, a piece is read at a time."""
     read = []
-    of_store = store._Stored.__getitem__
-    monkeypatch.setattr(store._Stored, "__getitem__", lambda self, key: read.append(out := of_store(self, key)) or out)
+    of_store = lazy.Stored.__getitem__
+    monkeypatch.setattr(lazy.Stored, "__getitem__", lambda self, key: read.append(out := of_store(self, key)) or out)
     monkeypatch.setattr(study_page, "MOST_SUMS", 0)
     loads = reached_loads(stored, 4)
     for quantity in MAPS:
@@ -175,7 +175,7 @@ def test_maps_of_loads_and_motions_are_in_pieces_as_well(monkeypatch, tmp_path):
     )  # fmt: skip
     result = run(study)
     wanted = [quantity(result, [0.02, 0.05]) for quantity in MAPS]
-    monkeypatch.setattr(store, "MOST_LOADED", 0)
+    monkeypatch.setattr(lazy, "MOST_LOADED", 0)
     monkeypatch.setattr(streams, "PIECE", 0)
     stored = run(study, store=tmp_path / "r.zarr")
     for quantity, want in zip(MAPS, wanted, strict=True):

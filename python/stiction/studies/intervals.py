@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._core import student_probability, student_quantile
 from stiction.studies.crossing import Crossing
 
 CONFIDENCE = 0.95
@@ -141,8 +142,6 @@ class _Powers:
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        from scipy.special import stdtrit
-
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -152,7 +151,7 @@ class _Powers:
             kurtosis = count * np.divide(fourths, squares**2, out=np.full_like(squares, 3.0 / count), where=squares > 0)
             freedom = np.clip(2 * count / np.maximum(kurtosis - 1, 1e-9), 1, max(count - 1, 1))
             error = np.sqrt((count - 1) / count * squares)
-        return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2) * error)
+        return np.asarray(student_quantile(freedom, 0.5 + CONFIDENCE / 2) * error)
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
@@ -180,8 +179,6 @@ def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
 
     The interval is NaN for fewer than `FEWEST_OF_SAMPLE` values, and not below 0 where no value is.
     """
-    from scipy.special import stdtrit
-
     known = np.isfinite(values)
     count = known.sum(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -189,7 +186,7 @@ def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
         squares = np.where(known, np.square(values - mean), 0.0).sum(axis=0)
         error = np.sqrt(squares / (count - 1) / count)
     enough = count >= FEWEST_OF_SAMPLE
-    half_width = np.where(enough, stdtrit(np.maximum(count - 1, 1), 0.5 + CONFIDENCE / 2) * error, np.nan)
+    half_width = np.where(enough, student_quantile(np.maximum(count - 1, 1), 0.5 + CONFIDENCE / 2) * error, np.nan)
     least = np.where((np.where(known, values, 0.0) < 0).any(axis=0), -np.inf, 0.0)
     return np.asarray(mean), np.asarray(np.maximum(mean - half_width, least)), np.asarray(mean + half_width)
 
@@ -215,8 +212,6 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
 
     NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal, because their spread is then not known.
     """
-    from scipy.special import stdtr, stdtrit
-
     count = values.size
     mean = float(values.mean()) if count else math.nan
     if count < FEWEST_NEIGHBOURS or (values == values[0]).all():
@@ -240,10 +235,10 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    low, high = 0.0, float(stdtrit(count - 1, 0.5 + CONFIDENCE / 2) * errors.max())
+    low, high = 0.0, float(student_quantile(count - 1, 0.5 + CONFIDENCE / 2) * errors.max())
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        enough = float(weights @ stdtr(count - 1, middle / errors)) >= 0.5 + CONFIDENCE / 2
+        enough = float(weights @ student_probability(count - 1, middle / errors)) >= 0.5 + CONFIDENCE / 2
         low, high = (low, middle) if enough else (middle, high)
     bend = float((y**3).mean() / (y**2).mean() ** 1.5) / 3
     below = above = high

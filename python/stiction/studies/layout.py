@@ -1,7 +1,8 @@
 """The files of a store: what they are called, what is in them, and how they come to be.
 
-Zarr itself lays the store out. Chunks are written and read here: Zarr takes several times as long over small ones,
-reads a chunk that is missing as fill values, and not all of its versions rename.
+It is a group of Zarr 3, whose metadata are a few lines of JSON (Zarr core specification 3.0); tests hold them to what
+Zarr writes. Zarr itself takes longer to be imported than to compute a small study, and several times as long over small
+chunks; it reads a chunk that is missing as fill values, and not all of its versions rename.
 """
 
 from __future__ import annotations
@@ -17,13 +18,10 @@ from typing import Any
 
 import numcodecs
 import numpy as np
-import xarray
-import zarr
 from numpy.typing import NDArray
-from zarr.codecs import ZstdCodec
 
 from stiction._files import HALF_WRITTEN, NotReadableError, content
-from stiction.studies.dataset import empty_dataset
+from stiction.studies.dataset import Array, attributes_of_result, coordinates_of, variables_of
 from stiction.studies.study import Study
 
 SCHEMA = 2
@@ -54,14 +52,14 @@ _REPETITIONS_IN_CHUNK = 4096
 """Of the coordinate, whose chunks must not depend on how many there are."""
 
 _LEVEL = -1
-"""Of compression: sums hardly compress, and 0, which stands for 3, takes 3.5 times as long to save another twentieth."""
+"""Of compression: sums hardly compress, and 0, which stands for 3, takes 3.5 times as long for a twentieth less."""
 
 _zstd = numcodecs.Zstd(level=_LEVEL, checksum=True)  # without the checksum a flipped bit is a wrong number
 
 
 def block_of(study: Study) -> int:
     """Repetitions in a chunk of a new store, a power of two: one where a study has few, or where they are large."""
-    largest = max(variable.nbytes for variable in empty_dataset(study, [0]).data_vars.values())
+    largest = max(each.size for each in variables_of(study, [0]).values())
     most = max(1, min(study.ensemble.repetitions // FEWEST_BLOCKS, MOST_IN_CHUNK // largest))
     return 1 << (most.bit_length() - 1)
 
@@ -71,39 +69,56 @@ def layout(study: Study, block: int, attributes: Mapping[str, Any] | None = None
 
     What an existing root says stays: the schema and the versions it was begun with, and what others added to it.
     """
-    dataset = empty_dataset(study, [])
-    identity = {
-        "stiction_schema": SCHEMA, BLOCK: block, "numpy_version": np.__version__, "zarr_version": zarr.__version__,
-    }  # fmt: skip
-    root = dataset.attrs | (identity if attributes is None else dict(attributes)) | {"study": dataset.attrs["study"]}
-    files: dict[str, Any] = {}
-    group = zarr.create_group(
-        zarr.storage.MemoryStore(files), zarr_format=3, attributes=root | {"checksum": checksum(root)}
+    said = attributes_of_result(study)
+    identity = {"stiction_schema": SCHEMA, BLOCK: block, "numpy_version": np.__version__}
+    root = said | (identity if attributes is None else dict(attributes)) | {"study": said["study"]}
+    flags = Array(
+        ("repetition",), (study.ensemble.repetitions,), np.dtype(np.bool_), {"long_name": "whether it is finished"}
     )
-    repetitions = study.ensemble.repetitions
-    complete = xarray.Variable("repetition", np.zeros(0, np.bool_), {"long_name": "whether it is finished"})
-    for name, variable in {**dataset.variables, COMPLETE: complete}.items():
-        if variable.dtype.kind == "U":  # words, which the study says and Zarr 3 has no settled format for
-            continue
-        in_chunk = _REPETITIONS_IN_CHUNK if name == "repetition" else block
-        array = group.create_array(
-            str(name),
-            shape=tuple(repetitions if dim == "repetition" else size for dim, size in variable.sizes.items()),
-            dtype=variable.dtype,
-            chunks=tuple(in_chunk if dim == "repetition" else size for dim, size in variable.sizes.items()),
-            fill_value=FILL[variable.dtype.kind],
-            compressors=ZstdCodec(level=_LEVEL, checksum=True),
-            chunk_key_encoding={"name": "default", "separator": "."},  # a file, not a directory, of each block
-            dimension_names=[str(dim) for dim in variable.dims],
-            attributes=variable.attrs,
-        )
-        if name == "repetition":
-            array[...] = np.arange(repetitions)
-        elif name in dataset.coords:
-            array[...] = variable.values
-    contents = {name: buffer.to_bytes() for name, buffer in files.items()}
-    last = (f"{COMPLETE}/{METADATA}", METADATA)
-    return dict(sorted(contents.items(), key=lambda item: last.index(item[0]) if item[0] in last else -1))
+    files = {}
+    for name, each in {**variables_of(study), COMPLETE: flags}.items():
+        files[f"{name}/{METADATA}"] = _metadata_of(each, block)
+    for name, (each, values) in coordinates_of(study).items():
+        if each.dtype.kind != "U":  # words, which the study says and Zarr 3 has no settled format for
+            files[f"{name}/{METADATA}"] = _metadata_of(each, _REPETITIONS_IN_CHUNK)
+            length = _REPETITIONS_IN_CHUNK if name == "repetition" else values.size
+            for first in range(0, values.size, length):
+                part = values[first : first + length]
+                whole = np.full(length, FILL[each.dtype.kind], each.dtype)
+                whole[: part.size] = part
+                files[f"{name}/c.{first // length}"] = _compressed(whole)
+    last = f"{COMPLETE}/{METADATA}"
+    files[last] = files.pop(last)
+    said_of_root = {"attributes": root | {"checksum": checksum(root)}, "zarr_format": 3, "node_type": "group"}
+    return files | {METADATA: _json(said_of_root)}
+
+
+def _metadata_of(array: Array, in_chunk: int) -> bytes:
+    """Of an array whose chunks have so many repetitions, and all of the other dimensions."""
+    chunk = [in_chunk if dim == "repetition" else size for dim, size in zip(array.dims, array.shape, strict=True)]
+    fill = FILL[array.dtype.kind]
+    endian = {} if array.dtype.itemsize == 1 else {"configuration": {"endian": "little"}}
+    return _json({
+        "shape": list(array.shape),
+        "data_type": array.dtype.name,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": chunk}},
+        # A file, not a directory, of each block.
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
+        "fill_value": "NaN" if fill != fill else fill,
+        "codecs": [
+            {"name": "bytes", **endian},
+            {"name": "zstd", "configuration": {"level": _LEVEL, "checksum": True}},
+        ],
+        "attributes": array.attributes,
+        "dimension_names": list(array.dims),
+        "zarr_format": 3,
+        "node_type": "array",
+        "storage_transformers": [],
+    })  # fmt: skip
+
+
+def _json(said: dict[str, Any]) -> bytes:
+    return json.dumps(said, indent=2).encode()
 
 
 def checksum(attributes: Mapping[str, Any]) -> str:
@@ -209,8 +224,11 @@ def decoded(file: Path, dtype: np.dtype[Any], shape: tuple[int, ...]) -> NDArray
 
 def encoded(file: Path, values: NDArray[Any]) -> bytes:
     """Content of the file of a chunk."""
-    frame = _zstd.encode(np.ascontiguousarray(values, values.dtype.newbyteorder("<")))
-    return bytes(frame) + _name_frame(file)
+    return _compressed(values) + _name_frame(file)
+
+
+def _compressed(values: NDArray[Any]) -> bytes:
+    return bytes(_zstd.encode(np.ascontiguousarray(values, values.dtype.newbyteorder("<"))))
 
 
 def _name_frame(file: Path) -> bytes:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._text import named
+from stiction.studies.dataset import empty_dataset, variables_of
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
 from stiction.studies.pressed import pressed
@@ -71,10 +72,8 @@ def repetition_sums(study: Study, repetition: int) -> Sums:
 @functools.lru_cache(maxsize=4)
 def _arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     """Shape and kind of each variable of a repetition."""
-    from stiction.studies.dataset import empty_dataset
-
-    variables = empty_dataset(study, [0]).data_vars.items()
-    return {str(name): ((*each.shape[:2], *each.shape[3:]), each.dtype) for name, each in variables}
+    variables = variables_of(study, [0]).items()
+    return {name: ((*each.shape[:2], *each.shape[3:]), each.dtype) for name, each in variables}
 
 
 def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Surface, Surface]]:
@@ -295,8 +294,6 @@ def _check_disk(study: Study, store: Path) -> None:
 
 
 def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
-    from stiction.studies.dataset import empty_dataset
-
     total = study.ensemble.repetitions
     size = total * _size(study)
     if size > MOST_MEMORY:

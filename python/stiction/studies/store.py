@@ -20,19 +20,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
-from xarray.backends import BackendArray
-from xarray.core import indexing
 
 from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason, replace
 from stiction._text import named, printable
 from stiction.studies.blocks import Blocks, NotWrittenError, StoreError, Writing, root_checksum
-from stiction.studies.dataset import NAMES, empty_dataset
+from stiction.studies.dataset import NAMES, coordinates_of
 from stiction.studies.layout import (
     BLOCK,
     COMPLETE,
@@ -50,15 +47,14 @@ from stiction.studies.layout import (
     metadata,
 )
 from stiction.studies.lock import locked, locked_directory
-from stiction.studies.study import Study, differences, study_of
+from stiction.studies.study import Study, differences, study_of_attributes
 from stiction.studies.study_text import StudyError
+
+if TYPE_CHECKING:
+    import xarray
 
 _CHECKED = ("data_type", "chunk_grid", "chunk_key_encoding", "fill_value", "dimension_names", "attributes")
 """Of an array's metadata; codecs may be spelt differently by other versions of Zarr, and the shape may have grown."""
-
-
-MOST_LOADED = 2**28
-"""Bytes of a result that is read into memory at once; of a larger one whatever is asked for, when it is."""
 
 PATIENCE = 60.0
 """Seconds that a part waits for another process to have laid out the store."""
@@ -75,7 +71,7 @@ class StoreInfo:
     study: Study
     finished: int  # repetitions, of study.ensemble.repetitions
     size: int  # bytes on disk
-    versions: dict[str, str]  # of stiction, the schema, NumPy and Zarr when it was begun
+    versions: dict[str, str]  # of stiction, the schema and NumPy when it was begun
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------------
@@ -125,9 +121,7 @@ def info(path: str | Path) -> StoreInfo:
     """
     path = Path(path)
     root = _Root.of(path, path)
-    names = {
-        "stiction": "stiction_version", "schema": "stiction_schema", "numpy": "numpy_version", "zarr": "zarr_version",
-    }  # fmt: skip
+    names = {"stiction": "stiction_version", "schema": "stiction_schema", "numpy": "numpy_version"}
     size = 0
     for folder, _, files in os.walk(path):
         for file in files:
@@ -176,7 +170,7 @@ class _Root:
         if attributes.get("checksum") != checksum(attributes):
             raise StoreError(f"{named(shown)}: is damaged: {METADATA} is not what was written")
         try:
-            root = cls(attributes, study_of(xarray.Dataset(attrs=attributes)), str(attributes.get("stiction_version")))
+            root = cls(attributes, study_of_attributes(attributes), str(attributes.get("stiction_version")))
         except StudyError as error:
             raise StoreError(f"{named(shown)}: its study, of stiction {version}, cannot be read: {error}") from None
         try:
@@ -233,76 +227,21 @@ def _check_metadata(path: Path, shown: Path, root: _Root) -> None:
 
 def _dataset(path: Path, shown: Path, root: _Root, repetitions: NDArray[np.intp]) -> xarray.Dataset:
     """The dataset of some repetitions, all of them finished."""
-    dataset = empty_dataset(root.study, [])
+    from stiction.studies.lazy import stored_dataset
+
     coordinates = {
-        str(name): coordinate.copy(data=_coordinate(path, str(name), coordinate))
-        for name, coordinate in ((name, each.variable) for name, each in dataset.coords.items())
-        if name not in ("repetition", "sliding")
+        name: (array, values if name in ("repetition", "sliding") else _coordinate(path, name, values))
+        for name, (array, values) in coordinates_of(root.study, repetitions).items()
     }
-    numbers = dataset["repetition"].variable
-    coordinates["repetition"] = xarray.Variable(numbers.dims, repetitions.astype(numbers.dtype), numbers.attrs)
-    blocks = root.blocks(path, shown)
-    variables = {
-        str(name): xarray.Variable(
-            variable.dims,
-            indexing.LazilyIndexedArray(_Stored(blocks, str(name), variable, repetitions)),
-            variable.attrs,
-        )
-        for name, variable in ((name, each.variable) for name, each in dataset.data_vars.items())
-    }
-    ordered = {str(name): coordinates.get(str(name), each.variable) for name, each in dataset.coords.items()}
-    stored = xarray.Dataset(variables, ordered, dataset.attrs | {"stiction_version": root.version})
-    return stored.load() if stored.nbytes <= MOST_LOADED else stored
+    return stored_dataset(root.study, root.version, root.blocks(path, shown), coordinates, repetitions)
 
 
-class _Stored(BackendArray):
-    """A variable of some repetitions of a store, read and checked whenever something of it is asked for."""
-
-    def __init__(self, blocks: Blocks, name: str, variable: xarray.Variable, repetitions: NDArray[np.intp]) -> None:
-        self._blocks = blocks
-        self._name = name
-        self._repetitions = repetitions
-        self._of_one = (*variable.shape[:2], *variable.shape[3:])
-        self.shape = (*variable.shape[:2], repetitions.size, *variable.shape[3:])
-        self.dtype = variable.dtype
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._some)
-
-    def _some(self, key: tuple[Any, ...]) -> NDArray[Any]:
-        """By integers, slices and arrays of integers, each along its own dimension."""
-        wanted = self._repetitions[key[2]]
-        numbers = np.atleast_1d(wanted)
-        result: NDArray[Any] | None = None
-        block_of_each = numbers // self._blocks.size
-        for block in np.unique(block_of_each):
-            whole = self._blocks.read(self._name, self.dtype, self._of_one, int(block))
-            here = np.flatnonzero(block_of_each == block)
-            part = _outer(whole[:, :, numbers[here] - block * self._blocks.size], (*key[:2], slice(None), *key[3:]))
-            at = sum(not isinstance(each, (int, np.integer)) for each in key[:2])  # axis of the repetitions
-            if result is None:
-                result = np.empty((*part.shape[:at], numbers.size, *part.shape[at + 1 :]), self.dtype)
-            place: list[Any] = [*(slice(None),) * at, here]
-            result[tuple(place)] = part
-        if result is None:
-            result = _outer(np.empty(self.shape, self.dtype), (*key[:2], slice(0), *key[3:]))
-        return result if wanted.ndim else result.squeeze(axis=at)
-
-
-def _outer(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:
-    """Indexed along each dimension by itself."""
-    for axis in reversed(range(len(key))):
-        index: list[Any] = [*(slice(None),) * axis, key[axis]]
-        values = values[tuple(index)]
-    return values
-
-
-def _coordinate(path: Path, name: str, expected: xarray.Variable) -> NDArray[Any]:
+def _coordinate(path: Path, name: str, expected: NDArray[Any]) -> NDArray[Any]:
     """As written, which another kind of machine may not repeat to the last digit; as expected if that is damaged."""
     try:
         return decoded(path / name / "c.0", expected.dtype, expected.shape)
     except (OSError, DecodingError):
-        return expected.values
+        return expected
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -607,10 +546,10 @@ def _check_same_bits(path: Path, shown: Path, root: _Root, study: Study) -> None
             f"{named(shown)}: was begun by stiction {version} and this is {__version__}, whose results may differ; "
             f"finish it with stiction {version}, or choose another place"
         )
-    for name, here in empty_dataset(study, []).coords.items():
+    for name, (_, here) in coordinates_of(study, []).items():
         if name in ("repetition", "sliding"):
             continue
-        if not np.array_equal(here.values, _coordinate(path, str(name), here.variable)):
+        if not np.array_equal(here, _coordinate(path, name, here)):
             raise StoreError(
                 f"{named(shown)}: was begun on a machine or with a NumPy whose {name} differs in the last digits; "
                 "finish it there, or choose another place"

@@ -245,11 +245,16 @@ def study_of(dataset: xarray.Dataset) -> Study:
     StudyError
         If the dataset does not say.
     """
-    if not isinstance(dataset.attrs.get("study"), str):
+    return study_of_attributes(dataset.attrs)
+
+
+def study_of_attributes(attributes: Mapping[str, Any]) -> Study:
+    """`study_of` a result that has these attributes."""
+    if not isinstance(attributes.get("study"), str):
         raise StudyError(
             "the dataset does not say what study it is of (attribute 'study'), so mu0 and tau0 must be given"
         )
-    return study_from_text(dataset.attrs["study"], "the dataset's study")
+    return study_from_text(attributes["study"], "the dataset's study")
 
 
 def step_of(dataset: xarray.Dataset) -> str:
