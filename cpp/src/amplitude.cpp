@@ -11,23 +11,15 @@
 namespace stiction {
 namespace {
 
-// Sums and extremes are kept for each of these lanes, so that passes are wide and their result is the same on any
-// width.
-constexpr std::size_t lanes = 32;
-
-struct Moments {
-  double sum;
-  double lowest;
-  double highest;
-};
-
 STICTION_MULTIVERSION
-Moments moments(const double* heights, std::size_t size) {
-  double sum[lanes] = {};
+void take_heights(const double* heights, std::size_t size, double* sums, double* lowests, double* highests) {
+  constexpr std::size_t lanes = Levelling::lanes;
+  double sum[lanes];
   double lowest[lanes];
   double highest[lanes];
-  std::fill_n(lowest, lanes, heights[0]);
-  std::fill_n(highest, lanes, heights[0]);
+  std::copy_n(sums, lanes, sum);
+  std::copy_n(lowests, lanes, lowest);
+  std::copy_n(highests, lanes, highest);
   const auto take = [&](double height, std::size_t lane) {
     sum[lane] += height;
     lowest[lane] = height < lowest[lane] ? height : lowest[lane];
@@ -42,12 +34,13 @@ Moments moments(const double* heights, std::size_t size) {
   for (; i < size; ++i) {
     take(heights[i], i % lanes);
   }
-  return {std::accumulate(sum, sum + lanes, 0.0), *std::min_element(lowest, lowest + lanes),
-          *std::max_element(highest, highest + lanes)};
+  std::copy_n(sum, lanes, sums);
+  std::copy_n(lowest, lanes, lowests);
+  std::copy_n(highest, lanes, highests);
 }
 
 STICTION_MULTIVERSION
-void scale(const double* heights, std::size_t size, double mean, double factor, double* scaled) {
+void scale_heights(const double* heights, std::size_t size, double mean, double factor, double* scaled) {
   for (std::size_t i = 0; i < size; ++i) {
     scaled[i] = (heights[i] - mean) * factor;
   }
@@ -68,14 +61,26 @@ AmplitudeMeasure amplitude_measure(std::string_view word) {
   throw std::invalid_argument("amplitude measure is " + std::string(word) + ", must be height, Ra or Rq");
 }
 
-bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled) {
-  if (scaled.size() != heights.size() || heights.empty()) {
-    throw std::invalid_argument("scale_to_amplitude: scaled must be as long as heights, and not empty");
-  }
-  const auto [sum, lowest, highest] = moments(heights.data(), heights.size());
+Levelling::Levelling() {
+  sum_.fill(0.0);
+  lowest_.fill(std::numeric_limits<double>::infinity());
+  highest_.fill(-std::numeric_limits<double>::infinity());
+}
+
+void Levelling::add(Values heights) {
+  take_heights(heights.data(), heights.size(), sum_.data(), lowest_.data(), highest_.data());
+  points_ += heights.size();
+}
+
+Level Levelling::level() const {
+  return {std::accumulate(sum_.begin(), sum_.end(), 0.0) / static_cast<double>(points_),
+          *std::min_element(lowest_.begin(), lowest_.end()), *std::max_element(highest_.begin(), highest_.end())};
+}
+
+std::optional<Scaling> scaling_to(double amplitude, AmplitudeMeasure measure, Values heights, const Level& level) {
   const auto size = static_cast<double>(heights.size());
-  const double mean = sum / size;
-  double measured = highest - lowest;
+  const double mean = level.mean;
+  double measured = level.highest - level.lowest;
   if (measure == AmplitudeMeasure::ra) {
     measured = std::accumulate(heights.begin(), heights.end(), 0.0,
                                [&](double total, double height) { return total + std::abs(height - mean); }) /
@@ -86,11 +91,27 @@ bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measu
                         [&](double total, double height) { return total + (height - mean) * (height - mean); }) /
         size);
   }
-  if (!(highest > lowest) || !(measured > 0.0)) {
-    return false;
+  if (!(level.highest > level.lowest) || !(measured > 0.0)) {
+    return std::nullopt;
   }
-  scale(heights.data(), heights.size(), mean, amplitude / measured, scaled.data());
-  return true;
+  return Scaling{mean, amplitude / measured};
+}
+
+void scale(Values heights, const Scaling& by, std::span<double> scaled) {
+  scale_heights(heights.data(), heights.size(), by.mean, by.factor, scaled.data());
+}
+
+bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled) {
+  if (scaled.size() != heights.size() || heights.empty()) {
+    throw std::invalid_argument("scale_to_amplitude: scaled must be as long as heights, and not empty");
+  }
+  Levelling levelling;
+  levelling.add(heights);
+  const std::optional<Scaling> scaling = scaling_to(amplitude, measure, heights, levelling.level());
+  if (scaling) {
+    scale(heights, *scaling, scaled);
+  }
+  return scaling.has_value();
 }
 
 }  // namespace stiction

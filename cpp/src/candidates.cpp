@@ -101,17 +101,12 @@ bool encounters(const Body& upper, const Body& lower, const Site& site, Curvatur
   return keep(sphere_pair(above, below, site.gap, curvature));
 }
 
-// Returns the screening, a pass which finds heights that are not finite as well.
-Screening checked(const ProfilePair& pair, double deepest) {
-  const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
-  if (pair.upper.size() != pair.lower.size()) {
-    fail("upper and lower must have equally many points, not " + std::to_string(pair.upper.size()) + " and " +
-         std::to_string(pair.lower.size()));
-  }
+[[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
+
+void check(const ProfilePair& pair, const Screening& screening, double deepest) {
   if (pair.upper.size() < 4) {
     fail("upper and lower have " + std::to_string(pair.upper.size()) + " points, at least 4 are needed");
   }
-  Screening screening = screen(pair.upper, pair.lower);
   if (!screening.upper_finite) {
     fail("upper has heights that are NaN or infinite");
   }
@@ -124,7 +119,6 @@ Screening checked(const ProfilePair& pair, double deepest) {
   if (!(deepest >= 0.0) || !std::isfinite(deepest)) {
     fail("approach is " + text(deepest) + " µm, must be 0 or above and finite");
   }
-  return screening;
 }
 
 }  // namespace
@@ -149,9 +143,23 @@ Curvature curvature(std::string_view word) {
   throw std::invalid_argument("curvature is " + std::string(word) + ", must be convex or signed");
 }
 
+Screening screen(const ProfilePair& pair) {
+  if (pair.upper.size() != pair.lower.size()) {
+    fail("upper and lower must have equally many points, not " + std::to_string(pair.upper.size()) + " and " +
+         std::to_string(pair.lower.size()));
+  }
+  return screen(pair.upper, pair.lower);
+}
+
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit, const Checkpoint& checkpoint) {
-  const Screening screening = checked(pair, deepest);
+  for_each_candidate(pair, screen(pair), deepest, detection, curvature, visit, checkpoint);
+}
+
+void for_each_candidate(const ProfilePair& pair, const Screening& screening, double deepest, Detection detection,
+                        Curvature curvature, const std::function<void(const Candidate&)>& visit,
+                        const Checkpoint& checkpoint) {
+  check(pair, screening, deepest);
   const std::size_t size = pair.upper.size();
   const double zero = screening.gap;
   Body upper(pair.upper, screening.upper_largest, pair.spacing, Side::upper);

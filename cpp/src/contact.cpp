@@ -99,11 +99,16 @@ std::vector<Contact> contacts(const Candidates& found, double approach, const Co
 
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const Checkpoint& checkpoint) {
+  return press(pair, screen(pair), approaches, model, checkpoint);
+}
+
+std::vector<Sums> press(const ProfilePair& pair, const Screening& screening, Values approaches,
+                        const ContactModel& model, const Checkpoint& checkpoint) {
   check(approaches, anywhere, model);
   std::vector<Sums> sums(approaches.size());
   const auto press_with = [&](const auto& law) {
     for_each_candidate(
-        pair, approaches.back(), model.detection, model.curvature,
+        pair, screening, approaches.back(), model.detection, model.curvature,
         [&](const Candidate& candidate) {
           add_candidate(candidate, approaches, half_cell(pair, model), pair.spacing, law, model.direction,
                         model.sliding, sums);

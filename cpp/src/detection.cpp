@@ -9,43 +9,53 @@
 namespace stiction {
 namespace {
 
-struct BlockScreening {
-  double gap;
-  double upper_zero;  // 0, or NaN where a height is not finite
-  double lower_zero;
-  double upper_largest;
-  double lower_largest;
-};
+// What a pass over points has seen, for each of some lanes.
+struct Seen {
+  static constexpr std::size_t lanes = 16;
 
-STICTION_MULTIVERSION
-BlockScreening screen_block(const double* upper, const double* lower, std::size_t size) {
-  constexpr std::size_t lanes = 16;
-  double lowest[lanes];
-  double upper_zero[lanes] = {};
+  double upper_zero[lanes] = {};  // 0, or NaN where a height is not finite
   double lower_zero[lanes] = {};
   double upper_largest[lanes] = {};
   double lower_largest[lanes] = {};
-  std::fill_n(lowest, lanes, std::numeric_limits<double>::infinity());
+};
+
+// The lowest gap of each block goes to block_gap.
+STICTION_MULTIVERSION
+Seen screen_blocks(const double* upper, const double* lower, std::size_t size, double* block_gap) {
+  constexpr std::size_t lanes = Seen::lanes;
+  constexpr std::size_t block = Screening::block;
+  static_assert(block % lanes == 0 && (lanes & (lanes - 1)) == 0);
+  Seen seen;
+  double lowest[lanes];
   const auto take = [&](std::size_t i, std::size_t lane) {
     const double gap = upper[i] - lower[i];
     lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
-    upper_zero[lane] += upper[i] - upper[i];
-    lower_zero[lane] += lower[i] - lower[i];
-    upper_largest[lane] = std::max(upper_largest[lane], std::abs(upper[i]));
-    lower_largest[lane] = std::max(lower_largest[lane], std::abs(lower[i]));
+    seen.upper_zero[lane] += upper[i] - upper[i];
+    seen.lower_zero[lane] += lower[i] - lower[i];
+    seen.upper_largest[lane] = std::max(seen.upper_largest[lane], std::abs(upper[i]));
+    seen.lower_largest[lane] = std::max(seen.lower_largest[lane], std::abs(lower[i]));
   };
-  std::size_t i = 0;
-  for (; i + lanes <= size; i += lanes) {
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      take(i + lane, lane);
+  std::size_t begin = 0;
+  for (; begin < size; begin += block) {
+    std::fill_n(lowest, lanes, std::numeric_limits<double>::infinity());
+    const std::size_t end = std::min(begin + block, size);
+    std::size_t i = begin;
+    for (; i + lanes <= end; i += lanes) {
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        take(i + lane, lane);
+      }
     }
+    for (; i < end; ++i) {
+      take(i, i % lanes);
+    }
+    for (std::size_t half = lanes / 2; half > 0; half /= 2) {
+      for (std::size_t lane = 0; lane < half; ++lane) {
+        lowest[lane] = lowest[lane + half] < lowest[lane] ? lowest[lane + half] : lowest[lane];
+      }
+    }
+    *block_gap++ = lowest[0];
   }
-  for (; i < size; ++i) {
-    take(i, 0);
-  }
-  return {*std::min_element(lowest, lowest + lanes), std::accumulate(upper_zero, upper_zero + lanes, 0.0),
-          std::accumulate(lower_zero, lower_zero + lanes, 0.0), *std::max_element(upper_largest, upper_largest + lanes),
-          *std::max_element(lower_largest, lower_largest + lanes)};
+  return seen;
 }
 
 STICTION_MULTIVERSION
@@ -69,19 +79,25 @@ double largest_second_difference(const double* upper, const double* lower, std::
 
 }  // namespace
 
+void Screening::add(Values upper, Values lower) {
+  const std::size_t before = block_gap.size();
+  block_gap.resize(before + (upper.size() + block - 1) / block);
+  const Seen seen = screen_blocks(upper.data(), lower.data(), upper.size(), block_gap.data() + before);
+  gap = std::accumulate(block_gap.begin() + static_cast<Index>(before), block_gap.end(), gap,
+                        [](double lowest, double each) { return std::min(lowest, each); });
+  const auto is_zero = [](double zero) { return zero == 0.0; };
+  upper_finite = upper_finite && std::all_of(std::begin(seen.upper_zero), std::end(seen.upper_zero), is_zero);
+  lower_finite = lower_finite && std::all_of(std::begin(seen.lower_zero), std::end(seen.lower_zero), is_zero);
+  upper_largest =
+      std::max(upper_largest, *std::max_element(std::begin(seen.upper_largest), std::end(seen.upper_largest)));
+  lower_largest =
+      std::max(lower_largest, *std::max_element(std::begin(seen.lower_largest), std::end(seen.lower_largest)));
+}
+
 Screening screen(Values upper, Values lower) {
   Screening result;
   result.block_gap.reserve(upper.size() / Screening::block + 1);
-  for (std::size_t begin = 0; begin < upper.size(); begin += Screening::block) {
-    const BlockScreening block =
-        screen_block(upper.data() + begin, lower.data() + begin, std::min(Screening::block, upper.size() - begin));
-    result.block_gap.push_back(block.gap);
-    result.gap = std::min(result.gap, block.gap);
-    result.upper_finite = result.upper_finite && block.upper_zero == 0.0;
-    result.lower_finite = result.lower_finite && block.lower_zero == 0.0;
-    result.upper_largest = std::max(result.upper_largest, block.upper_largest);
-    result.lower_largest = std::max(result.lower_largest, block.lower_largest);
-  }
+  result.add(upper, lower);
   return result;
 }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -15,6 +17,15 @@ namespace stiction {
 namespace {
 
 using Complex = std::complex<double>;
+
+// Memory from the beginning of a line of the cache on: a wide read across two lines costs two.
+constexpr std::size_t line = 64;
+struct Free {
+  void operator()(double* values) const { ::operator delete[](values, std::align_val_t{line}); }
+};
+std::unique_ptr<double[], Free> aligned(std::size_t size) {
+  return std::unique_ptr<double[], Free>(new (std::align_val_t{line}) double[size]);
+}
 
 // Points that are computed together, so that the group profiles of one block stay in the second-level cache.
 constexpr Index block = 1024;
@@ -44,13 +55,13 @@ Complex unit(Turns turns) { return std::polar(1.0, radians(turns)); }
 // Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d of θ = `lanes` k Δx,
 // whose error grows with the number of steps only, however small the angle θ is.
 struct Harmonic {
-  std::array<double, lanes> z;               // at the next `lanes` points
-  std::array<double, lanes> d;               // what they are above those `lanes` points before
-  double rate;                               // 4 sin²(θ/2)
-  Complex amplitude;                         // at x = 0
-  Complex backward;                          // 1 - e^(-i θ), to full relative accuracy
-  std::array<Complex, doublings> rotations;  // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
-  Turns step;                                // k Δx
+  alignas(line) std::array<double, lanes> z;  // at the next `lanes` points
+  alignas(line) std::array<double, lanes> d;  // what they are above those `lanes` points before
+  double rate;                                // 4 sin²(θ/2)
+  Complex amplitude;                          // at x = 0
+  Complex backward;                           // 1 - e^(-i θ), to full relative accuracy
+  std::array<Complex, doublings> rotations;   // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
+  Turns step;                                 // k Δx
 
   Harmonic(Complex amplitude_at_zero, Turns turns_per_point) : amplitude(amplitude_at_zero), step(turns_per_point) {
     for (std::size_t w = 0; w < rotations.size(); ++w) {
@@ -380,8 +391,8 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
   return weights;
 }
 
-void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles,
-                       const Checkpoint& checkpoint) {
+std::vector<Level> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
+                                     Eigen::Ref<Matrix> profiles, const Checkpoint& checkpoint) {
   require(phases.rows() > 0 && phases.cols() > 0, "phases must have at least one direction and one frequency");
   require(weights.cols() == phases.cols(), "weights must have one column per frequency of the phases");
   require(phases.allFinite() && weights.allFinite(), "phases and weights must be finite");
@@ -393,26 +404,37 @@ void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid
           "profiles must have a row for each row of weights and a column for each point");
 
   if (weights.rows() == 0) {
-    return;
+    return {};
   }
   std::vector<Group> all = groups(phases, grid);
   const Matrix packed_weights = weights;
-  std::vector<double> values(all.size() * block);
+  const auto values = aligned(all.size() * block);
+  std::vector<Levelling> levellings(static_cast<std::size_t>(weights.rows()));
   Matrix last_block;
   for (Index first = 0; first < grid.points; first += block) {
     for (std::size_t n = 0; n < all.size(); ++n) {
       checkpoint();
-      next_block(all[n], first, values.data() + static_cast<Index>(n) * block);
+      next_block(all[n], first, values.get() + n * block);
     }
     const Index count = grid.points - first;
     if (count >= block) {
-      product(packed_weights, values.data(), profiles.data() + first, profiles.outerStride());
+      product(packed_weights, values.get(), profiles.data() + first, profiles.outerStride());
     } else {
       last_block.resize(weights.rows(), block);
-      product(packed_weights, values.data(), last_block.data(), block);
+      product(packed_weights, values.get(), last_block.data(), block);
       profiles.rightCols(count) = last_block.leftCols(count);
     }
+    for (std::size_t row = 0; row < levellings.size(); ++row) {  // while the block is in the cache
+      const double* heights = profiles.row(static_cast<Index>(row)).data() + first;
+      levellings[row].add({heights, static_cast<std::size_t>(std::min(count, block))});
+    }
   }
+  std::vector<Level> levels;
+  levels.reserve(levellings.size());
+  for (const Levelling& levelling : levellings) {
+    levels.push_back(levelling.level());
+  }
+  return levels;
 }
 
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
@@ -432,7 +454,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
   heights.setConstant(sum.constant);
   // A tile of rows and columns at a time, and of it so many harmonics that their factors stay in the cache.
   constexpr std::size_t together = 32;
-  std::vector<double> of_x(2 * together * block);
+  const auto of_x = aligned(2 * together * block);
   std::array<double, run> cosines;
   std::array<double, run> sines;
   Matrix tile(run, block);
@@ -441,7 +463,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
     for (std::size_t begin = 0; begin < sum.harmonics.size(); begin += together) {
       const std::size_t count = std::min(together, sum.harmonics.size() - begin);
       for (std::size_t h = 0; h < count; ++h) {
-        double* values = of_x.data() + 2 * h * block;
+        double* values = of_x.get() + 2 * h * block;
         for (Index j = 0; j < width; j += run) {
           sum.harmonics[begin + h].along_x.fill(column + j, values + j, values + block + j);
         }
@@ -459,7 +481,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
             of_y(at, static_cast<Index>(2 * h + 1)) = harmonic.odd.real() * sines[i] + harmonic.odd.imag() * cosines[i];
           }
         }
-        product(of_y, of_x.data(), tile.data(), block);
+        product(of_y, of_x.get(), tile.data(), block);
         const Index height = std::min(run, rows - row);
         heights.block(row, column, height, width) += tile.topLeftCorner(height, width);
       }

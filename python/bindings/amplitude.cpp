@@ -1,8 +1,30 @@
 #include "stiction/amplitude.hpp"
 
-#include "arrays.hpp"
+#include "levels.hpp"
 
 namespace stiction::python {
+
+py::array_t<double> array_of(const std::vector<Level>& levels) {
+  py::array_t<double> array({static_cast<py::ssize_t>(levels.size()), py::ssize_t{3}});
+  double* row = array.mutable_data();
+  for (const Level& level : levels) {
+    *row++ = level.mean;
+    *row++ = level.lowest;
+    *row++ = level.highest;
+  }
+  return array;
+}
+
+std::vector<Level> levels_of(const MatrixView& rows) {
+  if (rows.cols() != 3) {
+    throw py::value_error("levels must be mean, lowest and highest of each profile");
+  }
+  std::vector<Level> levels;
+  for (Index row = 0; row < rows.rows(); ++row) {
+    levels.push_back({rows(row, 0), rows(row, 1), rows(row, 2)});
+  }
+  return levels;
+}
 
 void bind_amplitude(py::module_& module) {
   module.def(

@@ -2,6 +2,7 @@
 
 #include "arrays.hpp"
 #include "checkpoint.hpp"
+#include "levels.hpp"
 
 namespace stiction::python {
 
@@ -13,13 +14,16 @@ void bind_harmonics(py::module_& module) {
       [](const MatrixView& phases, const MatrixView& weights, Eigen::Ref<Matrix> profiles, double spacing,
          double length_scale, double gamma, bool band_limited) {
         const Checkpoint checkpoint = until_interrupted();
-        const py::gil_scoped_release release;
-        harmonic_profiles(phases, weights, {spacing, profiles.cols(), length_scale, gamma, band_limited}, profiles,
-                          checkpoint);
+        const std::vector<Level> levels = [&] {
+          const py::gil_scoped_release release;
+          return harmonic_profiles(phases, weights, {spacing, profiles.cols(), length_scale, gamma, band_limited},
+                                   profiles, checkpoint);
+        }();
+        return array_of(levels);
       },
       py::arg("phases").noconvert(), py::arg("weights").noconvert(), py::arg("profiles").noconvert(), py::kw_only(),
       py::arg("spacing"), py::arg("length_scale"), py::arg("gamma"), py::arg("band_limited"),
-      "Eq. 1 for every row of weights, into `profiles` (rows, points) [µm].");
+      "Eq. 1 for every row of weights, into `profiles` (rows, points) [µm]. Returns mean, lowest and highest of each.");
   module.def(
       "harmonic_surface",
       [](const MatrixView& phases, const Array& weights, Eigen::Ref<Matrix> heights, double spacing_y, double spacing_x,

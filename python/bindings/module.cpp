@@ -4,6 +4,7 @@
 namespace stiction::python {
 void bind_amplitude(pybind11::module_& module);
 void bind_areal(pybind11::module_& module);
+void bind_families(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
@@ -26,6 +27,7 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_sums(module);
   stiction::python::bind_contact(module);
   stiction::python::bind_areal(module);
+  stiction::python::bind_families(module);
   stiction::python::bind_loading(module);
   stiction::python::bind_pressure_search(module);
   stiction::python::bind_student(module);

@@ -23,6 +23,7 @@ __all__: list[str] = [
     "harmonic_profiles",
     "harmonic_surface",
     "press",
+    "press_families",
     "quantities",
     "scale_to_amplitude",
     "student_probability",
@@ -247,9 +248,9 @@ def harmonic_profiles(
     length_scale: typing.SupportsFloat | typing.SupportsIndex,
     gamma: typing.SupportsFloat | typing.SupportsIndex,
     band_limited: bool,
-) -> None:
+) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Eq. 1 for every row of weights, into `profiles` (rows, points) [µm].
+    Eq. 1 for every row of weights, into `profiles` (rows, points) [µm]. Returns mean, lowest and highest of each.
     """
 
 def harmonic_surface(
@@ -298,6 +299,23 @@ def press(
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """
     Sums over the contacts of two maps: a dict of columns, direction by direction and in it by approach.
+    """
+
+def press_families(
+    upper: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    upper_levels: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    lower: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    lower_levels: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    *,
+    spacing: typing.SupportsFloat | typing.SupportsIndex,
+    amplitudes: numpy.typing.NDArray[numpy.float64],
+    measure: str,
+    approaches: numpy.typing.NDArray[numpy.float64],
+    models: collections.abc.Sequence[ContactModel],
+    scratch: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """
+    Sums of every pair of rows at each amplitude [µm] by each model at each approach [µm]: a dict of columns. Both families are used up.
     """
 
 def quantities() -> list[tuple[str, str, str]]:

@@ -7,6 +7,7 @@
 
 #include "stiction/array.hpp"
 #include "stiction/checkpoint.hpp"
+#include "stiction/detection.hpp"
 #include "stiction/encounter.hpp"
 
 #include <functional>
@@ -47,6 +48,14 @@ struct Candidate {
 /// Heights are finite, at least 4 and equally many; spacing [µm] > 0. Throws std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit, const Checkpoint& checkpoint = {});
+
+/// The first pass over a pair. Throws std::invalid_argument unless the profiles have equally many points.
+Screening screen(const ProfilePair& pair);
+
+/// The same of a pair that is screened already.
+void for_each_candidate(const ProfilePair& pair, const Screening& screening, double deepest, Detection detection,
+                        Curvature curvature, const std::function<void(const Candidate&)>& visit,
+                        const Checkpoint& checkpoint = {});
 
 /// Candidates found once, for any number of presses up to an approach of `deepest`.
 struct Candidates {

@@ -44,9 +44,11 @@ std::vector<Contact> contacts(const Candidates& found, double approach, const Co
                               const Checkpoint& checkpoint = {});
 
 /// The sums at approaches [µm], which are >= 0 and strictly increasing. Otherwise as `contacts`. Candidates know what
-/// they were found by: of a model, they take the law and the direction.
+/// they were found by: of a model, they take the law and the direction. A pair may have been screened before.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const Checkpoint& checkpoint = {});
+std::vector<Sums> press(const ProfilePair& pair, const Screening& screening, Values approaches,
+                        const ContactModel& model, const Checkpoint& checkpoint = {});
 std::vector<Sums> press(const Candidates& found, Values approaches, const ContactModel& model,
                         const Checkpoint& checkpoint = {});
 

@@ -23,6 +23,9 @@ struct Screening {
   bool lower_finite = true;
   double upper_largest = 0.0;  ///< of |height| [µm]
   double lower_largest = 0.0;
+
+  /// The next points of both bodies, a whole number of blocks unless they are the last.
+  void add(Values upper, Values lower);
 };
 
 Screening screen(Values upper, Values lower);

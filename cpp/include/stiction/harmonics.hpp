@@ -6,6 +6,7 @@
 // number of dimensions.
 #pragma once
 
+#include "stiction/amplitude.hpp"
 #include "stiction/array.hpp"
 #include "stiction/checkpoint.hpp"
 
@@ -30,10 +31,11 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// Σ_n weights(d, n) G_n(x_j) as row d, column j [µm], into the caller's array (rows of weights, points).
 /// phases [rad] is (directions M, frequencies N), weights [µm] is (any number of rows, N).
 /// Accuracy: the phase of a harmonic is a 64-bit fraction of a turn, which wraps exactly however many turns it makes,
-/// so aliased harmonics are as good as the product of a long double wave number and the position. Throws
-/// std::invalid_argument for shapes that do not match, values out of range and unresolvable phases.
-void harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid, Eigen::Ref<Matrix> profiles,
-                       const Checkpoint& checkpoint = {});
+/// so aliased harmonics are as good as the product of a long double wave number and the position. Returns the level of
+/// each row, for which it would have to be read again. Throws std::invalid_argument for shapes that do not match,
+/// values out of range and unresolvable phases.
+std::vector<Level> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
+                                     Eigen::Ref<Matrix> profiles, const Checkpoint& checkpoint = {});
 
 /// The same as a new array. Inline, because its memory is then the caller's own.
 inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {

@@ -63,9 +63,15 @@ class ProfileGenerator:
             self.seed, repetition=repetition, side=side, directions=self.directions, frequencies=self.frequencies
         )
 
-    def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> None:
-        """Unscaled heights (k, points) of one body at fractal dimensions (k,), in memory that is there already."""
-        fill_family(
+    def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
+        """Unscaled heights (k, points) of one body at fractal dimensions (k,), in memory that is there already.
+
+        Returns
+        -------
+        (k, 3) ndarray, µm
+            Mean, lowest and highest of each.
+        """
+        return fill_family(
             heights,
             self.phases(repetition, side),
             dimensions,

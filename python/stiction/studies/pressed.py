@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import stiction._core as _core
 from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import LoadCurve, press
@@ -34,6 +35,41 @@ def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) ->
         name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
         for name in study.sums()
     }
+
+
+def pressed_families(
+    study: Study, upper: tuple[Floats, Floats], lower: tuple[Floats, Floats], scratch: Floats
+) -> dict[str, NDArray[Any]]:
+    """What `pressed` has of each pair of two families of profiles, in one call.
+
+    Parameters
+    ----------
+    study : Study
+        Of asperities on profiles.
+    upper, lower : (k, points) ndarray and (k, 3) ndarray, µm
+        Unscaled heights, which are used up, and what `ProfileGenerator.fill` returns of them.
+    scratch : (2, points) ndarray
+
+    Returns
+    -------
+    dict of ndarray
+        Each sum as an array (k, amplitudes, rules, steps); of those that do not depend on the motion there is one rule.
+    """
+    surfaces, models, steps = study.surfaces, _models(study.contact), _steps(study.contact)
+    amplitudes = surfaces.amplitudes()
+    columns = _core.press_families(
+        *upper,
+        *lower,
+        spacing=float(surfaces.extent) / surfaces.points,
+        amplitudes=amplitudes,
+        measure=surfaces.amplitude_measure,
+        approaches=steps,
+        models=[model.for_profiles().core() for model in models],
+        scratch=scratch,
+    )
+    shape = len(upper[0]), amplitudes.size, len(models), steps.size
+    tables = {name: columns[name].reshape(shape) for name in study.sums()}
+    return {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()}
 
 
 def _curves(

@@ -25,7 +25,7 @@ from stiction._text import named
 from stiction.studies.dataset import empty_dataset, variables_of
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
-from stiction.studies.pressed import pressed
+from stiction.studies.pressed import pressed, pressed_families
 from stiction.studies.study import Study, study_from_text
 from stiction.studies.study_text import StudyError
 from stiction.surfaces.profile import AmplitudeMeasure, Profile, Side, scaled_profile
@@ -55,6 +55,9 @@ MOST_PACKED = 10
 MOST_MEMORY = 16 * 2**30
 """Bytes of a result that is not stored."""
 
+CACHE_LINE = 64
+"""Bytes."""
+
 FAMILY_MEMORY = 64_000_000
 """Bytes of each body's profiles that a task holds at a time, so that its memory does not grow with the study."""
 
@@ -62,9 +65,14 @@ FAMILY_MEMORY = 64_000_000
 def repetition_sums(study: Study, repetition: int) -> Sums:
     """The sums of one repetition: each variable of a result as an array, without the dimension of repetitions."""
     sums: Sums = {name: np.empty(shape, dtype) for name, (shape, dtype) in _arrays(study).items()}
-    pairs = _profiles(study, repetition) if study.surfaces.kind == "profile" else _surfaces(study, repetition)
-    for place, upper, lower in pairs:
-        for name, values in pressed(study, upper, lower).items():
+    is_profile, asperities = study.surfaces.kind == "profile", study.contact.mechanics == "asperities"
+    if is_profile and asperities:
+        parts: Iterator[tuple[Any, Sums]] = _families(study, repetition)
+    else:
+        pairs = _profiles(study, repetition) if is_profile else _surfaces(study, repetition)
+        parts = ((place, pressed(study, upper, lower)) for place, upper, lower in pairs)
+    for place, part in parts:
+        for name, values in part.items():
             sums[name][place] = values.reshape(sums[name][place].shape)
     return sums
 
@@ -84,28 +92,43 @@ def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], 
             yield (d, a), scaled_surface(study, upper, amplitude), scaled_surface(study, lower, amplitude)
 
 
+def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Sums]]:
+    """Pairs of some fractal dimensions at a time, pressed together."""
+    for place, uppers, lowers, scratch in _generated(study, repetition):
+        yield place, pressed_families(study, uppers, lowers, scratch)
+
+
 def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Profile, Profile]]:
     """Each pair with its place (fractal dimension, amplitude); it is gone when the next one comes."""
-    dimensions = study.surfaces.fractal_dimensions()
-    amplitudes = study.surfaces.amplitudes()
-    generator = ProfileGenerator.of(study)
-    spacing = generator.spacing
+    spacing = ProfileGenerator.of(study).spacing
     measure = cast("AmplitudeMeasure", study.surfaces.amplitude_measure)
-    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * study.surfaces.points)))
-    memory = _memory((2, members + 1, study.surfaces.points))
-    scratch = memory[:, -1]
-    for first in range(0, dimensions.size, members):
-        family = dimensions[first : first + members]
-        uppers, lowers = memory[0, : family.size], memory[1, : family.size]
-        generator.fill(uppers, family, repetition, "upper")
-        generator.fill(lowers, family, repetition, "lower")
-        for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=first):
-            for a, amplitude in enumerate(amplitudes):
+    for place, (uppers, _), (lowers, _), scratch in _generated(study, repetition):
+        for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=place.start):
+            for a, amplitude in enumerate(study.surfaces.amplitudes()):
                 yield (
                     (d, a),
                     scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
                     scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
                 )
+
+
+def _generated(
+    study: Study, repetition: int
+) -> Iterator[tuple[slice, tuple[Floats, Floats], tuple[Floats, Floats], Floats]]:
+    """Unscaled profiles and their levels at some fractal dimensions at a time, and memory for a scaled pair."""
+    dimensions = study.surfaces.fractal_dimensions()
+    generator = ProfileGenerator.of(study)
+    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * study.surfaces.points)))
+    memory = _memory((2 * members + 2, study.surfaces.points))
+    for first in range(0, dimensions.size, members):
+        family = dimensions[first : first + members]
+        uppers, lowers = memory[: family.size], memory[members : members + family.size]
+        yield (
+            slice(first, first + family.size),
+            (uppers, generator.fill(uppers, family, repetition, "upper")),
+            (lowers, generator.fill(lowers, family, repetition, "lower")),
+            memory[-2:],
+        )
 
 
 def task(version: str, study: str, repetitions: Sequence[int], writing: Writing | None) -> tuple[int, Sums | None]:
@@ -175,10 +198,15 @@ _kept = threading.local()
 
 
 def _memory(shape: tuple[int, ...]) -> Floats:
-    """An uninitialised array; a thread's tasks use the same again, because new pages are slow to come by."""
+    """An uninitialised array; a thread's tasks use the same again, because new pages are slow to come by.
+
+    It begins on a line of the cache: wide writes across two lines cost two.
+    """
     memory: Floats | None = getattr(_kept, "memory", None)
     if memory is None or memory.shape != shape:
-        _kept.memory = memory = np.empty(shape)
+        whole = np.empty(math.prod(shape) + CACHE_LINE // 8)
+        begin = -whole.__array_interface__["data"][0] % CACHE_LINE // 8
+        _kept.memory = memory = whole[begin : begin + math.prod(shape)].reshape(shape)
     return memory
 
 

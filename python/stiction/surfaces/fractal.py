@@ -156,8 +156,14 @@ def fill_family(
     extent: float,
     convention: Convention,
     band_limit: BandLimit | None,
-) -> None:
-    """`weierstrass_mandelbrot_family` in memory that is there already, which new memory of this size is slower than."""
+) -> Floats:
+    """`weierstrass_mandelbrot_family` in memory that is there already, which new memory of this size is slower than.
+
+    Returns
+    -------
+    (k, 3) ndarray, µm
+        Mean, lowest and highest of each.
+    """
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     length_scale = number("length_scale", length_scale, unit="µm", above=0)
@@ -171,7 +177,7 @@ def fill_family(
         )
         for dimension in dimensions
     ]
-    stiction._core.harmonic_profiles(
+    return stiction._core.harmonic_profiles(
         phase_array,
         np.array(weights).reshape(len(weights), phase_array.shape[1]),
         family,
