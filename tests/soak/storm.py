@@ -38,7 +38,7 @@ SAMPLE = 300
 
 ROUNDS = {"writers": ("threads", "processes", "workers", "scheduler"), "parts": ("parts",)}
 
-PATIENCE = 60.0
+PATIENCE = 600.0
 
 STUDY = Study().with_changes(
     {
@@ -58,8 +58,9 @@ RECORDING = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
-    from stiction.studies import blocks, runner
+    from stiction.studies import blocks, runner, store
     runner.TASK = 0.2
+    store.PATIENCE = blocks.PATIENCE = 600  # the machine may have other work
     sums = runner.repetition_sums
     def noted(study, repetition):
         if study.surfaces.fractal_dimensions().size > 1:  # or it is done to say how long it takes
@@ -118,12 +119,15 @@ class Storm:
         early = self.chance.random() < 0.3
         until = began + (self.chance.uniform(0, 1.2 * self.first_write) if early else PATIENCE)
         while time.monotonic() < until and self.written() == before:
-            assert all(process.poll() is None for process in processes), "a run ended by itself"
+            assert all(process.poll() is None for process in processes), f"a run ended by itself: {self.last_said()}"
             time.sleep(0.002)
         if not early:
             assert self.written() != before, "nothing is written"
             self.first_write = time.monotonic() - began
             time.sleep(self.chance.uniform(0, 0.5))
+
+    def last_said(self) -> str:
+        return (self.folder / "said").read_text()[-1000:]
 
     def written(self) -> int:
         with contextlib.suppress(FileNotFoundError):

@@ -47,13 +47,16 @@ def test_a_jackknife_in_pieces_is_that_which_leaves_each_out(size):
         loads = loads[loads > 0]
         if not loads.size:
             continue
-        found = intervals.AtLoads(curve, values.mean(axis=0), normal.shape[0], loads)
+        # Two curves at a time, of which the first carries nothing.
+        both = [np.stack([np.zeros_like(each), each]) for each in (normal, values)]
+        found = intervals.AtLoads(*(each.mean(axis=1) for each in both), normal.shape[0], loads)
         for first in range(0, normal.shape[0], size):
-            found.add(normal[first : first + size], values[first : first + size])
-        lower, upper = found.interval()
+            found.add(*(each[:, first : first + size].transpose(0, 2, 1) for each in both))
+        assert np.isnan(found.mean[0]).all()
+        lower, upper = (each[1] for each in found.interval())
         for index, load in enumerate(loads):
             mean, low, high = at_load(normal, values, load)
-            assert found.mean[index] == pytest.approx(mean, rel=CLOSE, nan_ok=True)
+            assert found.mean[1, index] == pytest.approx(mean, rel=CLOSE, nan_ok=True)
             tolerance = ENDS * max(abs(mean), np.abs(values).max()) if np.isfinite(mean) else 0
             assert lower[index] == pytest.approx(low, rel=ENDS, abs=tolerance, nan_ok=True)
             assert upper[index] == pytest.approx(high, rel=ENDS, abs=tolerance, nan_ok=True)
@@ -166,6 +169,27 @@ def test_what_is_stored_is_exported_to_the_bit(stored, whole, tmp_path, monkeypa
         with pytest.raises(ExportError, match=r"cannot be written: No space left on device"):
             export(stored, tmp_path / "no.nc")
         assert not (tmp_path / "no.nc").exists()
+
+
+@pytest.mark.parametrize("quantity", MAPS)
+def test_a_map_of_motions_is_that_of_each(quantity):
+    study = Study.named("figure6-areal").with_changes(
+        {"surfaces.shape": [32, 32], "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5],
+         "contact.direction": [0, 90], "contact.approach.count": 5}
+    )  # fmt: skip
+    result = run(study)
+    loads = reached_loads(result, 4)
+    whole = quantity(result, loads, mu0=[0.1, 0.4, 2.0], tau0=[0.0, 0.1])
+    assert (whole["status"] == "ok").any()
+    for rule in range(2):
+        for direction in range(2):
+            one = {"sliding": rule, "direction": direction}
+            found = quantity(result.isel(one), loads, mu0=[0.1, 0.4, 2.0], tau0=[0.0, 0.1])
+            xarray.testing.assert_identical(found, whole.isel(one))
+            for name in ("mu0", "tau0"):
+                alone = quantity(result.isel(one), loads, mu0=[0.1, 0.4, 2.0], tau0=[0.0, 0.1]).isel({name: [1]})
+                values = {"mu0": [0.1, 0.4, 2.0], "tau0": [0.0, 0.1]} | {name: found[name].values[1:2]}
+                xarray.testing.assert_allclose(quantity(result.isel(one), loads, **values), alone, rtol=CLOSE, atol=0)
 
 
 def test_maps_of_loads_and_motions_are_in_pieces_as_well(monkeypatch, tmp_path):

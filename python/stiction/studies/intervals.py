@@ -22,8 +22,12 @@ AROUND = 4
 """Steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise."""
 
 
+IN_CACHE = 2**15
+"""Numbers that are worked on at a time: of more, each step would wait for memory."""
+
+
 class AtLoads:
-    """Mean of values, read off where the mean of normal loads reaches loads, and its interval.
+    """Means of values, read off where the means of normal loads reach loads, and their intervals.
 
     A jackknife over the repetitions. With v and n the values and normal loads of each at the crossing, and e the
     exponent of the mean curve there, mean(v) ~ mean(n)^e, a repetition that is left out moves the logarithm of the mean
@@ -43,81 +47,95 @@ class AtLoads:
 
     Parameters
     ----------
-    normal, values : (k,) ndarray
-        Means over all repetitions.
+    normal, values : (c, k) ndarray
+        Means over all repetitions, of c curves.
     repetitions : int
     loads : (l,) ndarray, mN
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
-        self.crossing = Crossing.of(normal[np.newaxis], loads)
-        reached = self.crossing.reached[0]
-        self._there = Crossing(*(part[:, reached] for part in vars(self.crossing).values()))
+        self.crossing = Crossing.of(normal, loads)
+        # From here on only where a curve reaches a load, one point after the other.
+        self._curve, load = np.nonzero(self.crossing.reached)
+        self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
-        self._load = loads[reached]
-        self._mean_load, self._mean = self._there.at(normal[np.newaxis])[0], self._there.at(values[np.newaxis])[0]
-        self.mean = np.full(loads.shape, np.nan)
-        self.mean[reached] = self._mean
-        self._slope = _slopes(values, normal, self._there.index[0])
-        self._carrying = 0
-        self._negative = False
+        self._load = loads[load]
+        self._mean_load, self._mean = (self._at(each[..., np.newaxis])[:, 0] for each in (normal, values))
+        self._slope = _slopes(values[self._curve], normal[self._curve], self._index)
+        self._carrying = np.zeros(normal.shape[0], np.intp)
+        self._negative = np.zeros(normal.shape[0], np.bool_)
         self._logarithms, self._plain = _Powers(self._load.shape), _Powers(self._load.shape)
         self._loads, self._values = _Extent(self._load.size), _Extent(self._load.size)
+        self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Further repetitions: normal loads (r, k) and values (r, k)."""
-        self._carrying += int(np.count_nonzero(normal.any(axis=1)))
-        self._negative |= bool((values < 0).any())
-        own_load, own_value = self._there.at(normal), self._there.at(values)  # (r, l)
+        """Further repetitions: normal loads (c, k, r) and values (c, k, r)."""
+        self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
+        self._negative |= (values < 0).any(axis=(1, 2))
+        at_a_time = max(1, IN_CACHE // max(1, self._load.size))
+        for first in range(0, normal.shape[2], at_a_time):
+            some = slice(first, first + at_a_time)
+            self._add(self._at(normal[..., some]), self._at(values[..., some]))
+
+    def _add(self, own_load: Floats, own_value: Floats) -> None:
+        """What further repetitions have where the loads are reached, (p, r)."""
         self._loads.add(own_load)
         self._values.add(own_value)
         others = self._repetitions - 1
+        mean, mean_load, load, slope = (
+            each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
+        )
         # What it moves the means of the others by, when it is left out.
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_load, by_value = (self._mean_load - own_load) / others, (self._mean - own_value) / others
-            logarithms = np.log1p(by_value / self._mean) - self._slope * self._load / self._mean * np.log1p(
-                (self._mean_load - self._load + by_load) / self._load
-            )
+            by_load, by_value = (mean_load - own_load) / others, (mean - own_value) / others
+            logarithms = np.log1p(by_value / mean) - slope * load / mean * np.log1p((mean_load - load + by_load) / load)
             self._logarithms.add(logarithms)
-            self._plain.add(by_value - self._slope * by_load)
+            self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Lower and upper end (l,), when all repetitions have come."""
-        reached = self.crossing.reached[0]
-        lower, upper = np.full(reached.shape, np.nan), np.full(reached.shape, np.nan)
-        if self._carrying < 2:
-            return lower, upper
+        """Lower and upper end (c, l), when all repetitions have come."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
             ends = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
         plain = ~self._values.leaves_more_than_nothing(mean) | ~self._logarithms.is_finite()
         half_width = self._plain.half_width()
-        least = -np.inf if self._negative else 0.0
-        alone = ~self._loads.leaves_more_than_nothing(self._load)
-        lower[reached] = np.where(alone, np.nan, np.where(plain, np.maximum(mean - half_width, least), ends[0]))
-        upper[reached] = np.where(alone, np.nan, np.where(plain, mean + half_width, ends[1]))
-        return lower, upper
+        least = np.where(self._negative, -np.inf, 0.0)[self._curve]
+        alone = ~self._loads.leaves_more_than_nothing(self._load) | (self._carrying < 2)[self._curve]
+        lower = np.where(alone, np.nan, np.where(plain, np.maximum(mean - half_width, least), ends[0]))
+        upper = np.where(alone, np.nan, np.where(plain, mean + half_width, ends[1]))
+        return self._over_loads(lower), self._over_loads(upper)
+
+    def _at(self, values: Floats) -> Floats:
+        """(p, r): values (c, k, r) where the loads are reached."""
+        after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
+        return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
+
+    def _over_loads(self, of_points: Floats) -> Floats:
+        """(c, l), NaN where a load is not reached."""
+        result = np.full(self.crossing.reached.shape, np.nan)
+        result[self.crossing.reached] = of_points
+        return result
 
 
 def half_width_of(left_out: Floats) -> Floats:
     """Half the interval of a mean from its leave-one-out values (r, ...)."""
     powers = _Powers(left_out.shape[1:])
-    powers.add(left_out - left_out.mean(axis=0))
+    powers.add(np.moveaxis(left_out - left_out.mean(axis=0), 0, -1))
     return powers.half_width()
 
 
 class _Extent:
-    """Sum, least and most of values (r, l) over r that come by."""
+    """Sum, least and most of values (p, r) over r that come by."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
         self._least, self._most = np.full(size, np.inf), np.full(size, -np.inf)
 
     def add(self, values: Floats) -> None:
-        self._sum += values.sum(axis=0)
-        self._least = np.minimum(self._least, values.min(axis=0, initial=np.inf))
-        self._most = np.maximum(self._most, values.max(axis=0, initial=-np.inf))
+        self._sum += values.sum(axis=1)
+        self._least = np.minimum(self._least, values.min(axis=1, initial=np.inf))
+        self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
         """Whether any one may be left out, and the sum of the others has the sign of the mean."""
@@ -125,18 +143,17 @@ class _Extent:
 
 
 class _Powers:
-    """Sums of powers of jackknife values (r, ...) that come by, and half the interval that they give."""
+    """Sums of powers of jackknife values (..., r) that come by, and half the interval that they give."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
         self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
-        self._count += values.shape[0]
-        power = values
-        for index in range(4):
-            self._sums[index] += power.sum(axis=0)
-            power = power * values
+        self._count += values.shape[-1]
+        square = values * values
+        for index, power in enumerate((values, square, square * values, square * square)):
+            self._sums[index] += power.sum(axis=-1)
 
     def is_finite(self) -> NDArray[np.bool_]:
         return np.asarray(np.isfinite(self._sums).all(axis=0))
@@ -155,14 +172,14 @@ class _Powers:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """(l,): least-squares slope of mean values (k,) against mean normal loads (k,) over the steps around an index."""
+    """(p,): least-squares slope of mean values (p, k) against mean normal loads (p, k) over the steps around (p,)."""
     first = np.maximum(index - 1 - AROUND, 0)[:, np.newaxis]
-    last = np.minimum(index + AROUND, normal.size - 1)[:, np.newaxis]
+    last = np.minimum(index + AROUND, normal.shape[1] - 1)[:, np.newaxis]
     steps = first + np.arange(2 * AROUND + 2)
     inside = steps <= last
     steps = np.minimum(steps, last)
     count = inside.sum(axis=1, keepdims=True)
-    x, y = (np.where(inside, each[steps], 0.0) for each in (normal, values))
+    x, y = (np.where(inside, np.take_along_axis(each, steps, axis=1), 0.0) for each in (normal, values))
     x, y = (np.where(inside, each - each.sum(axis=1, keepdims=True) / count, 0.0) for each in (x, y))
     squares = (x * x).sum(axis=1)
     return np.asarray(np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0))

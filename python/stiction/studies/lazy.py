@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from typing import Any
 
@@ -58,20 +59,24 @@ class Stored(BackendArray):
         """By integers, slices and arrays of integers, each along its own dimension."""
         wanted = self._repetitions[key[2]]
         numbers = np.atleast_1d(wanted)
-        result: NDArray[Any] | None = None
+        at = sum(not isinstance(each, (int, np.integer)) for each in key[:2])  # axis of the repetitions
+        none = _outer(np.empty((*self.shape[:2], 0, *self.shape[3:]), self.dtype), (*key[:2], slice(0), *key[3:]))
+        result = np.empty((*none.shape[:at], numbers.size, *none.shape[at + 1 :]), self.dtype)
         block_of_each = numbers // self._blocks.size
-        for block in np.unique(block_of_each):
-            whole = self._blocks.read(self._name, self.dtype, self._of_one, int(block))
-            here = np.flatnonzero(block_of_each == block)
-            part = _outer(whole[:, :, numbers[here] - block * self._blocks.size], (*key[:2], slice(None), *key[3:]))
-            at = sum(not isinstance(each, (int, np.integer)) for each in key[:2])  # axis of the repetitions
-            if result is None:
-                result = np.empty((*part.shape[:at], numbers.size, *part.shape[at + 1 :]), self.dtype)
-            place: list[Any] = [*(slice(None),) * at, here]
-            result[tuple(place)] = part
-        if result is None:
-            result = _outer(np.empty(self.shape, self.dtype), (*key[:2], slice(0), *key[3:]))
+        # Neighbours of one block at a time.
+        ends = [0, *(np.flatnonzero(np.diff(block_of_each)) + 1).tolist(), numbers.size]
+        for first, last in itertools.pairwise(ends if numbers.size else []):
+            block = int(block_of_each[first])
+            whole = self._blocks.read(self._name, self.dtype, self._of_one, block)
+            there = _slice(numbers[first:last] - block * self._blocks.size)
+            place: list[Any] = [*(slice(None),) * at, slice(first, last)]
+            result[tuple(place)] = _outer(whole, (*key[:2], there, *key[3:]))
         return result if wanted.ndim else result.squeeze(axis=at)
+
+
+def _slice(indices: NDArray[np.intp]) -> slice | NDArray[np.intp]:
+    """Indices of which each is the next, as a slice, which copies faster."""
+    return slice(indices[0], indices[-1] + 1) if (np.diff(indices) == 1).all() else indices
 
 
 def _outer(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:

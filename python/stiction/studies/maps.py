@@ -18,8 +18,8 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.crossing import Crossing
-from stiction.studies.streams import pieces
+from stiction.studies.executors import threads
+from stiction.studies.streams import pieces, repetitions_last
 from stiction.studies.study import step_of
 
 if TYPE_CHECKING:
@@ -114,11 +114,6 @@ def _map(
 ) -> xarray.Dataset:
     import xarray
 
-    for motion in _MOTIONS:
-        if motion in dataset.dims:
-            maps = [_map(dataset.isel({motion: i}), loads, mu0, tau0, what) for i in range(dataset.sizes[motion])]
-            whole = xarray.concat(maps, dim=motion, coords="minimal", compat="override", join="override")
-            return whole.assign_coords({motion: dataset[motion].variable})
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
@@ -131,42 +126,58 @@ def _map(
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     sizes = dataset.sizes
-    shape = (
-        sizes["fractal_dimension"], sizes["amplitude"], load_values.size, mu0_values.size, tau0_values.size,
-    )  # fmt: skip
+    motions = [motion for motion in _MOTIONS if motion in dataset.dims]
+    cells = tuple(sizes[dim] for dim in (*motions, "fractal_dimension", "amplitude"))
+    shape = (*cells, load_values.size, mu0_values.size, tau0_values.size)
     mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
     validity = {name: np.full(shape, np.nan) for name in VALIDITY}
     status = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
     judged = all(name in dataset for name in SUMS)  # a dataset of loads alone still has a friction coefficient
+    material = mu0_values[:, np.newaxis, np.newaxis, np.newaxis], tau0_values[:, np.newaxis, np.newaxis]
+
+    def curves(cell: tuple[int, ...], sums: Sums, others: Sums) -> tuple[Floats, Floats]:
+        """Normal loads and values of every mu0 and tau0, one after the other: (c, k, r)."""
+        pair, other = (each.each(operator.itemgetter(cell)) for each in (sums, others))
+        normal = friction.normal_load(pair, *material)
+        values = np.broadcast_to(_values(other, what, *material), normal.shape)
+        return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
+
     # Two passes over the repetitions: the means say where loads are reached, and intervals are of what each has there.
     means, others = _means(dataset, what, step)
     at = {}
-    for d, a, m, t in np.ndindex(*shape[:2], *shape[3:]):
-        pair, other = (sums.each(operator.itemgetter((d, a))) for sums in (means, others))
-        normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
-        values = _values(other, what, mu0_values[m], tau0_values[t])
-        at[d, a, m, t] = intervals.AtLoads(normal, values, sizes["repetition"], load_values)
-    for piece in pieces(dataset, (*_NEEDED[what], *_of_step(what, step))):
-        own, changed = _sums_of(piece, what, step)
-        for (d, a, m, t), each in at.items():
-            pair, other = (sums.each(operator.itemgetter((d, a))) for sums in (own, changed))
-            normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
-            each.add(normal, _values(other, what, mu0_values[m], tau0_values[t]))
-    for (d, a, m, t), each in at.items():
-        here = (d, a, slice(None), m, t)
-        mean[here] = each.mean
-        lower[here], upper[here] = each.interval()
-        pair = means.each(operator.itemgetter((d, a)))
-        normal = friction.normal_load(pair, mu0_values[m], tau0_values[t])
-        status[here] = _status(bool(pair.contact_count.any()), _locked(pair, normal), each.crossing)
+    for cell in np.ndindex(cells):
+        normal, values = (each[..., 0] for each in curves(cell, means, others))
+        at[cell] = intervals.AtLoads(normal, values, sizes["repetition"], load_values)
+    with threads() as pool:
+        for piece in pieces(dataset, (*_NEEDED[what], *_of_step(what, step))):
+            both = [_sums_of(piece, what, step)] * len(at)
+
+            def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
+                at[cell].add(*curves(cell, *sums))
+
+            list(pool.map(add, at, both))
+    for cell, each in at.items():
+        for array, found in zip((mean, lower, upper), (each.mean, *each.interval()), strict=True):
+            array[cell] = _by_load(found, shape)
+        pair = means.each(operator.itemgetter((*cell, slice(None), 0)))
+        normal = curves(cell, means, others)[0][..., 0]
+        locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # friction holds them at the largest approach
+        status[cell] = _by_load(
+            friction.status_of(
+                touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
+                locked=locked,
+            ),
+            shape,
+        )  # fmt: skip
         if judged:
-            there = each.crossing.at(np.array([getattr(pair, name) for name in SUMS]))
-            for name, figure in vars(Validity.of(Sums(**dict(zip(SUMS, there, strict=True))))).items():
-                validity[name][here] = np.where(each.crossing.reached[0], figure, np.nan)
+            there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
+            for name, figure in vars(Validity.of(Sums(**there))).items():
+                validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), shape)
     if what == "friction_coefficient":
         for array in (mean, lower, upper):
             array /= load_values[:, np.newaxis, np.newaxis]
     coordinates: dict[str, Any] = {
+        **{motion: dataset[motion].variable for motion in motions},
         "fractal_dimension": dataset["fractal_dimension"].variable,
         "amplitude": dataset["amplitude"].variable,
         "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
@@ -174,7 +185,7 @@ def _map(
         "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
     }
     dims = tuple(coordinates)
-    coordinates |= {motion: dataset[motion].variable for motion in _MOTIONS if motion in dataset.coords}
+    coordinates |= {motion: dataset[motion].variable for motion in _MOTIONS if motion in dataset.coords}  # of one
     units, long_name = QUANTITIES[what]
     return xarray.Dataset(
         {
@@ -203,22 +214,41 @@ def _of_step(what: str, step: str) -> tuple[str, ...]:
     return ("approach",) if what == "normal_stiffness" and step == "load" else ()
 
 
+def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """What curves (c, l) of every mu0 and tau0 have, over load, mu0 and tau0."""
+    return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
+
+
 def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
     """The sums of a result as plain arrays, and those that a quantity is linear in: of a stiffness their derivatives.
 
-    Those that the result has not are NaN.
+    Over motions, fractal dimension, amplitude, step and repetition. Those that the result has not are NaN.
     """
-    ordered = data.transpose(*_DIMS, step)
-    missing = np.full(ordered["contact_count"].shape, np.nan)
-    columns = {name: ordered[name].values if name in ordered else missing for name in SUMS}
+    dims = [
+        *(motion for motion in _MOTIONS if motion in data.dims),
+        "fractal_dimension",
+        "amplitude",
+        step,
+        "repetition",
+    ]
+    shape = [data.sizes[dim] for dim in dims]
+
+    def values_of(name: str) -> NDArray[Any]:
+        if name not in data:
+            return np.broadcast_to(np.nan, shape)
+        own = [dim for dim in dims if dim in data[name].dims]
+        values = repetitions_last(data[name], own[:-1])
+        return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own else 1 for dim in dims]), shape)
+
+    columns = {name: values_of(name) for name in SUMS}
     sums = Sums.of(columns)
     if what != "normal_stiffness":
         return sums, sums
 
     def derivative(values: NDArray[Any]) -> Floats:
-        return np.asarray(np.gradient(values, ordered[step].values, axis=-1, edge_order=2))
+        return np.asarray(np.gradient(values, data[step].values, axis=-2, edge_order=2))
 
-    own = derivative(ordered["approach"].values) if step == "load" else 1.0
+    own = derivative(values_of("approach")) if step == "load" else 1.0
     return sums, Sums.of(columns | {name: derivative(columns[name]) / own for name in _LOADS[1:]})
 
 
@@ -233,11 +263,11 @@ def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
 
 
 def _means(dataset: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
-    """Means over the repetitions of what `_sums_of` gives, (fractal dimension, amplitude, step)."""
+    """Means over the repetitions of what `_sums_of` gives, as of one repetition."""
     names = [name for name in (*SUMS, *_of_step(what, step)) if name in dataset]
     total: list[Sums] = []
     for piece in pieces(dataset, names):
-        added = [sums.each(lambda values: values.sum(axis=2)) for sums in _sums_of(piece, what, step)]
+        added = [sums.each(lambda values: values.sum(axis=-1, keepdims=True)) for sums in _sums_of(piece, what, step)]
         total = [_sum(*each) for each in zip(total, added, strict=True)] if total else added
     sums, others = (each.each(lambda values: values / dataset.sizes["repetition"]) for each in total)
     return sums, others
@@ -266,12 +296,3 @@ def _list(name: str, values: ArrayLike) -> Floats:
     if array.ndim != 1:
         raise ValueError(f"{name} must be a number or a list of numbers, got shape {array.shape}")
     return array
-
-
-def _locked(pair: Sums, normal: Floats) -> bool:
-    """Whether contacts at the largest approach carry no mean normal load, because friction holds them."""
-    return bool(pair.contact_count[-1] > 0 and normal[-1] <= 0)
-
-
-def _status(touched: bool, locked: bool, crossing: Crossing) -> NDArray[np.str_]:
-    return friction.status_of(touched=touched, reached=crossing.reached[0], below=crossing.below[0], locked=locked)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import xarray
 
 PIECE = 2**26
 """Bytes of a result that are in memory at a time."""
+
+TURNED = 256
+"""Repetitions whose values change places at a time, so that they stay in the processor's cache."""
 
 
 def repetitions_of_piece(dataset: xarray.Dataset) -> int:
@@ -30,6 +36,15 @@ def pieces(dataset: xarray.Dataset, names: Iterable[Hashable] | None = None) -> 
         yield some.isel(repetition=slice(first, first + size)).load()
 
 
+def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
+    """Values over some dimensions, and over repetitions as neighbours in memory, where they are summed faster."""
+    there = array.transpose(*dims, "repetition").values
+    here = np.empty(there.shape, there.dtype)
+    for first in range(0, there.shape[-1], TURNED):
+        here[..., first : first + TURNED] = there[..., first : first + TURNED]
+    return here
+
+
 def means(dataset: xarray.Dataset, names: Iterable[str] | None = None) -> xarray.Dataset:
     """Means over the repetitions of some variables of a result, or of all that are over repetitions."""
     import xarray
@@ -38,7 +53,8 @@ def means(dataset: xarray.Dataset, names: Iterable[str] | None = None) -> xarray
     total: dict[str, xarray.Variable] = {}
     for piece in pieces(dataset, [str(name) for name in kept]):
         for name in map(str, kept):
-            added = piece[name].variable.sum("repetition", skipna=False)
+            dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
+            added = xarray.Variable(dims, repetitions_last(piece[name], dims).sum(axis=-1))
             total[name] = added if name not in total else total[name] + added
     count = dataset.sizes["repetition"]
     coordinates = {name: each for name, each in dataset.coords.items() if "repetition" not in each.dims}
