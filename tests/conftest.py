@@ -1,3 +1,4 @@
+import functools
 import os
 from pathlib import Path
 
@@ -24,6 +25,7 @@ def measured():
 def rough_pair():
     """rough_pair(D): an upper and a lower profile with a slope spectrum up to the grid."""
 
+    @functools.lru_cache(maxsize=8)
     def pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
         return tuple(
             weierstrass_mandelbrot(

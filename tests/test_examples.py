@@ -1,12 +1,16 @@
 """What the documents and docstrings show runs as it stands."""
 
 import ast
+import contextlib
 import doctest
+import functools
 import importlib
 import importlib.util
+import io
 import os
 import pkgutil
 import re
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -35,13 +39,23 @@ def test_docstring_examples(name):
     assert doctest.testmod(importlib.import_module(name)).failed == 0
 
 
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory):
+    """printed(path): what a script prints; it runs once, in an empty directory."""
+
+    @functools.cache
+    def of(path):
+        out = io.StringIO()
+        with contextlib.chdir(tmp_path_factory.mktemp(path.stem)), contextlib.redirect_stdout(out):
+            runpy.run_path(str(path), run_name="__main__")
+        return out.getvalue()
+
+    return of
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts(path, tmp_path):
-    done = subprocess.run(
-        [sys.executable, path], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
+def test_example_scripts(path, printed):
+    assert printed(path)
 
 
 # ---- Pages ----------------------------------------------------------------------------------------------------------
@@ -190,9 +204,8 @@ def test_code_of_the_page(page, tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the documents are not here")
-def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(tmp_path):
-    example = [sys.executable, ROOT / "examples/characterise_profile.py"]
-    said = subprocess.run(example, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True).stdout
+def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(printed):
+    said = printed(ROOT / "examples/characterise_profile.py")
     assert said in [block.text for block in blocks(ROOT / "docs/characterise.md") if block.kind == "text"]
 
 

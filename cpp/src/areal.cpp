@@ -1,6 +1,7 @@
 #include "stiction/areal.hpp"
 
 #include "areal_overlaps.hpp"
+#include "checks.hpp"
 #include "marks.hpp"
 #include "multiversion.hpp"
 #include "stiction/minima.hpp"
@@ -12,13 +13,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <stdexcept>
 #include <string>
 
 namespace stiction {
 namespace {
-
-[[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
 
 std::string size_of(const MatrixView& map) { return std::to_string(map.rows()) + " by " + std::to_string(map.cols()); }
 
@@ -48,12 +46,12 @@ struct RowRange {
 
 STICTION_MULTIVERSION
 RowRange range_of(const double* upper, const double* lower, Index size) {
-  constexpr Index lanes = 16;
-  double lowest[lanes];
-  double highest[lanes];
-  double zero[lanes] = {};
-  std::fill_n(lowest, lanes, std::numeric_limits<double>::infinity());
-  std::fill_n(highest, lanes, -std::numeric_limits<double>::infinity());
+  constexpr Index width = 16;
+  double lowest[width];
+  double highest[width];
+  double zero[width] = {};
+  std::fill_n(lowest, width, std::numeric_limits<double>::infinity());
+  std::fill_n(highest, width, -std::numeric_limits<double>::infinity());
   const auto take = [&](Index i, Index lane) {
     const double gap = upper[i] - lower[i];
     lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
@@ -61,16 +59,16 @@ RowRange range_of(const double* upper, const double* lower, Index size) {
     zero[lane] += gap - gap;
   };
   Index i = 0;
-  for (; i + lanes <= size; i += lanes) {
-    for (Index lane = 0; lane < lanes; ++lane) {
+  for (; i + width <= size; i += width) {
+    for (Index lane = 0; lane < width; ++lane) {
       take(i + lane, lane);
     }
   }
   for (; i < size; ++i) {
     take(i, 0);
   }
-  return {*std::min_element(lowest, lowest + lanes), *std::max_element(highest, highest + lanes),
-          std::accumulate(zero, zero + lanes, 0.0)};
+  return {*std::min_element(lowest, lowest + width), *std::max_element(highest, highest + width),
+          std::accumulate(zero, zero + width, 0.0)};
 }
 
 // Marks the points of a row that are lower than their eight neighbours and at most `deepest` high, but for both ends.

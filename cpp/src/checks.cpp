@@ -7,11 +7,8 @@
 #include <string>
 
 namespace stiction {
-namespace {
 
-[[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
-
-}  // namespace
+void fail(const std::string& what) { throw std::invalid_argument(what); }
 
 void check_approaches(Values approaches, double deepest) {
   if (approaches.empty()) {

@@ -3,7 +3,12 @@
 
 #include "stiction/array.hpp"
 
+#include <string>
+
 namespace stiction {
+
+/// Throws std::invalid_argument.
+[[noreturn]] void fail(const std::string& what);
 
 /// At least one, >= 0, finite, strictly increasing and none beyond `deepest`, up to which candidates were looked for.
 /// Throws std::invalid_argument.

@@ -254,16 +254,16 @@ def test_agrees_with_tamaas(pressed, boundary):
     load = pressed * MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = MODULUS, 0.0
-    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-14)
+    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)  # below 1e-12 it may go on for ever
     if boundary == "free":
         tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
         solver.setIntegralOperator("dcfft")
-    solver.max_iter = 20_000
-    solver.solve(load)
+    solver.max_iter = 1000
+    assert solver.solve(load) < 1e-11
     found = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
-    # Its measure of error is an energy, so that pressures err by more.
-    assert np.abs(found - exact).max() < 2e-5 * exact.max()
+    # Both measures of error are energies, so that pressures err by more.
+    assert np.abs(found - exact).max() < 1e-7 * exact.max()
 
 
 def test_kappa_is_near_two_at_light_load():

@@ -6,6 +6,7 @@ What they cover, and how wide they are beside the best that is possible, is meas
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,7 +216,21 @@ FEWEST_NEIGHBOURS = 8
 
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 
-_BISECTIONS = 50
+_MOST_STEPS = 50
+
+
+@lru_cache(maxsize=32)
+def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
+    """What depends on the number of values alone.
+
+    For each correlation 1' R^-1 1 and the variance of the mean over that of the values; of Student's t its quantile and
+    its density at 0.
+    """
+    rho, lags = _CORRELATIONS, np.arange(1, count)
+    ones = (count - (count - 2) * rho) / (1 + rho)
+    inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
+    density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
+    return ones, inflation, float(student_quantile(count - 1, 0.5 + CONFIDENCE / 2)), density
 
 
 def of_neighbours(values: Floats) -> tuple[float, float, float]:
@@ -240,7 +255,7 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
         return mean, math.nan, math.nan
     y, rho = deviations / spread, _CORRELATIONS
     # Of the autoregressive process in closed form: 1' R^-1 1, the weighted mean, and the weighted sum of squares.
-    ones = (count - (count - 2) * rho) / (1 + rho)
+    ones, inflation, quantile, density = _of_count(count)
     centre = (y[0] + y[-1] + (1 - rho) * y[1:-1].sum()) / (1 + rho) / ones
     about = y - centre[:, np.newaxis]
     innovations = about[:, 1:] - rho[:, np.newaxis] * about[:, :-1]
@@ -248,15 +263,17 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
     weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones) - np.log(1 - rho)
     weights = np.exp(-0.5 * (weights - weights.min()))
     weights /= weights.sum()
-    lags = np.arange(1, count)
-    inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    low, high = 0.0, float(student_quantile(count - 1, 0.5 + CONFIDENCE / 2) * errors.max())
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        enough = float(weights @ student_probability(count - 1, middle / errors)) >= 0.5 + CONFIDENCE / 2
-        low, high = (low, middle) if enough else (middle, high)
+    # The mixture's distribution is concave above 0, so that Newton's steps from below its quantile stay below it.
+    high = quantile * float(errors.min())
+    for _ in range(_MOST_STEPS):
+        t = high / errors
+        slope = density * float(weights @ ((1 + t * t / (count - 1)) ** (-count / 2) / errors))
+        step = (0.5 + CONFIDENCE / 2 - float(weights @ student_probability(count - 1, t))) / slope
+        high += step
+        if step <= 1e-15 * high:
+            break
     bend = float((y**3).mean() / (y**2).mean() ** 1.5) / 3
     below = above = high
     if abs(bend) > _STRAIGHT:

@@ -17,7 +17,7 @@ from stiction.surfaces.spectrum import PowerSpectrum, peak_of, power_spectrum, s
 from stiction.surfaces.surface import Surface
 from stiction.surfaces.surface_parameters import surface_parameters
 from stiction.surfaces.surface_spectrum import surface_spectrum
-from stiction.views.style import MILLIMETRE, STYLE, WIDTH
+from stiction.views.style import MILLIMETRE, STYLE, WIDTH, lay_out
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -323,7 +323,7 @@ def characterisation_figure(
         _profile_panel(line, profile, parameters)
         _heights_panel(heights, profile.heights)
         _spectrum_panel(bottom.subplots(), profile, estimate, periodic)
-        figure.draw_without_rendering()  # lays it out in this style
+        lay_out(figure)
     return figure
 
 
@@ -423,7 +423,7 @@ def surface_characterisation_figure(
         heights.tick_params(labelleft=True)
         _radial_panel(middle.subplots(), surface, _estimate(surface, band, False))
         _line_spectra_panel(bottom.subplots(), along_x, along_y)
-        figure.draw_without_rendering()  # lays it out in this style
+        lay_out(figure)
     return figure
 
 

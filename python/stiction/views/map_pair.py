@@ -10,7 +10,7 @@ import numpy as np
 from stiction.studies.map_pair import OF_SURROGATES, contacts_at, kind_of
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
-from stiction.views.style import MILLIMETRE, STYLE, WIDTH, save_picture
+from stiction.views.style import MILLIMETRE, STYLE, WIDTH, lay_out, save_picture
 from stiction.views.traverse import HIGHEST_MU0, _cell, _count, _material, _materials, _then, advice
 
 if TYPE_CHECKING:
@@ -481,7 +481,7 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
             handles, labels, loc="outside lower center", ncols=1,
             title=f"upper body to; shaded: 95 % over the {_over(at)}",
         )  # fmt: skip
-        figure.draw_without_rendering()
+        lay_out(figure)
     return figure
 
 
@@ -524,7 +524,7 @@ def map_load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         figure.legend(
             *top.get_legend_handles_labels(), title=f"shaded: 95 % over the {_over(mean)}", loc="outside lower center"
         )
-        figure.draw_without_rendering()
+        lay_out(figure)
     return figure
 
 
@@ -567,7 +567,7 @@ def distribution_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         top.set_title(f"{_head(mean)}\n$E^*$ = {float(mean['effective_modulus']):g} GPa", loc="left", fontsize=6, pad=3)
         handles, labels = top.get_legend_handles_labels()
         figure.legend(handles, labels, title=f"shaded: 95 % over the {_over(mean)}", loc="outside lower center")
-        figure.draw_without_rendering()
+        lay_out(figure)
     return figure
 
 
@@ -621,7 +621,7 @@ def contacts_figure(result: xarray.Dataset) -> Figure:
             *axes.get_legend_handles_labels(), loc="outside lower center",
             title="circles grow with the load of a contact, and are larger than it",
         )  # fmt: skip
-        figure.draw_without_rendering()
+        lay_out(figure)
     return figure
 
 

@@ -132,6 +132,12 @@ def _power_of_ten(value: float, _: object) -> str:
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+def lay_out(figure: Figure) -> None:
+    """Find the places of everything in this style, and once: drawing would do it again, which takes as long again."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+
+
 def save_picture(figure: Figure, path: Path) -> None:
     """Write a figure as PNG, over no other picture than one of this package: instruments write PNGs beside their data.
 

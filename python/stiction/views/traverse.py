@@ -17,7 +17,7 @@ from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.views.digits import with_interval
-from stiction.views.style import DIRECTIONS, FORCE, FRICTION, MILLIMETRE, STYLE, WIDTH, label, save_picture
+from stiction.views.style import DIRECTIONS, FORCE, FRICTION, MILLIMETRE, STYLE, WIDTH, label, lay_out, save_picture
 
 if TYPE_CHECKING:
     import xarray
@@ -544,7 +544,7 @@ def load_figure(mean: xarray.Dataset, loads: Any) -> Figure:
         axes[1].set_xlabel("normal load $F_N$ on the slider, 1 µm thick (mN)")
         axes[0].set_title(_choices(mean), loc="left", fontsize=6, pad=3)
         figure.legend(*axes[0].get_legend_handles_labels(), title="shaded: 95 %", loc="outside lower center", ncols=2)
-        figure.draw_without_rendering()
+        lay_out(figure)
     return figure
 
 
@@ -603,7 +603,7 @@ def positions_figure(result: xarray.Dataset, mean: xarray.Dataset, load: float) 
             *places.get_legend_handles_labels(), title=f"lines: means, shaded: their 95 %{note}",
             loc="outside lower center", ncols=2,
         )  # fmt: skip
-        figure.draw_without_rendering()
+        lay_out(figure)
     return figure
 
 
@@ -670,7 +670,7 @@ def contact_figure(
         large.set_xlabel("$x$ from the start of the upper profile (µm)")
         handles = _force_handles()
         figure.legend(handles=handles, title=_EXAGGERATED, loc="outside lower center", ncols=len(handles))
-        figure.draw_without_rendering()
+        lay_out(figure)
         if len(touching):
             _forces(large, touching, arrows, mu0, tau0)
     return figure
