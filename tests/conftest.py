@@ -1,11 +1,16 @@
 import functools
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
 from small import SMALL
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
+
+
+# A shell that runs the tests in the background has them and their children ignore Ctrl-C, which some of them press.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
