@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 
+from stiction._dask import without_dask
 from stiction.cli.application import start
 
 
 def main() -> None:
     """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
-    sys.exit(start())
+    with without_dask():
+        sys.exit(start())

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import re
-import threading
 import warnings
 from collections.abc import Callable
 from concurrent.futures import Executor
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +14,7 @@ import numpy as np
 import typer
 
 from stiction._core import __version__
+from stiction._dask import with_dask
 from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, announce, command, say, tell
@@ -23,10 +22,12 @@ from stiction.cli.options import Json
 from stiction.mechanics.friction import Sums, Validity
 from stiction.studies.executors import threads
 from stiction.studies.processes import processes
-from stiction.studies.runner import computed
+from stiction.studies.runner import fill
 from stiction.studies.streams import means as means_of
 from stiction.studies.study import Study, differences, step_of, study_names, study_summary
 from stiction.studies.study_text import StudyError, toml
+from stiction.views.drawing import draw as drawn
+from stiction.views.drawing import drawing
 
 RESULT = "result.zarr"
 
@@ -73,16 +74,19 @@ def run_command(
     changes: Changes = None,
 ) -> None:
     """Compute a study, or what is missing of it, draw it, and print its friction at a few loads; or one part of it."""
-    from stiction.views.answers import answers_text
-
     what = _changed(_study(study), changes)
     directory = output if output is not None else Path(Path(study).stem)
     which = None if part is None else _part(part)
-    with _executor(workers, cluster, scheduler) as executor:
-        dataset = _result(what, directory, executor, part=which)
-    if which is None:
-        _draw(dataset, directory)
-        tell(answers_text(dataset))
+    with contextlib.ExitStack() as stack:
+        draw = stack.enter_context(drawing(directory / RESULT, directory)) if which is None else None
+        with _executor(workers, cluster, scheduler) as executor:
+            _fill(what, directory, executor, part=which)
+        if draw is not None:
+            announce("drawing")
+            paths, answers = draw()
+            for path in paths:
+                tell(f"wrote {path}")
+            tell(answers)
 
 
 def _part(text: str) -> tuple[int, int]:
@@ -308,6 +312,7 @@ def _executor(
     if cluster is not None:
         return processes(cluster)
     if scheduler is not None:
+        with_dask()
         from stiction.studies.cluster import connected
 
         return connected(scheduler)
@@ -323,23 +328,30 @@ def stored(directory: Path) -> Path:
     return directory / RESULT
 
 
-def _result(
+def _result(study: Study, directory: Path, executor: Executor, said: Callable[[str], None]) -> Any:
+    """The result of a study in a directory, of which what is there already is not computed again."""
+    from stiction.studies import store
+
+    _fill(study, directory, executor, said)
+    return store.read(directory / RESULT)
+
+
+def _fill(
     study: Study,
     directory: Path,
     executor: Executor,
     said: Callable[[str], None] = tell,
     part: tuple[int, int] | None = None,
-) -> Any:
-    """The result of a study in a directory, of which what is there already is not computed again; or of a part."""
+) -> None:
+    """Compute what a directory lacks of a study, or of a part of it."""
     from stiction.studies import store
 
     if directory.is_file():
         raise StudyError(f"{named(directory)} is a file; say where the results shall go with --output DIR")
     path = directory / RESULT
     stored = store.info(path).finished if path.exists() else 0
-    threading.Thread(target=_import_ahead).start()
     try:
-        dataset = computed(study, path, part=part, executor=executor, progress=True, say=said)
+        held = fill(study, path, part=part, executor=executor, progress=True, say=said)
     except KeyboardInterrupt:
         # Said at once; the repetitions that are being computed come to their end first.
         say(f"interrupted{_how_to_go_on(path)}")
@@ -347,17 +359,16 @@ def _result(
     if part is not None:
         kept = store.info(path)
         said(
-            f"part {part[0]}/{part[1]} is finished, {dataset.sizes['repetition']} repetitions; {kept.finished} of "
+            f"part {part[0]}/{part[1]} is finished, {held} repetitions; {kept.finished} of "
             f"{study.ensemble.repetitions} are in {path}"
         )
     elif stored < study.ensemble.repetitions:
         total = study.ensemble.repetitions
         said(f"wrote {path}" + (f" ({stored} of its {total} repetitions were there already)" if stored else ""))
     else:
-        computed_by = dataset.attrs["stiction_version"]
+        computed_by = store.info(path).versions["stiction"]
         by = "" if computed_by == __version__ else f", computed by stiction {computed_by}"
         said(f"{path} holds this study already{by}; drawing it again")
-    return dataset
 
 
 def _how_to_go_on(path: Path) -> str:
@@ -370,18 +381,9 @@ def _how_to_go_on(path: Path) -> str:
     return f"; {kept.finished} of {total} repetitions are finished and kept: the same command goes on from there"
 
 
-def _import_ahead() -> None:
-    """What figures will need, imported while the repetitions are computed; first what the result needs itself."""
-    with contextlib.suppress(ImportError):  # said where it is needed
-        for name in ("xarray", "zarr", "scipy.special", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-            import_module(name)
-
-
 def _draw(dataset: Any, directory: Path, said: Callable[[str], None] = tell) -> None:
-    from stiction.views.figures import save_figures
-
     announce("drawing")
-    for path in save_figures(dataset, directory):
+    for path in drawn(dataset, directory):
         said(f"wrote {path}")
 
 

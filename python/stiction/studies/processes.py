@@ -92,7 +92,7 @@ class _Processes(ThreadPoolExecutor):
                 raise error
             return result
         raise WorkerError(
-            f"a repetition was given up, because every process that computed it died: {ends[-1]}; "
+            f"a task was given up, because every process that took it died: {ends[-1]}; "
             "perhaps there is not enough memory for so many"
         )
 

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.blocks import Writing
+    from stiction.studies.store import Store
 
 Sums = dict[str, NDArray[Any]]
 
@@ -45,6 +46,9 @@ MOST_SUBMITTED = 1000
 
 MOST_WAITING = 2**28
 """Bytes of results that may wait to be stored here, where workers do not store them."""
+
+SLOW = 1.0
+"""Seconds of a pair above which nothing else matters."""
 
 TASK = 2.0
 """Seconds after which a task begins no further repetition, but has those stored that it has: the most that is lost."""
@@ -280,6 +284,34 @@ def computed(
     ValueError
         As `run`; and if the same part is being computed by somebody else, or there is no such part.
     """
+    with _filled(study, store, part, executor, progress, say) as (kept, repetitions):
+        return kept.dataset(repetitions)
+
+
+def fill(
+    study: Study,
+    store: str | Path,
+    *,
+    part: tuple[int, int] | None = None,
+    executor: Executor | None = None,
+    progress: bool = False,
+    say: Callable[[str], None] | None = None,
+) -> int:
+    """`computed` for whoever reads the store afterwards: how many repetitions of the study, or the part, it holds."""
+    with _filled(study, store, part, executor, progress, say) as (_, repetitions):
+        return int(repetitions.size)
+
+
+@contextlib.contextmanager
+def _filled(
+    study: Study,
+    store: str | Path,
+    part: tuple[int, int] | None,
+    executor: Executor | None,
+    progress: bool,
+    say: Callable[[str], None] | None,
+) -> Iterator[tuple[Store, NDArray[np.intp]]]:
+    """A store that holds all repetitions of a study, or of a part of it, and which these are."""
     from stiction.studies.store import opened
 
     if part is not None and not 1 <= part[0] <= part[1]:
@@ -292,21 +324,21 @@ def computed(
         most = MOST_SUBMITTED
         if missing.count:
             shared = pool.submit(_is_shared, kept.writing).result()
-            if say is not None:
-                say(_ahead(study, missing, kept.block, Path(store), shared))
             if not shared:
                 most = max(32, min(most, MOST_WAITING // (kept.block * _size(study))))
         here = missing.total - missing.count
         advance = stack.enter_context(progress_bar("repetitions", missing.total, here, progress))
         stack.enter_context(kept.refusals())
         # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
-        for repetitions, sums in stack.enter_context(
-            contextlib.closing(_results(study, missing, pool, kept.writing, most))
-        ):
+        results = stack.enter_context(contextlib.closing(_results(study, missing, pool, kept.writing, most)))
+        next(results)
+        if missing.count and say is not None:
+            say(_ahead(study, missing, kept.block, Path(store), shared))
+        for repetitions, sums in results:
             if sums is not None:
                 kept.save(repetitions, sums)
             advance(len(repetitions))
-        return kept.dataset(missing.all())
+        yield kept, missing.all()
 
 
 def _check_disk(study: Study, store: Path) -> None:
@@ -344,15 +376,21 @@ def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarra
 
 
 def _ahead(study: Study, missing: _Missing, block: int, store: Path, shared: bool) -> str:
-    """What lies ahead: bytes before they are packed, files, time by the fractal dimension in the middle, who writes."""
-    dimensions = study.surfaces.fractal_dimensions()
-    one = study.with_changes({"surfaces.fractal_dimension": [float(dimensions[dimensions.size // 2])]})
-    for _ in range(2):  # the first time everything is slower
+    """What lies ahead: bytes before they are packed, files, time by fractal dimensions in the middle, who writes."""
+    dimensions = study.surfaces.fractal_dimensions().tolist()
+
+    def taken(count: int) -> float:
+        middle = len(dimensions) // 2
+        some = study.with_changes({"surfaces.fractal_dimension": dimensions[middle : middle + count]})
         began = time.thread_time()
-        repetition_sums(one, 0)
-        seconds = (time.thread_time() - began) * dimensions.size * missing.count
-        if seconds > 1000 * missing.count:
-            break
+        repetition_sums(some, 0)
+        return time.thread_time() - began
+
+    one = further = taken(1)
+    if one < SLOW:  # what many have in common counts, and the first time everything is slower
+        one = taken(1)
+        further = max(taken(2) - one, 0.0)
+    seconds = (one + (len(dimensions) - 1) * further) * missing.count
     files = -(-missing.count // block) * (len(study.sums()) + 1)
     free = shutil.disk_usage(store).free
     who = "the workers write them" if shared else "the workers do not see the store, so this process writes them"
@@ -415,7 +453,10 @@ class _Missing:
 def _results(
     study: Study, missing: _Missing, pool: Executor, writing: Writing | None, most: int
 ) -> Generator[tuple[list[int], Sums | None]]:
-    """Repetitions of a block as they are done, and their sums if they are not stored; so many blocks are submitted."""
+    """Repetitions of a block as they are done, and their sums if they are not stored; so many blocks are submitted.
+
+    What comes first is nothing, as soon as they are.
+    """
     blocks = iter(missing)
     waiting: dict[Future[tuple[int, Sums | None]], list[int]] = {}
     # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
@@ -428,6 +469,9 @@ def _results(
         future.add_done_callback(done.put)
 
     try:
+        for repetitions in itertools.islice(blocks, most):
+            submit(repetitions)
+        yield [], None
         while True:
             for repetitions in itertools.islice(blocks, max(0, most - len(waiting))):
                 submit(repetitions)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -71,33 +71,36 @@ def save_figures(dataset: xarray.Dataset, directory: str | Path) -> list[Path]:
     each mu0. ``area.png``: the true contact area against load. Of several sliding rules or directions each has files
     of its own, as in ``friction_mu0_0.4_all_90.png``.
     """
+    return [save() for _, save in pictures(dataset, Path(directory))]
+
+
+def pictures(dataset: xarray.Dataset, directory: Path) -> Iterator[tuple[Path, Callable[[], Path]]]:
+    """The figures of `save_figures`: the path of each, and what draws it."""
+    study = study_of(dataset)
+
+    def picture(name: str, figure: Callable[..., Figure], *arguments: Any) -> tuple[Path, Callable[[], Path]]:
+        return directory / name, lambda: _save(directory / name, figure, *arguments)
+
+    for name in study.figures.draw:
+        match name:
+            case "profiles":
+                yield picture("profiles.png", profiles_figure, study)
+            case "length-scales":
+                yield picture("length_scales.png", length_scales_figure, study)
+            case "friction":
+                for suffix, one in _motions(dataset):
+                    for mu0 in study.friction.mu0:
+                        yield picture(f"friction_mu0_{mu0:.12g}{suffix}.png", friction_figure, one, mu0)
+            case "area":
+                for suffix, one in _motions(dataset):
+                    yield picture(f"area{suffix}.png", area_figure, one)
+
+
+def _save(path: Path, figure: Callable[..., Figure], *arguments: Any) -> Path:
     import matplotlib as mpl
 
-    directory = Path(directory)
-    study = study_of(dataset)
-    paths = []
     with mpl.rc_context(STYLE):
-        for name in study.figures.draw:
-            match name:
-                case "profiles":
-                    paths.append(_save(profiles_figure(study), directory / "profiles.png"))
-                case "length-scales":
-                    paths.append(_save(length_scales_figure(study), directory / "length_scales.png"))
-                case "friction":
-                    paths += [
-                        _save(friction_figure(one, mu0), directory / f"friction_mu0_{mu0:.12g}{suffix}.png")
-                        for suffix, one in _motions(dataset)
-                        for mu0 in study.friction.mu0
-                    ]
-                case "area":
-                    paths += [
-                        _save(area_figure(one), directory / f"area{suffix}.png") for suffix, one in _motions(dataset)
-                    ]
-    return paths
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    save_picture(figure, path)
+        save_picture(figure(*arguments), path)
     return path
 
 
