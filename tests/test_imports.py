@@ -79,6 +79,11 @@ def test_help_and_version_load_none_of_what_computes():
         ) <= (LOADED_BY_HELP)
 
 
+def test_listing_studies_loads_no_tables_pictures_or_files():
+    code = "sys.argv[1:] = ['studies']; from stiction.cli.application import start; start()"
+    assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP | {"numcodecs"}
+
+
 def test_the_stub_of_the_face_says_where_its_names_are_made():
     """Type checkers read the stub, Python the module."""
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
