@@ -3,10 +3,12 @@
 Each in a process of its own: 10 000 repetitions as large as quick's, of small surfaces, and 200 of figure6.
 """
 
-import os
+import contextlib
 import subprocess
 import sys
 import tempfile
+import time
+from pathlib import Path
 
 STUDIES = {
     "10 000 of quick": ["quick", "ensemble.repetitions=10000", "surfaces.points=500", "surfaces.directions=4",
@@ -23,15 +25,39 @@ COMMANDS = {
     "report": ["report", "out"],
     "export": ["export", "out", "out.nc"],
     "info": ["info", "out"],
+    "at": ["at", "out", "--load", "1 uN", "--d", "1.3", "--mu0", "0.4"],
 }
 
 
 def peak(folder: str, arguments: list[str]) -> float:
-    """MiB of a process."""
+    """MiB of a process and all that it starts, at once."""
     process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    assert status == 0, arguments
-    return used.ru_maxrss / 1024
+    most = 0.0
+    while process.poll() is None:
+        most = max(most, sum(map(resident, family(process.pid))))
+        time.sleep(0.02)
+    assert process.returncode == 0, arguments
+    return most / 1024
+
+
+def family(pid: int) -> list[int]:
+    """A process and all that it has started."""
+    parents = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
+    found = [pid]
+    for each in found:
+        found += [child for child, parent in parents.items() if parent == each]
+    return found
+
+
+def resident(pid: int) -> int:
+    """KiB of a process, with what it shares with others."""
+    with contextlib.suppress(OSError, StopIteration):
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+        return int(next(line for line in lines if line.startswith("VmRSS")).split()[1])
+    return 0
 
 
 def rows() -> list[tuple[str, str]]:

@@ -7,6 +7,7 @@ import pytest
 import xarray
 from command import assert_refused, stiction_command
 from stiction import half_space, pair_of, run
+from stiction.studies import streams
 from stiction.studies.friction_table import friction_table, table_study
 
 SMALL = {
@@ -53,6 +54,21 @@ def test_every_number_is_that_of_pressing_by_hand(dataset, table):
     fixed = np.mean([curve.stiffness for curve in curves["all"]], axis=0) / 100
     ratio = at["normal_stiffness"].sel(statistic="mean").values[1:-1] / fixed[1:-1]
     assert ((ratio > 0.8) & (ratio < 1.3)).all()
+
+
+def test_a_table_in_pieces_is_the_same(dataset, table, monkeypatch):
+    monkeypatch.setattr(streams, "PIECE", 0)
+    xarray.testing.assert_allclose(friction_table(dataset), table, rtol=1e-12, atol=1e-15)  # but for round-off
+
+
+def test_a_pair_that_is_pulled_back_leaves_no_law_of_stiffness(dataset, table):
+    """Its approach falls with the load."""
+    other = dataset.copy(deep=True)
+    other["approach"].values[0, 0, 1] *= -1
+    found = friction_table(other)
+    for name in ("stiffness_factor", "stiffness_exponent", "stiffness_deviation"):
+        assert np.isnan(found[name].isel(hurst_exponent=1, rms=0)).all()
+        assert found[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
 def test_what_must_rise_rises(table):

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
+from stiction.studies.streams import pieces
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
@@ -173,31 +174,41 @@ def friction_table(
     ]
     area = float(np.prod(study.surfaces.extents()))
     pressure = dataset["load"].values / area
-    order = ("repetition", "fractal_dimension", "amplitude", "load")
-
-    def over_pairs(name: str) -> Floats:
-        return np.asarray(dataset[name].transpose(*order).values, dtype=np.float64)
-
+    cells = (dataset.sizes["fractal_dimension"], dataset.sizes["amplitude"])
+    # Two passes over the pairs: intervals are of what each is beside the means, and laws of where these are light.
+    samples = {name: intervals.Sample((*cells, pressure.size)) for name in _OF_PAIRS}
+    loads = np.zeros(())
+    for piece in pieces(dataset, _NEEDED):
+        loads = loads + _loads(piece, *material).sum(axis=2)
+        for name, values in _of_pairs(piece, pressure, area).items():
+            samples[name].add(values)
+    means = {name: np.stack(sample.interval(), axis=-1) for name, sample in samples.items()}
+    light = _light(means["contact_area_fraction"][..., 0])
+    laws = {name: intervals.Sample(cells) for name in _LAWS}
+    solved = np.ones(cells, np.bool_)
+    coefficient = np.where(loads[0] > 0, _ratio(loads), np.nan)
+    left_out = intervals.Powers(coefficient.shape)
+    for piece in pieces(dataset, _NEEDED):
+        others = _ratio(loads[:, :, np.newaxis] - _loads(piece, *material))
+        left_out.add(np.moveaxis(others - coefficient[:, np.newaxis], 1, -1))
+        found = _fitted(pressure, light, _of_pairs(piece, pressure, area))
+        solved &= np.isfinite(found["stiffness_exponent"]).all(axis=0)
+        for name, values in found.items():
+            laws[name].add(values)
+    half = left_out.half_width() if dataset.sizes["repetition"] >= intervals.FEWEST_OF_SAMPLE else np.nan
+    ends = [coefficient, np.maximum(coefficient - half, 0.0), coefficient + half]
     statistics = ("hurst_exponent", "rms", "pressure", "statistic")
-    fraction, approach = over_pairs("contact_area") / area, over_pairs("approach")
-    stiffness = np.full(approach.shape, np.nan)
-    if pressure.size >= FEWEST_PRESSURES:
-        # The approach is nearly straight over the logarithm of the load.
-        stiffness = pressure / np.gradient(approach, np.log(pressure), axis=-1, edge_order=2)
     variables: dict[str, Any] = {
-        "contact_area_fraction": (
-            statistics, _sample(fraction), {"units": "1", "long_name": "true over nominal contact area"},
-        ),
-        "normal_stiffness": (
-            statistics, _sample(stiffness), {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"},
-        ),
-        "approach": (statistics, _sample(approach), attributes_of("approach")),
+        **{name: (statistics, means[name], attributes) for name, attributes in _OF_PAIRS.items()},
         "friction_coefficient": (
             ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0", "statistic"),
-            _coefficients(dataset, *material), attributes_of("friction_coefficient"),
+            np.stack(ends, axis=-1), attributes_of("friction_coefficient"),
         ),
     }  # fmt: skip
-    variables |= _laws(pressure, fraction, stiffness)
+    fitted = {name: np.stack(sample.interval(), axis=-1) for name, sample in laws.items()}
+    for name in ("stiffness_factor", "stiffness_exponent"):
+        fitted[name][~solved] = np.nan
+    variables |= _laws(pressure, light, means, fitted)
     return xarray.Dataset(
         variables,
         {
@@ -213,63 +224,93 @@ def friction_table(
     ).sortby("hurst_exponent")  # fmt: skip
 
 
-def _sample(values: Floats) -> Floats:
-    return np.stack(intervals.of_sample(values), axis=-1)
+_NEEDED = (
+    "contact_area", "approach", "normal_elastic", "normal_frictional", "normal_adhesive",
+    "tangential_elastic", "tangential_frictional", "tangential_adhesive",
+)  # fmt: skip
+
+_OF_PAIRS = {
+    "contact_area_fraction": {"units": "1", "long_name": "true over nominal contact area"},
+    "normal_stiffness": {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"},
+    "approach": attributes_of("approach"),
+}
+"""What each pair has of its own."""
+
+_LAWS = ("area_factor", "stiffness_factor", "stiffness_exponent")
 
 
-def _coefficients(dataset: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
-    """Ratios of means over pairs and directions, with a jackknife over the pairs."""
+def _of_pairs(data: xarray.Dataset, pressure: Floats, area: float) -> dict[str, Floats]:
+    """Each (r, fractal dimension, amplitude, load)."""
+    order = ("repetition", "fractal_dimension", "amplitude", "load")
+    approach = data["approach"].transpose(*order).values
+    stiffness = np.full(approach.shape, np.nan)
+    if pressure.size >= FEWEST_PRESSURES:
+        # The approach is nearly straight over the logarithm of the load.
+        stiffness = pressure / np.gradient(approach, np.log(pressure), axis=-1, edge_order=2)
+    fraction = data["contact_area"].transpose(*order).values / area
+    return {"contact_area_fraction": fraction, "normal_stiffness": stiffness, "approach": approach}
+
+
+def _loads(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
+    """Normal and tangential (2, sliding, r, fractal dimension, amplitude, load, mu0, tau0), means over directions."""
     order = ("sliding", "repetition", "fractal_dimension", "amplitude", "load")
     sums = {}
-    for name in (
-        "normal_elastic", "normal_frictional", "normal_adhesive",
-        "tangential_elastic", "tangential_frictional", "tangential_adhesive",
-    ):  # fmt: skip
-        part = dataset[name]
+    for name in _NEEDED[2:]:
+        part = data[name]
         part = part.mean("direction") if "direction" in part.dims else part
-        part = part if "sliding" in part.dims else part.expand_dims(sliding=max(1, dataset.sizes.get("sliding", 1)))
+        part = part if "sliding" in part.dims else part.expand_dims(sliding=max(1, data.sizes.get("sliding", 1)))
         sums[name] = part.transpose(*order).values[..., np.newaxis, np.newaxis]
     rub = mu0[:, np.newaxis]
-    normal = sums["normal_elastic"] + rub * sums["normal_frictional"] + tau0 * sums["normal_adhesive"]
-    tangential = sums["tangential_elastic"] + rub * sums["tangential_frictional"] + tau0 * sums["tangential_adhesive"]
-    pairs = normal.shape[1]
+    both = [
+        sums[f"{each}_elastic"] + rub * sums[f"{each}_frictional"] + tau0 * sums[f"{each}_adhesive"]
+        for each in ("normal", "tangential")
+    ]
+    return np.stack(both)
+
+
+def _ratio(loads: Floats) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = tangential.sum(axis=1) / normal.sum(axis=1)
-        mean = np.where(normal.sum(axis=1) > 0, mean, np.nan)
-        half = np.full(mean.shape, np.nan)
-        if pairs >= intervals.FEWEST_OF_SAMPLE:
-            totals = normal.sum(axis=1, keepdims=True) - normal, tangential.sum(axis=1, keepdims=True) - tangential
-            others = totals[1] / totals[0]
-            half = intervals.half_width_of(np.moveaxis(others, 1, 0))
-    return np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
+        return np.asarray(loads[1] / loads[0])
 
 
-def _laws(pressure: Floats, fraction: Floats, stiffness: Floats) -> dict[str, Any]:
-    """A of A/A0 = a p, b and c of k/A0 = b p^c, over (D, Sq), of pairs one by one."""
-    mean_fraction, mean_stiffness = fraction.mean(axis=0), stiffness.mean(axis=0)
-    cells = mean_fraction.shape[:2]
-    values = {name: np.full((*cells, 3), np.nan) for name in ("area_factor", "stiffness_factor", "stiffness_exponent")}
-    off = {name: np.full(cells, np.nan) for name in ("area_deviation", "stiffness_deviation")}
-    for cell in np.ndindex(*cells):
-        light = mean_fraction[cell] <= LIGHT
-        if light.sum() < 2:
-            light[:] = True
-        p, shares, stiff = pressure[light], fraction[(slice(None), *cell)][:, light], stiffness[(slice(None), *cell)]
+def _light(fraction: Floats) -> NDArray[np.bool_]:
+    """Pressures that laws are fitted to, of mean shares of the area over pressure."""
+    light = fraction <= LIGHT
+    light[light.sum(axis=-1) < 2] = True
+    return light
+
+
+def _fitted(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
+    """A of A/A0 = a p, b and c of k/A0 = b p^c, of each pair (r, fractal dimension, amplitude), NaN if none."""
+    found = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in _LAWS}
+    for cell in np.ndindex(*light.shape[:2]):
+        place = (slice(None), *cell)
+        p = pressure[light[cell]]
+        shares, stiff = (pairs[name][place][:, light[cell]] for name in ("contact_area_fraction", "normal_stiffness"))
         with np.errstate(divide="ignore", invalid="ignore"):
-            factor = np.exp(np.mean(np.log(shares / p), axis=1))
-        values["area_factor"][cell] = intervals.of_sample(factor)
-        law = values["area_factor"][cell][0] * p
-        off["area_deviation"][cell] = np.abs(mean_fraction[cell][light] / law - 1).max()
-        stiff = stiff[:, light]
-        if p.size < 2 or not (stiff > 0).all() or not np.isfinite(stiff).all():
-            continue
-        place = np.log(p) - np.log(p).mean()
-        exponent = np.log(stiff) @ place / (place @ place)
-        prefactor = np.exp(np.log(stiff).mean(axis=1) - exponent * np.log(p).mean())
-        values["stiffness_exponent"][cell] = intervals.of_sample(exponent)
-        values["stiffness_factor"][cell] = intervals.of_sample(prefactor)
-        law = values["stiffness_factor"][cell][0] * p ** values["stiffness_exponent"][cell][0]
-        off["stiffness_deviation"][cell] = np.abs(mean_stiffness[cell][light] / law - 1).max()
+            found["area_factor"][place] = np.exp(np.mean(np.log(shares / p), axis=1))
+            logarithms = np.log(np.where(stiff > 0, stiff, np.nan))
+        if p.size >= 2:
+            offset = np.log(p) - np.log(p).mean()
+            exponent = logarithms @ offset / (offset @ offset)
+            found["stiffness_exponent"][place] = exponent
+            found["stiffness_factor"][place] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
+    return found
+
+
+def _laws(
+    pressure: Floats, light: NDArray[np.bool_], means: dict[str, Floats], values: dict[str, Floats]
+) -> dict[str, Any]:
+    """The laws as variables, and how far the means are off them."""
+    of = {name: each[..., :1] for name, each in values.items()}
+    laws = {
+        "area": (of["area_factor"] * pressure, "contact_area_fraction"),
+        "stiffness": (of["stiffness_factor"] * pressure ** of["stiffness_exponent"], "normal_stiffness"),
+    }
+    off = {
+        f"{name}_deviation": np.where(light, np.abs(means[of_pairs][..., 0] / law - 1), 0.0).max(axis=-1)
+        for name, (law, of_pairs) in laws.items()
+    }
     words = {
         "area_factor": ("1/GPa", "a of A/A0 = a p"),
         "stiffness_factor": ("GPa/um/GPa^c", "b of k/A0 = b p^c"),

@@ -65,7 +65,7 @@ class AtLoads:
         self._slope = _slopes(values[self._curve], normal[self._curve], self._index)
         self._carrying = np.zeros(normal.shape[0], np.intp)
         self._negative = np.zeros(normal.shape[0], np.bool_)
-        self._logarithms, self._plain = _Powers(self._load.shape), _Powers(self._load.shape)
+        self._logarithms, self._plain = Powers(self._load.shape), Powers(self._load.shape)
         self._loads, self._values = _Extent(self._load.size), _Extent(self._load.size)
         self.mean = self._over_loads(self._mean)
 
@@ -121,7 +121,7 @@ class AtLoads:
 
 def half_width_of(left_out: Floats) -> Floats:
     """Half the interval of a mean from its leave-one-out values (r, ...)."""
-    powers = _Powers(left_out.shape[1:])
+    powers = Powers(left_out.shape[1:])
     powers.add(np.moveaxis(left_out - left_out.mean(axis=0), 0, -1))
     return powers.half_width()
 
@@ -143,7 +143,7 @@ class _Extent:
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
-class _Powers:
+class Powers:
     """Sums of powers of jackknife values (..., r) that come by, and half the interval that they give."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
@@ -151,15 +151,18 @@ class _Powers:
         self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
+        """Further values."""
         self._count += values.shape[-1]
         square = values * values
         for index, power in enumerate((values, square, square * values, square * square)):
             self._sums[index] += power.sum(axis=-1)
 
     def is_finite(self) -> NDArray[np.bool_]:
+        """Whether all values were."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
+        """Half the interval, when all values have come."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -193,20 +196,47 @@ FEWEST_OF_SAMPLE = 3
 
 
 def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Mean of values (r, ...) over the first axis, without NaN, and its interval by Student's t.
+    """`Sample` of all of its values (r, ...) at once."""
+    sample = Sample(values.shape[1:])
+    sample.add(values)
+    return sample.interval()
 
-    The interval is NaN for fewer than `FEWEST_OF_SAMPLE` values, and not below 0 where no value is.
+
+class Sample:
+    """Means of values (r, ...) that come by, over the first axis and without NaN, and intervals by Student's t.
+
+    The interval is NaN for fewer than `FEWEST_OF_SAMPLE` values, and not below 0 where no value is. Sums of squares are
+    put together about the common mean: Chan, Golub & LeVeque (1983), Eq. 2.1.
     """
-    known = np.isfinite(values)
-    count = known.sum(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.where(known, values, 0.0).sum(axis=0) / count
-        squares = np.where(known, np.square(values - mean), 0.0).sum(axis=0)
-        error = np.sqrt(squares / (count - 1) / count)
-    enough = count >= FEWEST_OF_SAMPLE
-    half_width = np.where(enough, student_quantile(np.maximum(count - 1, 1), 0.5 + CONFIDENCE / 2) * error, np.nan)
-    least = np.where((np.where(known, values, 0.0) < 0).any(axis=0), -np.inf, 0.0)
-    return np.asarray(mean), np.asarray(np.maximum(mean - half_width, least)), np.asarray(mean + half_width)
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self._count = np.zeros(shape, np.intp)
+        self._mean, self._squares = np.zeros(shape), np.zeros(shape)
+        self._negative = np.zeros(shape, np.bool_)
+
+    def add(self, values: Floats) -> None:
+        """Further values."""
+        known = np.isfinite(values)
+        count = known.sum(axis=0)
+        mean = np.where(known, values, 0.0).sum(axis=0) / np.maximum(count, 1)
+        own = np.where(known, values - mean, 0.0)
+        step = mean - self._mean
+        before, self._count = self._count, self._count + count
+        share = count / np.maximum(self._count, 1)
+        self._squares += np.square(own).sum(axis=0) + np.square(step) * before * share
+        self._mean += step * share
+        self._negative |= (np.where(known, values, 0.0) < 0).any(axis=0)
+
+    def interval(self) -> tuple[Floats, Floats, Floats]:
+        """Mean, lower and upper end."""
+        count = self._count
+        mean = np.where(count > 0, self._mean, np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = np.sqrt(self._squares / (count - 1) / count)
+        quantile = student_quantile(np.maximum(count - 1, 1), 0.5 + CONFIDENCE / 2)
+        half_width = np.where(count >= FEWEST_OF_SAMPLE, quantile * error, np.nan)
+        lower = np.maximum(mean - half_width, np.where(self._negative, -np.inf, 0.0))
+        return mean, np.asarray(lower), np.asarray(mean + half_width)
 
 
 # ---- Over neighbours -------------------------------------------------------------------------------------------------
