@@ -8,7 +8,6 @@ import pytest
 from small import SMALL
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 
-
 # A shell that runs the tests in the background has them and their children ignore Ctrl-C, which some of them press.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

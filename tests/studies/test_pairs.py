@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from stiction import Study, pair_of, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
+from stiction.studies import pairs
 from stiction.studies.pairs import ProfileGenerator
 
 STUDY = Study().with_changes(
@@ -23,6 +24,18 @@ STUDY = Study().with_changes(
         "ensemble.repetitions": 3,
     }
 )
+
+
+@pytest.mark.parametrize("members", [1, 2, 5])
+def test_pairs_of_several_dimensions_are_those_of_each(monkeypatch, members):
+    monkeypatch.setattr(pairs, "FAMILY_MEMORY", members * 8 * STUDY.surfaces.points)
+    dimensions = np.array([1.0, 1.2, 1.45])
+    several = list(pairs.pairs_of(STUDY, 1, dimensions, 0.1))
+    assert len(several) == dimensions.size
+    for dimension, found in zip(dimensions, several, strict=True):
+        for body, alone in zip(found, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
+            assert body.heights.tobytes() == alone.heights.tobytes()
+            assert body.spacing == alone.spacing
 
 
 def test_a_pair_gives_the_bits_of_the_run():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import cast
 
@@ -87,6 +88,28 @@ class ProfileGenerator:
         family = np.empty((1, self.points))
         self.fill(family, np.array([dimension]), repetition, side)
         return read_only(family[0])
+
+
+FAMILY_MEMORY = 64_000_000
+"""Bytes of each body's profiles that are held at a time, so that memory does not grow with the study."""
+
+
+def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile]]:
+    """`pair_of` profiles at each of several fractal dimensions, many of which take little longer than one."""
+    generator = ProfileGenerator.of(study)
+    measure = cast("AmplitudeMeasure", study.surfaces.amplitude_measure)
+    members = max(1, FAMILY_MEMORY // (8 * generator.points))
+    for first in range(0, dimensions.size, members):
+        family = dimensions[first : first + members]
+        bodies = [np.empty((family.size, generator.points)) for _ in range(2)]
+        generator.fill(bodies[0], family, repetition, "upper")
+        generator.fill(bodies[1], family, repetition, "lower")
+        for pair in zip(*bodies, strict=True):
+            upper, lower = (
+                scaled_profile(heights, generator.spacing, amplitude, measure, np.empty_like(heights))
+                for heights in pair
+            )
+            yield upper, lower
 
 
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:

@@ -24,7 +24,7 @@ from stiction._core import __version__
 from stiction._text import named
 from stiction.studies.dataset import empty_dataset, variables_of
 from stiction.studies.executors import given_or_threads, progress_bar
-from stiction.studies.pairs import ProfileGenerator, scaled_surface, unscaled_surface
+from stiction.studies.pairs import FAMILY_MEMORY, ProfileGenerator, scaled_surface, unscaled_surface
 from stiction.studies.pressed import pressed, pressed_families
 from stiction.studies.study import Study, study_from_text
 from stiction.studies.study_text import StudyError
@@ -61,9 +61,6 @@ MOST_MEMORY = 16 * 2**30
 
 CACHE_LINE = 64
 """Bytes."""
-
-FAMILY_MEMORY = 64_000_000
-"""Bytes of each body's profiles that a task holds at a time, so that its memory does not grow with the study."""
 
 
 def repetition_sums(study: Study, repetition: int) -> Sums:
@@ -388,8 +385,8 @@ def _ahead(study: Study, missing: _Missing, block: int, store: Path, shared: boo
 
     one = further = taken(1)
     if one < SLOW:  # what many have in common counts, and the first time everything is slower
-        one = taken(1)
-        further = max(taken(2) - one, 0.0)
+        (_, one), (_, three) = ((taken(count), taken(count)) for count in (1, 3))
+        further = max(three - one, 0.0) / 2
     seconds = (one + (len(dimensions) - 1) * further) * missing.count
     files = -(-missing.count // block) * (len(study.sums()) + 1)
     free = shutil.disk_usage(store).free

@@ -98,6 +98,10 @@ def escaped(text: object) -> str:
     return html.escape(printable(str(text), MOST_TEXT))
 
 
+_COMPRESSION = 7
+"""A sixth of the time of 9 for half a per cent more bytes."""
+
+
 def packed(values: ArrayLike, leading: int) -> str:
     """Doubles as text, rounded to some of their leading bytes: all first bytes, then all second ones, and so on.
 
@@ -108,7 +112,7 @@ def packed(values: ArrayLike, leading: int) -> str:
     if dropped:
         bits = bits + np.uint64(1 << (dropped - 1))
     planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :leading].T
-    return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
+    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION)).decode("ascii")
 
 
 def counted(count: int, one: str, many: str | None = None) -> str:

@@ -19,7 +19,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.quantities import AREAL_VALIDITY, DIRECTED, QUANTITIES, VALIDITY
 from stiction.studies.intervals import AROUND, CONFIDENCE
-from stiction.studies.pairs import pair_of
+from stiction.studies.pairs import pairs_of
 from stiction.studies.streams import means, pieces
 from stiction.studies.study import Study, differences, step_of, study_names, study_of
 from stiction.surfaces.profile import Profile
@@ -458,9 +458,7 @@ def _windows(
     That is the first point of the window, the first point of what is cut out, and the height at which the two touch.
     Scaled to another amplitude they touch at the same point.
     """
-    for dimension in dimensions:
-        pair = pair_of(study, repetition, fractal_dimension=dimension, amplitude=amplitude)
-        upper, lower = cast("tuple[Profile, Profile]", pair)
+    for upper, lower in pairs_of(study, repetition, dimensions, amplitude):
         touch = int(np.argmin(upper.heights - lower.heights))
         start = max(0, min(touch - WINDOW // 2, len(lower) - WINDOW))
         crop = max(0, start - MARGIN)
