@@ -180,9 +180,12 @@ STICTION_INLINE void subtract_one_kernel(double* values, Harmonic* harmonics) {
 STICTION_KERNEL(subtract_two, (double* values, Harmonic* harmonics), (values, harmonics))
 STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, harmonics))
 
+STICTION_MULTIVERSION
+void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
+
 // G_n over the block that begins at a point; blocks come in order.
 void next_block(Group& group, Index first, double* values) {
-  std::fill_n(values, block, group.constant);
+  fill_block(values, group.constant);
   if (first % (restart * block) == 0) {
     for (Harmonic& harmonic : group.harmonics) {
       harmonic.start(first);
@@ -252,24 +255,29 @@ STICTION_KERNEL(one_row,
                  std::size_t stride),
                 (weights, values, frequencies, sums, stride))
 
-// All rows of one whole block; `sums` points at its first column.
-void product(const Matrix& weights, const double* values, double* sums, Index stride) {
+// All rows of one whole block; `sums` points at its first column. Calls after(begin, end) when the rows from begin to
+// end, excluded, are done and still in the cache.
+template <class After>
+void product(const Matrix& weights, const double* values, double* sums, Index stride, const After& after) {
   const Index rows = weights.rows();
   const auto frequencies = static_cast<std::size_t>(weights.cols());
   const auto step = static_cast<std::size_t>(stride);
   Index done = 0;
   for (; done + 10 <= rows; done += 10) {
     ten_rows(weights.row(done).data(), values, frequencies, sums + done * stride, step);
+    after(done, done + 10);
   }
   if (rows >= 4) {
     for (; done < rows; done += 4) {
       const Index row = std::min(done, rows - 4);  // the last tile may do some rows again
       four_rows(weights.row(row).data(), values, frequencies, sums + row * stride, step);
+      after(done, row + 4);
     }
     return;
   }
   for (; done < rows; ++done) {
     one_row(weights.row(done).data(), values, frequencies, sums + done * stride, step);
+    after(done, done + 1);
   }
 }
 
@@ -416,17 +424,20 @@ std::vector<Level> harmonic_profiles(MatrixView phases, MatrixView weights, cons
       checkpoint();
       next_block(all[n], first, values.get() + n * block);
     }
-    const Index count = grid.points - first;
-    if (count >= block) {
-      product(packed_weights, values.get(), profiles.data() + first, profiles.outerStride());
+    const Index count = std::min(grid.points - first, block);
+    const auto measure = [&](Index begin, Index end) {
+      for (Index row = begin; row < end; ++row) {
+        const double* heights = profiles.row(row).data() + first;
+        levellings[static_cast<std::size_t>(row)].add({heights, static_cast<std::size_t>(count)});
+      }
+    };
+    if (count == block) {
+      product(packed_weights, values.get(), profiles.data() + first, profiles.outerStride(), measure);
     } else {
       last_block.resize(weights.rows(), block);
-      product(packed_weights, values.get(), last_block.data(), block);
+      product(packed_weights, values.get(), last_block.data(), block, [](Index, Index) {});
       profiles.rightCols(count) = last_block.leftCols(count);
-    }
-    for (std::size_t row = 0; row < levellings.size(); ++row) {  // while the block is in the cache
-      const double* heights = profiles.row(static_cast<Index>(row)).data() + first;
-      levellings[row].add({heights, static_cast<std::size_t>(std::min(count, block))});
+      measure(0, weights.rows());
     }
   }
   std::vector<Level> levels;
@@ -481,7 +492,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
             of_y(at, static_cast<Index>(2 * h + 1)) = harmonic.odd.real() * sines[i] + harmonic.odd.imag() * cosines[i];
           }
         }
-        product(of_y, of_x.get(), tile.data(), block);
+        product(of_y, of_x.get(), tile.data(), block, [](Index, Index) {});
         const Index height = std::min(run, rows - row);
         heights.block(row, column, height, width) += tile.topLeftCorner(height, width);
       }
