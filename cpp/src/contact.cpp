@@ -19,6 +19,9 @@ void visit_touches(const Candidate& candidate, Values approaches, double half_ce
   const auto begin = static_cast<std::size_t>(first - approaches.begin());
   const auto visit_all = [&](const auto& encounter) {
     for (std::size_t k = begin; k < approaches.size(); ++k) {
+      if (encounter.is_apart(approaches[k])) {
+        continue;
+      }
       const Touch touch = encounter.at(approaches[k]);
       const Verdict verdict = judge(touch, half_cell);
       if (verdict != Verdict::no_contact) {

@@ -166,11 +166,14 @@ void mark_cells(Derivatives at, const double* upper, const double* lower, std::s
     const double nearest = std::sqrt(apart_x * apart_x + least_y * least_y);
     const double half_excess = 0.5 * (upper_radius - lower_radius);
     const double middle = lower_x + 0.5 * apart_x;
-    const double first = middle - half_excess * apart_x / farthest;
-    const double last = middle - half_excess * apart_x / nearest;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(apart_x) + std::abs(half_excess));
-    // What is not a number is left to the exact rules.
-    const bool beside = ((first > limit) & (last > limit)) | ((first < -limit) & (last < -limit));
+    // The centre is at middle - half_excess apart_x / distance, from the farthest to the nearest; both sides are
+    // multiplied by the distance. What is not a number is left to the exact rules.
+    const double moved = half_excess * apart_x;
+    const double above = middle - limit;
+    const double below = middle + limit;
+    const bool beside = ((above * farthest > moved) & (above * nearest > moved)) |
+                        ((below * farthest < moved) & (below * nearest < moved));
     const bool apart = nearest > farthest * (1.0 + round_off);
     const bool convex = (at.upper_curvature[i] > 0.0) & (at.lower_curvature[i] < 0.0);
     marks[i] = convex & (gap <= largest) & !beside & !apart;

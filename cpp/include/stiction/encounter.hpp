@@ -1,10 +1,10 @@
 // Two asperities that face each other, and how they touch at an approach: Hanaor, Gan & Einav, Tribol. Int. 93 (2016)
 // 229, Eqs. 4 and 5.
 //
-// Every kind of encounter has a member `at(approach)`; all that comes after it asks for no more. Positions are relative
-// to the point of the lower body at which the asperities face each other. The approach [µm] is the displacement of the
-// upper body towards the lower one since first touch of the bodies; `gap` [µm], of the two points at zero approach, is
-// measured from the same.
+// Every kind of encounter has a member `at(approach)`, and `is_apart(approach)` for what needs no more; all that comes
+// after it asks for nothing else. Positions are relative to the point of the lower body at which the asperities face
+// each other. The approach [µm] is the displacement of the upper body towards the lower one since first touch of the
+// bodies; `gap` [µm], of the two points at zero approach, is measured from the same.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -51,6 +51,8 @@ struct SpherePair {
   bool pole_below;  ///< the smaller sphere is the lower one
 
   Touch at(double approach) const;
+  bool is_apart(double approach) const;  ///< at(approach).overlap <= 0, without a division or a root
+  double overlap_numerator(double passed) const { return sign * (lateral + passed * (2.0 * apart.z() - passed)); }
 };
 
 /// A sphere and a straight body: the limit of an infinite radius, in which the normal is the straight one's own.
@@ -62,6 +64,7 @@ struct SphereOnStraight {
   double radius;   ///< [µm]
 
   Touch at(double approach) const;
+  bool is_apart(double approach) const { return !(at(approach).overlap > 0.0); }
 };
 
 using Encounter = std::variant<SpherePair, SphereOnStraight>;
@@ -95,13 +98,15 @@ inline Touch SpherePair::at(double approach) const {
   const Vector3 x(apart.x(), apart.y(), apart.z() - passed);
   const double distance = x.norm();
   const Vector3 normal = sign / distance * x;
-  const double overlap = sign * (lateral + passed * (2.0 * apart.z() - passed)) / (reach + distance);
+  const double overlap = overlap_numerator(passed) / (reach + distance);
   const double depth = pole_radius - 0.5 * overlap;
   if (pole_below) {
     return {normal, pole + depth * normal, overlap};
   }
   return {normal, pole - depth * normal - Vector3(0.0, 0.0, passed), overlap};
 }
+
+inline bool SpherePair::is_apart(double approach) const { return !(overlap_numerator(approach - gap) > 0.0); }
 
 inline Touch SphereOnStraight::at(double approach) const {
   const double passed = approach - gap;
