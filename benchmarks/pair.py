@@ -1,27 +1,29 @@
 """What does a pair of figure6 cost, in U, and where does it go? What do two threads gain?"""
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
 from measure import in_units, seconds, unit
-from stiction import Study, press, random_phases, run, weierstrass_mandelbrot_family
-from stiction.surfaces.profile import scaled_profile
+from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
+from stiction.studies.pairs import ProfileGenerator
+from stiction.studies.runner import _memory, repetition_sums
 
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 30})
 PAIRS = 30 * 50
 TURNS = 10
+NEW_TURNS = 3
 SIGNAL = np.random.default_rng(0).random(150_000)
 
 
-def computed(study: Study, workers: int) -> None:
+def by_new_threads(study: Study, workers: int) -> float:
+    """Seconds, where the threads have to come by their memory first."""
     with ThreadPoolExecutor(workers) as pool:
-        run(study, executor=pool)
+        return seconds(lambda: run(study, executor=pool), 1)
 
 
-def two_over_one(study: Study) -> float:
-    """How many times faster two threads are: the median of turns, each of one and then two."""
-    gains = [seconds(lambda: computed(study, 1), 1) / seconds(lambda: computed(study, 2), 1) for _ in range(TURNS)]
-    return float(np.median(gains))
+def gain(study: Study, one: Executor, two: Executor) -> float:
+    """How many times faster two threads are than one."""
+    return seconds(lambda: run(study, executor=one), 1) / seconds(lambda: run(study, executor=two), 1)
 
 
 def rows() -> list[tuple[str, str]]:
@@ -32,38 +34,37 @@ def rows() -> list[tuple[str, str]]:
     ]
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
-        cost = in_units(lambda study=study: computed(study, 1), 3) / PAIRS
-        result.append((f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"))
-        gain = two_over_one(study)
-        result.append((f"two threads over one, {detection}, median of {TURNS}", f"{gain:.2f}"))
-        share = 2 / gain - 1  # of one thread's time that a second does not shorten (Amdahl)
+        with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
+            gain(study, one, two)  # which brings their memory
+            cost = in_units(lambda study=study, one=one: run(study, executor=one), 3) / PAIRS
+            median = float(np.median([gain(study, one, two) for _ in range(TURNS)]))
+        share = 2 / median - 1  # of one thread's time that a second does not shorten (Amdahl)
         four = 1 / (share + (1 - share) / 4)
-        result.append((f"four threads over one, {detection}, by Amdahl's law from these", f"{four:.1f}"))
+        result += [
+            (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),
+            (f"two threads over one, {detection}, median of {TURNS}", f"{median:.2f}"),
+            (f"four threads over one, {detection}, by Amdahl's law from these", f"{four:.1f}"),
+        ]
+    new = np.median([by_new_threads(STUDY, 1) / by_new_threads(STUDY, 2) for _ in range(NEW_TURNS)])
+    result.append((f"two threads over one, cell, new threads and memory, median of {NEW_TURNS}", f"{new:.2f}"))
 
     dimensions = STUDY.surfaces.fractal_dimensions()
-    phases = {side: random_phases(2016, side=side) for side in ("upper", "lower")}
-    generation = 2 * in_units(lambda: weierstrass_mandelbrot_family(phases["upper"], dimensions)) / 50
-    one = in_units(lambda: weierstrass_mandelbrot_family(phases["upper"], dimensions[:1]))
-    families = {side: weierstrass_mandelbrot_family(p, dimensions) for side, p in phases.items()}
-    scratch = np.empty((2, 150_000))
-    spacing = 40 / 150_000
-
-    def scaled():
-        for upper, lower in zip(families["upper"], families["lower"], strict=True):
-            yield (
-                scaled_profile(upper, spacing, 0.1, "height", scratch[0]),
-                scaled_profile(lower, spacing, 0.1, "height", scratch[1]),
-            )
-
-    scaling = in_units(lambda: [None for _ in scaled()]) / 50
-    approaches = STUDY.contact.approaches()
+    phases = random_phases(2016)
+    one_profile = in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
+    generator, memory = ProfileGenerator.of(STUDY), _memory((dimensions.size, 150_000))
+    generation = 2 * in_units(lambda: generator.fill(memory, dimensions, 0, "upper")) / dimensions.size
     result += [
         ("generation: both bodies, 50 dimensions together", f"{generation:.2f} U a pair"),
-        ("generation: one profile of one dimension", f"{one:.1f} U"),
-        ("scaling of both bodies", f"{scaling:.2f} U a pair"),
+        ("generation: one profile of one dimension", f"{one_profile:.1f} U"),
     ]
     for detection in ("cell", "gap-minimum"):
-        for what, steps in (("first touch only", approaches[:1]), ("40 nm only", approaches[-1:]), ("40", approaches)):
-            cost = in_units(lambda s=steps, d=detection: [press(u, lo, s, detection=d) for u, lo in scaled()]) / 50
-            result.append((f"contact, {detection}, approaches: {what}", f"{cost - scaling:.2f} U a pair"))
+        for what, approach in (
+            ("scaling and first touch only", ["0 nm"]),
+            ("40 nm only", ["40 nm"]),
+            ("40 approaches", None),
+        ):
+            changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
+            study = STUDY.with_changes(changes)
+            cost = in_units(lambda study=study: repetition_sums(study, 0)) / dimensions.size
+            result.append((f"scaling and contact, {detection}: {what}", f"{cost - generation:.2f} U a pair"))
     return result

@@ -36,6 +36,7 @@ TEST_CASE("Eq. 4: overlap, normal and centre of two spheres are those of their c
       const Vector3 x = upper_centre - lower_centre;
       const double sign = upper_radius > 0.0 ? 1.0 : -1.0;
       const Touch touch = pair->at(approach);
+      CHECK(pair->is_apart(approach) == !(touch.overlap > 0.0));
       CHECK(touch.normal.isApprox(sign / x.norm() * x, round_off));
       CHECK(touch.overlap == doctest::Approx(upper_radius + 3.0 - sign * x.norm()).epsilon(1e-10));
       const Vector3 centre = lower_centre + 0.5 * x - 0.5 * (upper_radius - 3.0) * touch.normal;
