@@ -7,6 +7,7 @@ import matplotlib.figure
 import pytest
 from command import stiction_command
 from stiction import _dask
+from stiction.studies import processes
 from stiction.views import drawing, figures
 
 TINY = [
@@ -33,6 +34,21 @@ def test_a_new_command_draws_in_another_process_what_one_process_draws(tmp_path)
     assert len(pictures) == 4
     for picture in pictures:
         assert picture.read_bytes() == (tmp_path / "one/quick" / picture.name).read_bytes()
+
+
+def nothing_drawn(store, directory):
+    return [directory / store], "answers"
+
+
+def test_what_draws_is_this_process_where_there_is_no_other(tmp_path, monkeypatch):
+    def no_process(*_, **__):
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(drawing, "_NEEDED", ["not loaded"])
+    monkeypatch.setattr(processes.subprocess, "Popen", no_process)
+    monkeypatch.setattr(drawing, "_drawn", nothing_drawn)
+    with drawing.drawing(Path("r.zarr"), tmp_path) as draw:
+        assert draw() == ([tmp_path / "r.zarr"], "answers")
 
 
 def test_what_another_process_cannot_draw_is_said_as_here(tmp_path):

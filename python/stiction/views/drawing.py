@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from stiction._dask import without_dask
 from stiction.studies.executors import available_cores
-from stiction.studies.processes import processes
+from stiction.studies.processes import WorkerError, processes
 
 if TYPE_CHECKING:
     import xarray
@@ -34,7 +34,14 @@ def drawing(store: Path, directory: Path) -> Iterator[Callable[[], tuple[list[Pa
         return
     with processes(1) as pool:
         pool.submit(_get_ready)
-        yield lambda: pool.submit(_drawn, store, directory).result()
+
+        def drawn() -> tuple[list[Path], str]:
+            try:
+                return pool.submit(_drawn, store, directory).result()
+            except (OSError, WorkerError):  # there is no room for another process
+                return _drawn(store, directory)
+
+        yield drawn
 
 
 def _get_ready() -> None:
