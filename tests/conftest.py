@@ -1,3 +1,4 @@
+import contextlib
 import functools
 import os
 import signal
@@ -61,3 +62,24 @@ def circular_arc():
 def small_result():
     """The result of the study `SMALL`; nothing may change it."""
     return run(SMALL)
+
+
+@pytest.fixture(scope="module")
+def no_figures():
+    """No pair is drawn while this is entered, for what other tests look at takes most of the time of the command."""
+
+    @contextlib.contextmanager
+    def undrawn():
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("stiction.views.traverse.save_traverse_figures", lambda *_, **__: [])
+            patch.setattr("stiction.views.map_pair.save_map_pair_figures", lambda *_, **__: [])
+            yield
+
+    return undrawn
+
+
+@pytest.fixture
+def undrawn(no_figures):
+    """The test looks at no figure of a pair."""
+    with no_figures():
+        yield

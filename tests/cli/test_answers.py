@@ -141,6 +141,7 @@ def _profile(folder, side):
     return read_profile(folder / f"{side}.csv")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_pair_ends_in_a_sentence_that_says_whether_to_quote_it(folder):
     pressed = ("pair", "upper.csv", "lower.csv", *MATERIAL, "--replace")
     light = said(*pressed, "--load", "0.1 mN", "--offsets", "16", cwd=folder)
@@ -168,6 +169,7 @@ RECORDED = {
 }  # fmt: skip
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", RECORDED)
 def test_json_has_one_schema(folder, name):
     record = json.loads(said(*RECORDED[name], "--json", cwd=folder))
@@ -183,6 +185,7 @@ def test_json_has_one_schema(folder, name):
             assert value["value"] <= value["upper"] * (1 + 1e-9) + 1e-12
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_json_of_a_stored_pair_is_that_of_the_pair(folder):
     first = said(*RECORDED["pair"], "--replace", "--json", cwd=folder)
     assert json.loads(said("info", "json-pair", "--json", cwd=folder)) == json.loads(first)

@@ -108,6 +108,7 @@ def test_it_says_what_was_paired_and_how(paired):
     ]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_numbers_from_npy_are_those_from_csv(where, paired):
     given = ["--unit", "um", "--spacing", "0.01 um"]
     done = stiction_command("pair", "upper.csv", "lower.npy", *MATERIAL, *given, "-o", "npy", cwd=where)
@@ -137,6 +138,7 @@ def test_an_endless_interval_does_not_hide_the_means():
     assert highest < load_figure(mean, [0.01]).axes[0].get_ylim()[1] <= 4 * highest
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_lines_on_a_long_profile_lie_all_over_it(where):
     given = ["--unit", "um", "--unit", "um", "--spacing", "0.01 um"]
     done = stiction_command("pair", "map.npy", "lower.csv", *MATERIAL, *given, "-o", "long", cwd=where)
@@ -266,6 +268,7 @@ def test_moduli_pressures_and_several_materials(where):
         np.testing.assert_allclose(np.array(line[place : place + 3], float), 1000 * at["approach"], rtol=1e-8)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_nominal_pressure_is_told_of_cylinders(where):
     given = [*MATERIAL, "--law", "hertz-cylinder", "-o", "cylinders"]
     done = stiction_command(*BODIES, *given, cwd=where)
@@ -273,6 +276,7 @@ def test_nominal_pressure_is_told_of_cylinders(where):
     assert "(2 MPa of nominal pressure)" in done.stdout
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_hardness_is_yield_strength_in_other_words(where):
     law = [*MATERIAL, "--law", "jackson-green", "--poisson", "0.3"]
     one = stiction_command(*BODIES, *law, "--hardness", "568 MPa", "-o", "hard", cwd=where)

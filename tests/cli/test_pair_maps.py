@@ -144,6 +144,7 @@ def test_a_hardness_caps_the_pressure(where):
     assert "no interval" in done.stdout
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_maps_of_two_spacings_are_brought_to_one(where):
     write_surface(scan("lower", points=48), where / "short.npy")
     done = stiction_command("pair", "upper.npy", "short.npy", *MAPS[2:], *MATERIAL, *FAST, "-o", "short", cwd=where)
@@ -191,6 +192,7 @@ def test_each_material_has_its_figures(where):
     assert {"compass.png", "compass-2.png", "friction.png", "friction-2.png"} <= names
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_lines_of_maps_are_pressed_when_asked_for(where):
     done = stiction_command("pair", *MAPS, *MATERIAL, "--lines", "3", "-o", "lines", cwd=where)
     assert done.returncode == 0, done.stderr

@@ -475,7 +475,7 @@ def compass_figure(mean: xarray.Dataset, load: float) -> Figure:
         axes.yaxis.set_major_locator(MaxNLocator(5))
         ways = ("+x", "45°", "+y", "135°", "-x", "225°", "-y", "315°")
         axes.set_xticks(np.radians(np.arange(0, 360, 45)), [_sign(way) for way in ways])
-        axes.set_title(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6, loc="center")
+        figure.suptitle(f"{_head(mean, load)}\n" + rf"$\mu_s$; {_material_title(mean)}", fontsize=6)
         handles, labels = axes.get_legend_handles_labels()
         figure.legend(
             handles, labels, loc="outside lower center", ncols=1,
@@ -602,12 +602,12 @@ def contacts_figure(result: xarray.Dataset) -> Figure:
         )  # fmt: skip
         figure.colorbar(image, ax=axes, label="lower body " + ("(nm)" if fine else "(µm)"), extend="both", shrink=0.8)
         sizes = 60 * force / force.max()
-        for which, colour, words in ((opposing, "C3", "opposes the motion"), (~opposing, "C0", "does not")):
+        for which, colour, words in ((opposing, "C3", "opposing the motion"), (~opposing, "C0", "not opposing it")):
             share = 100 * force[which].sum() / force.sum()
             axes.scatter(
                 found["contact_x"].values[which], found["contact_y"].values[which], s=np.maximum(sizes[which], 1.0),
                 facecolors="none", edgecolors=colour, linewidths=0.7,
-                label=f"{_count(int(which.sum()), 'contact')} with {share:.0f} % of the load: {words}",
+                label=f"{_count(int(which.sum()), 'contact')} {words}, with {share:.0f} % of the load",
             )  # fmt: skip
         axes.set_title(
             f"{_head(result, load)}\n{name}, upper body {_sign(_way(direction))}, {_where(result, shift)}",

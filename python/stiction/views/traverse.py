@@ -648,8 +648,11 @@ def contact_figure(
         whole.plot(*touching.centre[:, ::2].T, "o", color=FORCE, markersize=2, markeredgewidth=0)
         whole.set_title(
             f"{_count(len(touching), 'contact')} at an approach of {1000 * approach:.4g} nm"
-            + ("" if load is None else f", $F_N$ = {load:.4g} mN")
-            + ("" if offset is None else f", offset {offset:.4g} µm"),
+            + ("" if load is None and offset is None else "\n")
+            + ", ".join(
+                ([] if load is None else [f"$F_N$ = {load:.4g} mN"])
+                + ([] if offset is None else [f"upper profile moved by {offset:.4g} µm"])
+            ),
             loc="left",
             pad=3,
         )

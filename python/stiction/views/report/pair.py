@@ -121,10 +121,9 @@ def _words(result: xarray.Dataset) -> str:
         from stiction.views.map_pair import map_pair_text
 
         return map_pair_text(result, means_of_all(result), loads)
-    from stiction.studies.traverse import traverse_mean
-    from stiction.views.traverse import traverse_text
+    from stiction.views.traverse import means, traverse_text
 
-    return traverse_text(result, traverse_mean(result), loads)
+    return traverse_text(result, means(result), loads)
 
 
 def _page(
