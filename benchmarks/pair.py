@@ -8,8 +8,9 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.pairs import ProfileGenerator
 from stiction.studies.runner import _memory, repetition_sums
 
-STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 30})
-PAIRS = 30 * 50
+REPETITIONS = 60  # so that the last one, which a thread may be alone with, is little of all
+STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": REPETITIONS})
+PAIRS = REPETITIONS * 50
 TURNS = 10
 NEW_TURNS = 3
 SIGNAL = np.random.default_rng(0).random(150_000)

@@ -359,6 +359,7 @@ def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarra
             "store, or take fewer ensemble.repetitions"
         )
     result = empty_dataset(study)
+    arrays = {str(name): each.values for name, each in result.data_vars.items()}
     missing = _Missing(total, 1, np.empty(0, np.intp), None)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(given_or_threads(executor))
@@ -367,7 +368,7 @@ def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarra
             contextlib.closing(_results(study, missing, pool, None, MOST_SUBMITTED))
         ):
             for name, values in (sums or {}).items():
-                result[name].values[:, :, repetitions] = values
+                arrays[name][:, :, repetitions] = values
             advance(len(repetitions))
     return result
 
