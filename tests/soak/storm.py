@@ -1,8 +1,9 @@
 """Writers of one store killed at random moments: commands, their workers, workers of a scheduler, parts of four.
 
-At each kill it is noted what is finished and what its victim had in hand. What is finished is computed by nobody from
-then on. After each round nothing that was finished is lost or has other bits, and no process is left. A store lives for
-some kills; then the bits of many repetitions are those of an undisturbed computation, and a new store is begun.
+At each kill it is noted what is finished and what its victim had in hand. From then on nobody computes what is
+finished, but for commands that are dead: a worker of Dask ends a task whose command was killed, and may not store it.
+After each round nothing that was finished is lost or has other bits, and no process is left. A store lives for some
+kills; then the bits of many repetitions are those of an undisturbed computation, and a new store is begun.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ STUDY = Study().with_changes(
 RECORDING = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
-    import pathlib, random, time
+    import pathlib, random, threading, time
     from stiction.studies import blocks, runner, store
     runner.TASK = 0.2
     store.PATIENCE = blocks.PATIENCE = 600  # the machine may have other work
@@ -65,9 +66,14 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     def noted(study, repetition):
         if study.surfaces.fractal_dimensions().size > 1:  # or it is done to say how long it takes
             with open(os.environ["storm"], "ab", buffering=0) as file:
-                file.write(b"%d\\n" % repetition)
+                file.write(f"{repetition} {asked.by}\\n".encode())
         return sums(study, repetition)
     runner.repetition_sums = noted
+    asked, is_shared = threading.local(), blocks.Writing.is_shared
+    def known(writing):
+        asked.by = writing.writer  # the command's that the task is of
+        return is_shared(writing)
+    blocks.Writing.is_shared = known
     def dawdling(function, seconds):
         def slow(*arguments, **options):
             time.sleep(random.expovariate(1 / seconds))
@@ -87,6 +93,8 @@ class Storm:
         self.repetitions = STUDY.ensemble.repetitions
         self.first_write = 1.0  # seconds that it lately took
         self.finished: frozenset[int] = frozenset()  # at the last kill
+        self.dead: set[str] = set()  # commands that were killed, by their locks
+        self.for_nobody = 0
         self.phases: collections.Counter[str] = collections.Counter()
         self.path = folder / "out" / "result.zarr"
         self.log = folder / "computed"
@@ -152,7 +160,9 @@ class Storm:
         """What is computed up to now, what is finished, and what victims have in hand."""
         self.check()
         self.kills[what] += 1
-        self.phases[phase(self.folder, victims)] += 1
+        held = locks(self.folder, victims)
+        self.phases[phase(held)] += 1
+        self.dead |= {name for name in held if name.startswith("writer-")}
 
     def round(self) -> None:
         self.repetitions += self.chance.choice([0, self.chance.randint(1, 1000)])  # which changes the metadata
@@ -216,11 +226,15 @@ class Storm:
     def check(self) -> None:
         """That nobody has computed what was finished at the last kill; and what is finished now."""
         finished = self.all_finished()  # before the log is read, which has all of them then
-        computed = [int(line) for line in self.log.read_text().split()] if self.log.exists() else []
-        twice = self.finished & set(computed[self.computed :])
-        assert not twice, f"computed though finished: {sorted(twice)[:5]}"
+        lines = self.log.read_text().splitlines() if self.log.exists() else []
+        twice: dict[str, list[int]] = {}
+        for repetition, by in map(str.split, lines[self.computed :]):
+            if int(repetition) in self.finished:
+                twice.setdefault(by, []).append(int(repetition))
+        self.for_nobody += sum(len(twice.pop(by, [])) for by in self.dead)
+        assert not twice, f"computed though finished: {twice}"
         assert self.finished <= finished, f"lost: {sorted(self.finished - finished)[:5]}"
-        self.computed, self.finished = len(computed), finished
+        self.computed, self.finished = len(lines), finished
 
     def all_finished(self) -> frozenset[int]:
         if not self.path.exists():
@@ -263,24 +277,28 @@ class Storm:
         errors = [line for line in (self.folder / "said").read_text().splitlines() if "Error" in line]
         return (
             f"{len(self.bits)} repetitions finished in blocks of {size}, {len(self.partial)} of them seen half full; "
-            f"{self.computed} computed, none that was finished; none lost; same bits"
-            + (f"; {errors[0]}" if errors else "")
+            f"{self.computed} computed, none that was finished but {self.for_nobody} for dead commands; "
+            "none lost; same bits" + (f"; {errors[0]}" if errors else "")
         )
 
 
-def phase(folder: Path, victims: Sequence[int]) -> str:
-    """What processes are at, by the locks that they hold in the folder."""
+def locks(folder: Path, victims: Sequence[int]) -> set[str]:
+    """Names of the files in a folder that processes have open."""
     open_files = []
     for victim in victims:
         for file in Path(f"/proc/{victim}/fd").glob("*"):
             with contextlib.suppress(OSError):
                 open_files.append(Path(os.readlink(file)))
-    names = {file.name for file in open_files if folder in file.parents}
+    return {file.name for file in open_files if folder in file.parents}
+
+
+def phase(held: set[str]) -> str:
+    """What processes are at that hold these locks."""
     for pattern, words in (
         (r"block-.*\.lock", "writing a block"), (r"writer-.*\.lock", "computing"),
         (r"result\.zarr\.partial", "laying out a new store"), (r"result\.zarr\.lock", "opening, or changing metadata"),
     ):  # fmt: skip
-        if any(re.fullmatch(pattern, name) for name in names):
+        if any(re.fullmatch(pattern, name) for name in held):
             return words
     return "holding no lock"
 
