@@ -81,7 +81,7 @@ def test_help_and_version_load_none_of_what_computes():
 
 def test_listing_studies_loads_no_tables_pictures_or_files():
     code = "sys.argv[1:] = ['studies']; from stiction.cli.application import start; start()"
-    assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP | {"numcodecs"}
+    assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP
 
 
 def test_the_stub_of_the_face_says_where_its_names_are_made():

@@ -12,7 +12,6 @@ import typer
 
 from stiction._units import quantity
 from stiction.cli.application import announce, say, tell
-from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -99,6 +98,8 @@ def measurement(
     file: Path, unit: str | None, spacing: str | None, missing: str, channel: str | None, columns: str | None
 ) -> Profile | Surface:
     """What a file holds, by the options that every command takes for it."""
+    from stiction.surfaces.measured.reading import read_measurement
+
     return read_measurement(
         file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
         channel=channel, columns=_one_or_pair(columns),
