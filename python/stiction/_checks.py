@@ -57,6 +57,14 @@ def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, b
     return result
 
 
+def part_of_one(name: str, value: Any) -> float:
+    """A number from 0 to 1."""
+    part = number(name, value)
+    if not 0 <= part <= 1:
+        raise ValueError(f"{name} must be from 0 to 1, got {value!r}")
+    return part
+
+
 def whole_number(name: str, value: Any, *, least: int, most: int = 2**63 - 1) -> int:
     """An integer from `least` to `most`."""
     try:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, number, read_only
+from stiction._checks import Floats, choice, float_array, number, part_of_one, read_only
 from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import EFFECTIVE_MODULUS, ContactModel, Direction, Sliding, check_pair
 from stiction.surfaces.profile import Profile
@@ -305,9 +305,7 @@ def half_space(
     if isinstance(upper, Profile):
         model.for_profiles()
     choice("boundary", boundary, Boundary)
-    share = number("compliance_share", compliance_share)
-    if not 0 <= share <= 1:
-        raise ValueError(f"compliance_share must be from 0 to 1, got {compliance_share!r}")
+    share = part_of_one("compliance_share", compliance_share)
     tolerance = number("tolerance", tolerance, above=0, below=1)
     periodic = boundary == "periodic"
     spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing

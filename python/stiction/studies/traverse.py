@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Unpack, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, number
+from stiction._checks import Floats, choice, float_array, part_of_one
 from stiction._core import __version__
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
@@ -201,9 +201,7 @@ def traverse(
     chosen: dict[str, Any] = {"loads": load_values, **friction_parameters, "model": model}
     position: Any = functools.partial(_position, **chosen)
     if mechanics == "half-space":
-        share = number("compliance_share", compliance_share)
-        if not 0 <= share <= 1:
-            raise ValueError(f"compliance_share must be from 0 to 1, got {compliance_share!r}")
+        share = part_of_one("compliance_share", compliance_share)
         position = functools.partial(_half_planes, **chosen, compliance_share=share)
     members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
     pairs = (
