@@ -9,7 +9,7 @@ import stiction.studies.export as exports
 import xarray
 from reference.at_loads import at_load
 from stiction import Study, area_map, friction_map, run, stiffness_map
-from stiction.studies import claims, intervals, layout, lazy, store, streams
+from stiction.studies import claims, intervals, layout, lazy, maps, store, streams
 from stiction.studies.export import ExportError, export
 from stiction.views.figures import reached_loads, save_figures
 from stiction.views.report import report_page
@@ -121,6 +121,9 @@ def test_maps_of_what_is_stored_are_those_in_memory(stored, whole, quantity, mon
     monkeypatch.undo()  # all in one piece
     xarray.testing.assert_allclose(found, quantity(whole, loads), rtol=CLOSE, atol=0)
     assert found["lower"].notnull().any()
+    monkeypatch.setattr(maps, "AT_ONCE", 1)  # or one repetition at a time
+    xarray.testing.assert_allclose(found, quantity(whole, loads), rtol=CLOSE, atol=0)
+    assert quantity(whole, loads, mu0=[])["status"].size == 0
 
 
 def test_nothing_holds_all_repetitions(stored, tmp_path, monkeypatch):

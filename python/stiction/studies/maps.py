@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     import xarray
 
 
+AT_ONCE = 2**20
+"""Numbers of curves of a fractal dimension and amplitude that are in memory at a time, however many mu0 and tau0."""
+
 _DIMS = ("fractal_dimension", "amplitude", "repetition")
 """And the steps of `step_of`."""
 
@@ -135,9 +138,9 @@ def _map(
     judged = all(name in dataset for name in SUMS)  # a dataset of loads alone still has a friction coefficient
     material = mu0_values[:, np.newaxis, np.newaxis, np.newaxis], tau0_values[:, np.newaxis, np.newaxis]
 
-    def curves(cell: tuple[int, ...], sums: Sums, others: Sums) -> tuple[Floats, Floats]:
-        """Normal loads and values of every mu0 and tau0, one after the other: (c, k, r)."""
-        pair, other = (each.each(operator.itemgetter(cell)) for each in (sums, others))
+    def curves(cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)) -> tuple[Floats, Floats]:
+        """Normal loads and values of every mu0 and tau0, one after the other, and of some repetitions: (c, k, r)."""
+        pair, other = (each.each(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
         normal = friction.normal_load(pair, *material)
         values = np.broadcast_to(_values(other, what, *material), normal.shape)
         return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
@@ -148,12 +151,14 @@ def _map(
     for cell in np.ndindex(cells):
         normal, values = (each[..., 0] for each in curves(cell, means, others))
         at[cell] = intervals.AtLoads(normal, values, sizes["repetition"], load_values)
+    at_a_time = max(1, AT_ONCE // max(1, mu0_values.size * tau0_values.size * sizes[step]))
     with threads() as pool:
         for piece in pieces(dataset, (*_NEEDED[what], *_of_step(what, step))):
             both = [_sums_of(piece, what, step)] * len(at)
 
             def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
-                at[cell].add(*curves(cell, *sums))
+                for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
+                    at[cell].add(*curves(cell, *sums, slice(first, first + at_a_time)))
 
             list(pool.map(add, at, both))
     for cell, each in at.items():
