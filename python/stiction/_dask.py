@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import sys
-from collections.abc import Iterator
 from typing import Any
 
-
-@contextlib.contextmanager
-def without_dask() -> Iterator[None]:
-    """Let xarray find no Dask, unless either is there already."""
-    modules: dict[str, Any] = sys.modules
-    if "dask" not in modules and "xarray" not in modules:
-        modules["dask"] = None
-    try:
-        yield
-    finally:
-        with_dask()
+_modules: dict[str, Any] = sys.modules
 
 
-def with_dask() -> None:
-    """Undo `without_dask`."""
-    if sys.modules.get("dask", sys) is None:
-        del sys.modules["dask"]
+def hide_dask() -> None:
+    """Let xarray find no Dask from now on, unless either is there already."""
+    if "dask" not in _modules and "xarray" not in _modules:
+        _modules["dask"] = None
+
+
+def show_dask() -> None:
+    """Undo `hide_dask`."""
+    if _modules.get("dask", sys) is None:
+        del _modules["dask"]

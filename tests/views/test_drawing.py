@@ -106,16 +106,24 @@ def test_a_picture_that_fails_is_an_error_here_wherever_it_is_drawn(pictures, tm
         drawing.draw(None, tmp_path)
 
 
-def test_dask_is_hidden_for_a_while_unless_it_is_there(monkeypatch):
+def test_dask_is_hidden_until_it_is_shown_unless_it_is_there(monkeypatch):
     for name in ("dask", "xarray"):
         monkeypatch.delitem(sys.modules, name, raising=False)
-    with _dask.without_dask():
-        assert sys.modules["dask"] is None
-        _dask.with_dask()
-        assert "dask" not in sys.modules
+    _dask.hide_dask()
+    assert sys.modules["dask"] is None
+    _dask.show_dask()
+    assert "dask" not in sys.modules
     monkeypatch.setitem(sys.modules, "xarray", matplotlib)
-    with _dask.without_dask():
-        assert "dask" not in sys.modules
+    _dask.hide_dask()
+    assert "dask" not in sys.modules
+
+
+def test_a_process_that_got_ready_draws_without_dask():
+    code = (
+        "import sys; from stiction.views.drawing import _get_ready; _get_ready(); "
+        "import xarray; (xarray.DataArray([1.0, 2.0]) * 2).sum(); print(sys.modules['dask'])"
+    )
+    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "None\n"
 
 
 def test_pictures_are_drawn_by_the_files_of_their_paths(small_result, tmp_path):

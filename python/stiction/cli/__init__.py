@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import sys
 
-from stiction._dask import without_dask
+from stiction._dask import hide_dask, show_dask
 from stiction.cli.application import start
 
 
 def main() -> None:
     """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
-    with without_dask():
+    hide_dask()
+    try:
         sys.exit(start())
+    finally:
+        show_dask()  # to whoever calls this and goes on

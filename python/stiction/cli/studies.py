@@ -14,7 +14,7 @@ import numpy as np
 import typer
 
 from stiction._core import __version__
-from stiction._dask import with_dask
+from stiction._dask import show_dask
 from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, announce, command, say, tell
@@ -312,7 +312,7 @@ def _executor(
     if cluster is not None:
         return processes(cluster)
     if scheduler is not None:
-        with_dask()
+        show_dask()
         from stiction.studies.cluster import connected
 
         return connected(scheduler)

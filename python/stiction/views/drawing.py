@@ -12,14 +12,20 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stiction._dask import without_dask
+from stiction._dask import hide_dask
 from stiction.studies.executors import available_cores
 from stiction.studies.processes import WorkerError, processes
 
 if TYPE_CHECKING:
     import xarray
 
-_NEEDED = ("xarray", "stiction.views.answers", "matplotlib.figure", "matplotlib.backends.backend_agg")
+_NEEDED = (
+    "xarray",
+    "stiction.studies.store",
+    "stiction.views.answers",
+    "matplotlib.figure",
+    "matplotlib.backends.backend_agg",
+)
 """Of drawing and of answers, in the order in which they are needed."""
 
 
@@ -45,7 +51,7 @@ def drawing(store: Path, directory: Path) -> Iterator[Callable[[], tuple[list[Pa
 
 
 def _get_ready() -> None:
-    without_dask().__enter__()  # as long as the process
+    hide_dask()
     with contextlib.suppress(ImportError):  # said where it is needed
         for name in _NEEDED:
             import_module(name)
