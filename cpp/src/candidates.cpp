@@ -1,5 +1,6 @@
 #include "stiction/candidates.hpp"
 
+#include "checks.hpp"
 #include "stiction/detection.hpp"
 #include "stiction/spline.hpp"
 #include "text.hpp"
@@ -100,8 +101,6 @@ bool encounters(const Body& upper, const Body& lower, const Site& site, Curvatur
   }
   return keep(sphere_pair(above, below, site.gap, curvature));
 }
-
-[[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
 
 void check(const ProfilePair& pair, const Screening& screening, double deepest) {
   if (pair.upper.size() < 4) {
