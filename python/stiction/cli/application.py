@@ -45,9 +45,11 @@ def tell(text: str) -> None:
     """Print what was asked for, on standard output; whoever stops listening does not stop the work."""
     try:
         typer.echo("\n".join(printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")))
-    except BrokenPipeError:
-        # Also when Python flushes it at the end.
+    except OSError as error:
+        # Python flushes what is left at the end, and would fail once more.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
