@@ -269,7 +269,7 @@ def computed(
     Parameters
     ----------
     say : function, optional
-        Is told what lies ahead before it begins: bytes, files, hours, and who writes.
+        Is told what lies ahead once the first tasks are handed out: bytes, files, hours, and who writes.
 
     Returns
     -------
