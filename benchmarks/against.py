@@ -4,7 +4,7 @@ import numpy as np
 import plain
 from measure import seconds
 from stiction import HertzCylinder, Profile, Study, press, random_phases, weierstrass_mandelbrot_family
-from stiction.studies.runner import repetition_sums
+from stiction.studies.pressed import member_sums
 
 POINTS, EXTENT = 150_000, 40.0
 SUMS = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
@@ -14,8 +14,8 @@ SUMS = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic",
 def straightforward() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
     approaches = study.contact.approaches()
-    ours = seconds(lambda: repetition_sums(study, 0), 5) / 50
-    sums = repetition_sums(study, 0)
+    ours = seconds(lambda: member_sums(study, 0), 5) / 50
+    sums = member_sums(study, 0)
     times, agree = [], 0.0
     for d in (0, 25):  # D = 1.00 and 1.357
         dimension = study.surfaces.fractal_dimensions()[d]

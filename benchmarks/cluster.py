@@ -1,48 +1,51 @@
 """How many repetitions a second are stored by workers that compute nothing, and how many workers is that enough for?
 
-Two workers on this machine, and the process that hands out the work: where they write the blocks themselves, where they
-send them, and one at a time as stores had them before there were blocks.
+Two workers on this machine, and the process that hands out the work: where they write the blocks themselves, and where
+they send them.
 """
 
+import multiprocessing
 import pickle
 import statistics
 import tempfile
 import time
+from concurrent.futures import Executor, ProcessPoolExecutor
 from pathlib import Path
 
-import numcodecs
 import numpy as np
 from measure import seconds
-from stiction import Study, __version__
-from stiction.studies import blocks, layout, runner
-from stiction.studies.processes import processes
+from stiction import Study
+from stiction.studies import runner
+from stiction.studies.netcdf import encoded
+from stiction.studies.pressed import member_sums
+from stiction.studies.result import stacked
+from stiction.studies.store import bytes_of_member
 
 STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
-REPETITIONS = 1_000_000
-SHARE = 3000
-"""Of them, that are stored here."""
+BLOCKS = 60
+"""Of repetitions, that are stored."""
 
-KINDS = 67
-"""Different repetitions, more than in a block: equal ones would compress to nothing."""
+KINDS = 7
+"""Different repetitions."""
 
 TIMES = 3
 """Of which the median is taken, one after another of each kind."""
 
-_task, _is_shared = runner.task, blocks.Writing.is_shared
+_task = runner.block_task
 
 
 class Given:
     """A task that computes nothing: its sums stand in a file, which every process reads once."""
 
-    def __init__(self, path: str, shared: bool) -> None:
+    def __init__(self, path: str, seen: bool) -> None:
         self.path = path
-        self.shared = shared
+        self.seen = seen
 
-    def __call__(self, version: str, text: str, repetitions: list[int], writing: blocks.Writing) -> object:
+    def __call__(self, version: str, text: str, members: range, folder: runner.Folder) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        runner.repetition_sums = lambda _, repetition: _read[self.path][repetition % KINDS]
-        return _task(version, text, repetitions, writing if self.shared else None)
+        runner.member_sums = lambda _, member: _read[self.path][member % KINDS]
+        return _task(version, text, members, folder if self.seen else runner.Folder(Path("/nowhere"), ""))
 
 
 _read: dict[str, list[dict]] = {}
@@ -60,64 +63,50 @@ def different(sums: dict) -> list[dict]:
     return [{name: other(values) for name, values in sums.items()} for _ in range(KINDS)]
 
 
-def stored(study: Study, sums: list[dict], *, share: int, shared: bool) -> tuple[float, float]:
+def stored(study: Study, sums: list[dict], executor: Executor, *, seen: bool) -> tuple[float, float]:
     """Repetitions a second, and seconds of the driver's own for one, when workers compute nothing."""
-    parts = max(1, study.ensemble.repetitions // share)
-    with tempfile.TemporaryDirectory() as folder, processes(2) as executor:
+    with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.task = Given(str(file), shared)
+        runner.block_task = Given(str(file), seen)
+        size = runner.block_size(study)
+        parts = -(-study.ensemble.repetitions // (size * BLOCKS))
         try:
-            runner.computed(study, Path(folder) / "r.zarr", part=(2, parts), executor=executor)  # and all is loaded
+            runner.fill(study, Path(folder) / "r", part=(2, parts), executor=executor)  # and all is loaded
             start, own = time.perf_counter(), time.process_time()
-            result = runner.computed(study, Path(folder) / "r.zarr", part=(1, parts), executor=executor)
-            count = result.sizes["repetition"]
+            count = runner.fill(study, Path(folder) / "r", part=(1, parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - own) / count
         finally:
-            runner.task = _task
-
-
-def stored_before(study: Study, sums: list[dict]) -> float:
-    """Repetitions a second as stores had them: a file of each variable for each, compressed harder, by the driver."""
-    now = layout.FEWEST_BLOCKS, layout._zstd
-    layout.FEWEST_BLOCKS, layout._zstd = 10**9, numcodecs.Zstd(level=0, checksum=True)
-    try:
-        return stored(study, sums, share=300, shared=False)[0]
-    finally:
-        layout.FEWEST_BLOCKS, layout._zstd = now
+            runner.block_task = _task
 
 
 def rows() -> list[tuple[str, str]]:
     found = []
-    for name in STUDIES:
-        study = Study.named(name).with_changes({"ensemble.repetitions": REPETITIONS})
-        half_plane = name == "figure6-half-plane"  # of which one takes a minute and a half
-        one = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
-        text = one.to_toml()
-        runner.task(__version__, text, [0], None)
-        cost = seconds(lambda text=text: runner.task(__version__, text, [1], None), 1 if half_plane else 3)
-        cost *= study.surfaces.fractal_dimensions().size if half_plane else 1
-        sums = different(runner.repetition_sums(study, 0) if not half_plane else _like(study))
-        each = [
-            (stored(study, sums, share=SHARE, shared=True), stored(study, sums, share=SHARE, shared=False)[0],
-             stored_before(study, sums))
-            for _ in range(TIMES)
-        ]  # fmt: skip
-        rate, own = (statistics.median(one[0][i] for one in each) for i in range(2))
-        sent, before = (statistics.median(one[i] for one in each) for i in (1, 2))
-        found += [
-            (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
-            ("... its sums", f"{runner._size(study) / 1e3:.0f} kB"),
-            ("... stored a second by two workers that compute nothing", f"{rate:.0f}"),
-            ("... sent by them, and stored by the process that hands out the work", f"{sent:.0f}"),
-            ("... one at a time, as before", f"{before:.0f}; {rate / before:.1f} times as many by workers"),
-            ("... time of the process that hands out the work, for one", f"{1e6 * own:.0f} µs"),
-            ("... workers that keep it busy", f"{cost / own:,.0f}"),
-        ]
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
+        for name in STUDIES:
+            study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
+            half_plane = name == "figure6-half-plane"  # of which one takes a minute and a half
+            one = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
+            dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
+            sums = member_sums(one, 0)
+            cost = dimensions * seconds(lambda one=one: member_sums(one, 1), 1 if half_plane else 3)
+            kinds = different({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
+            size = runner.block_size(study)
+            block = stacked(study, [kinds[i % KINDS] for i in range(size)])
+            encoded(study, range(size), block)
+            writing = seconds(lambda study=study, size=size, block=block: encoded(study, range(size), block), 5) / size
+            each = [(stored(study, kinds, executor, seen=True), stored(study, kinds, executor, seen=False)[0])
+                    for _ in range(TIMES)]  # fmt: skip
+            rate, own = (statistics.median(one[0][i] for one in each) for i in range(2))
+            sent = statistics.median(one[1] for one in each)
+            found += [
+                (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
+                ("... its sums", f"{bytes_of_member(study) / 1e3:.0f} kB"),
+                ("... repetitions in a block", f"{size}"),
+                ("... time to make its part of the block's file", f"{1e3 * writing:.2g} ms, {writing / cost:.2%}"),
+                ("... stored a second by two workers that compute nothing", f"{rate:.0f}"),
+                ("... sent by them, and stored by the process that hands out the work", f"{sent:.0f}"),
+                ("... time of the process that hands out the work, for one", f"{1e6 * own:.0f} µs"),
+                ("... workers that keep it busy", f"{cost / own:,.0f}"),
+            ]
     return found
-
-
-def _like(study: Study) -> dict:
-    """Sums of a study from those of one fractal dimension."""
-    one = runner.repetition_sums(study.with_changes({"surfaces.fractal_dimension": [1.2]}), 0)
-    return {name: values.repeat(study.surfaces.fractal_dimensions().size, axis=0) for name, values in one.items()}

@@ -2,7 +2,7 @@
 
 from measure import in_units, peak_mebibytes
 from stiction import Study, run
-from stiction.studies.runner import repetition_sums
+from stiction.studies.pressed import member_sums
 
 BASE = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
@@ -10,7 +10,7 @@ BASE = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 def cost(changes: dict[str, object], repeats: int = 3) -> float:
     study = BASE.with_changes(changes)
     pairs = study.surfaces.fractal_dimensions().size
-    return in_units(lambda: repetition_sums(study, 0), repeats) / pairs
+    return in_units(lambda: member_sums(study, 0), repeats) / pairs
 
 
 def figure6() -> None:
@@ -18,7 +18,7 @@ def figure6() -> None:
 
 
 def ten_million() -> None:
-    repetition_sums(BASE.with_changes(at_points(10_000_000)), 0)
+    member_sums(BASE.with_changes(at_points(10_000_000)), 0)
 
 
 def at_points(points: int) -> dict[str, object]:

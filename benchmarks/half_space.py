@@ -109,7 +109,7 @@ def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
             )
             result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
             print(*result[-1], flush=True)
-    result.append(line())
+    result += [shift(), threads(), line()]
     return result
 
 
@@ -127,6 +127,50 @@ def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
                 curve = half_space(flat, body, [load], effective_modulus=MODULUS, boundary=boundary, tolerance=1e-7)
                 ours, theirs = curve.contact(0).pressure, solve(heights, load)
                 print(n, boundary, pressure, f"{np.abs(ours - theirs).max() / theirs.max():.0e}", flush=True)
+
+
+def shift(side: int = 384) -> tuple[str, str]:
+    """What one shift of a pair of maps takes: three loads, all directions, both rules and the stiffness."""
+    heights = rough((side, side), 4, side // 16)
+    body = Surface(heights, spacing=1 / side)
+    flat = Surface(np.zeros(heights.shape), spacing=1 / side)
+    loads = np.array(PRESSURES) * MODULUS * SLOPE
+
+    def solved(directions: list[float]) -> HalfSpaceCurve:
+        return half_space(flat, body, loads, effective_modulus=MODULUS, direction=directions)
+
+    def all_of_it() -> None:
+        curve = solved([30.0 * i for i in range(12)])
+        assert (curve.with_sliding("all").stiffness > 0).all()
+
+    costs = []
+    for _ in range(5):
+        for task in (lambda: solved([0.0]), all_of_it):
+            start = time.process_time()
+            task()
+            costs.append(time.process_time() - start)
+    alone, whole = statistics.median(costs[::2]), statistics.median(costs[1::2])
+    return f"{side} x {side}, free, three loads: 12 directions, both rules and stiffness", (
+        f"{whole:.2f} s, {whole / alone:.2f} times the solutions alone"
+    )
+
+
+def threads(side: int = 1024) -> tuple[str, str]:
+    """Wall time of one thread over that of two; of transforms alone, by `scipy.fft.set_workers`."""
+    heights = rough((side, side), 4, side // 16)
+    body = Surface(heights, spacing=1 / side)
+    flat = Surface(np.zeros(heights.shape), spacing=1 / side)
+    costs: dict[int, list[float]] = {1: [], 2: []}
+    for _ in range(3):
+        for workers, took in costs.items():
+            with scipy.fft.set_workers(workers):
+                start = time.perf_counter()
+                half_space(flat, body, [0.03 * MODULUS * SLOPE], effective_modulus=MODULUS)
+                took.append(time.perf_counter() - start)
+    return (
+        f"{side} x {side}, free: two threads of transforms for one",
+        f"{min(costs[1]) / min(costs[2]):.2f} times as fast",
+    )
 
 
 def line(points: int = 131_072) -> tuple[str, str]:

@@ -15,7 +15,7 @@ STUDIES = {
                         "surfaces.frequencies=6"],
     "200 of figure6": ["figure6", "ensemble.repetitions=200"],
 }  # fmt: skip
-MAP = "import sys; from stiction import *; from stiction.studies import store; r = store.read('out/result.zarr');"
+MAP = "import sys; from stiction import *; from stiction.studies import store; r = store.read('out');"
 COMMANDS = {
     "run": [],
     "friction_map": [MAP + "friction_map(r, [0.001, 0.01])"],

@@ -12,8 +12,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from stiction import Study, area_map, friction_map, run, stiffness_map
+from stiction import Study, area_map, friction_map, stiffness_map
 from stiction.studies import runner, store
+from stiction.studies.pressed import arrays_of
+from stiction.studies.runner import fill
 
 REPETITIONS = 1_000_000
 MORE = 10_000
@@ -38,7 +40,7 @@ def stand_in(study: Study) -> Callable[[Study, int], dict]:
     for _ in range(KINDS):
         factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
-        for index, (name, (shape, dtype)) in enumerate(runner._arrays(study).items()):
+        for index, (name, (shape, dtype)) in enumerate(arrays_of(study).items()):
             values = factor * (index + step) ** 1.5 * (1 + 0.1 * random.random(shape))
             sums[name] = values.astype(dtype)
         bank.append(sums)
@@ -52,23 +54,25 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 
 def rows() -> list[tuple[str, str]]:
-    real, runner.repetition_sums = runner.repetition_sums, stand_in(STUDY)
+    # A member that costs nothing makes blocks as large as they may be.
+    real = runner.member_sums, runner.cost_of_member
+    runner.member_sums, runner.cost_of_member = stand_in(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "r.zarr"
-            result, writing = timed(lambda: run(STUDY, store=path))
+            path = Path(folder) / "r"
+            _, writing = timed(lambda: fill(STUDY, path))
             files = sum(len(files) for _, _, files in os.walk(path))
             kept, looking = timed(lambda: store.info(path))
-            _, opening = timed(lambda: store.read(path))
+            result, opening = timed(lambda: store.open_stored(path))
             loads = np.geomspace(20, 60, 20)
             maps = [timed(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)]
             assert (maps[0][0]["status"] == "ok").all()
             more = STUDY.with_changes({"ensemble.repetitions": REPETITIONS + MORE})
-            longer, continuing = timed(lambda: run(more, store=path))
-            assert longer.sizes["repetition"] == REPETITIONS + MORE
-            _, again = timed(lambda: run(more, store=path))
+            longer, continuing = timed(lambda: fill(more, path))
+            assert longer == REPETITIONS + MORE
+            _, again = timed(lambda: fill(more, path))
     finally:
-        runner.repetition_sums = real
+        runner.member_sums, runner.cost_of_member = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),

@@ -5,8 +5,8 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 import numpy as np
 from measure import in_units, seconds, unit
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
-from stiction.studies.pairs import ProfileGenerator
-from stiction.studies.runner import _memory, repetition_sums
+from stiction.studies.members import ProfileGenerator
+from stiction.studies.pressed import _memory, member_sums
 
 REPETITIONS = 60  # so that the last one, which a thread may be alone with, is little of all
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": REPETITIONS})
@@ -66,6 +66,6 @@ def rows() -> list[tuple[str, str]]:
         ):
             changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
             study = STUDY.with_changes(changes)
-            cost = in_units(lambda study=study: repetition_sums(study, 0)) / dimensions.size
+            cost = in_units(lambda study=study: member_sums(study, 0)) / dimensions.size
             result.append((f"scaling and contact, {detection}: {what}", f"{cost - generation:.2f} U a pair"))
     return result

@@ -77,7 +77,7 @@ def screenshot(driver, path: Path) -> None:
 
 
 def rows() -> list[tuple[str, str]]:
-    dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6/result.zarr")
+    dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6")
     with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
         page = Path(folder) / "report.html"
         start = time.perf_counter()

@@ -7,23 +7,26 @@ elseif(Eigen3_VERSION VERSION_LESS 3.4)
   message(FATAL_ERROR "Eigen 3.4 or newer is needed to build stiction, found ${Eigen3_VERSION} in ${Eigen3_DIR}")
 endif()
 
+# A tridiagonal system is all that is solved by it, as since its first versions; tried from 2.7 on.
+set(STICTION_GSL_OLDEST 2.5)
 find_package(GSL QUIET)
 if(NOT GSL_FOUND)
-  message(FATAL_ERROR "The GNU Scientific Library 2.7 or newer is needed to build stiction and was not found. "
+  message(FATAL_ERROR "The GNU Scientific Library ${STICTION_GSL_OLDEST} or newer is needed to build stiction and was not found. "
     "Debian and Ubuntu: apt install libgsl-dev. Fedora: gsl-devel. Homebrew and conda-forge: gsl.")
-elseif(GSL_VERSION VERSION_LESS 2.7)
-  message(FATAL_ERROR "GSL 2.7 or newer is needed to build stiction, found ${GSL_VERSION} in ${GSL_INCLUDE_DIRS}")
+elseif(GSL_VERSION VERSION_LESS STICTION_GSL_OLDEST)
+  message(FATAL_ERROR "GSL ${STICTION_GSL_OLDEST} or newer is needed to build stiction, found ${GSL_VERSION} in ${GSL_INCLUDE_DIRS}")
 endif()
 
 # The extension carries its own GSL, with hidden symbols, so that nobody else's is touched: the archives beside the
-# library that was found, which belong to its headers.
+# library that was found, which belong to its headers. With a shared one every other GSL in the process sees that the
+# error handler is off.
 get_filename_component(gsl_folder ${GSL_LIBRARY} DIRECTORY)
 find_library(STICTION_GSL_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
   NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gsl${CMAKE_STATIC_LIBRARY_SUFFIX})
 find_library(STICTION_GSLCBLAS_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
   NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gslcblas${CMAKE_STATIC_LIBRARY_SUFFIX})
 mark_as_advanced(STICTION_GSL_ARCHIVE STICTION_GSLCBLAS_ARCHIVE)
-if(STICTION_GSL_ARCHIVE AND STICTION_GSLCBLAS_ARCHIVE)
+if(STICTION_GSL_ARCHIVE AND STICTION_GSLCBLAS_ARCHIVE AND NOT STICTION_SHARED_GSL)
   set(STICTION_GSL ${STICTION_GSL_ARCHIVE} ${STICTION_GSLCBLAS_ARCHIVE})
 else()
   set(STICTION_GSL GSL::gsl)

@@ -92,6 +92,13 @@ def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
             raise SphinxError(f"{page.name} holds the path {found[0]}")
 
 
+def refuse_broken_emphasis(app: Sphinx, exception: Exception | None) -> None:
+    """End the build if a paragraph ends in a star: emphasis that an E* in it has ended before."""
+    for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
+        if found := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
+            raise SphinxError(f"{page.name} has emphasis that ends too early: {found[0]}")
+
+
 # ---- Links ----------------------------------------------------------------------------------------------------------
 
 
@@ -181,3 +188,4 @@ def setup(app: Sphinx) -> None:
     app.connect("html-page-context", describe)
     app.connect("build-finished", make_reachable)
     app.connect("build-finished", refuse_paths)
+    app.connect("build-finished", refuse_broken_emphasis)

@@ -2,9 +2,11 @@
 
 import sys
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.figure import Figure
 from stiction import Surface, paired_lines, read_surface, self_affine, traverse, traverse_mean
-from stiction.views.traverse import contact_figure, load_figure
+from stiction.views.style import STYLE, WIDTH
 
 
 def stand_in(side):
@@ -21,16 +23,21 @@ def stand_in(side):
 
 upper, lower = map(read_surface, sys.argv[1:]) if len(sys.argv) == 3 else map(stand_in, ("upper", "lower"))
 uppers, lowers = paired_lines(upper, lower, lines=32)
-material = {"effective_modulus": 5.0, "detection": "gap-minimum"}  # GPa
-result = traverse(uppers, lowers, np.geomspace(1e-4, 1e-1, 13), mu0=0.2, tau0=0.05, **material)  # mN, GPa
-mean = traverse_mean(result)
+loads = np.geomspace(1e-4, 1e-1, 13)  # mN
+result = traverse(uppers, lowers, loads, mu0=0.2, tau0=0.05, effective_modulus=5.0, detection="gap-minimum")
+mean = traverse_mean(result).sel(shear="+x")
 for load in mean["load"].values[::4]:
-    at = mean.sel(load=load, shear="+x")
+    at = mean.sel(load=load)
     middle, least, most = at["friction_coefficient"].values
     beyond = float(at["share_beyond_hertz"].sel(statistic="mean"))
-    print(
-        f"{1000 * load:8.3g} µN: mu_s = {middle:.2f} [{least:.2f}, {most:.2f}], {beyond:.0%} of the load beyond Hertz"
-    )
-load_figure(mean, [0.01]).savefig("afm_friction.png")
-approach = float(result["approach"].isel(shear=0, line=0, offset=0, load=8))  # of 10 µN
-contact_figure(uppers[0], lowers[0], approach, mu0=0.2, tau0=0.05, **material).savefig("afm_contact.png")
+    print(f"{1000 * load:8.3g} µN: μ_s = {middle:.2f} [{least:.2f}, {most:.2f}], {beyond:.0%} of the load beyond Hertz")
+with mpl.rc_context(STYLE):
+    figure = Figure(figsize=(WIDTH, 0.7 * WIDTH), layout="constrained")
+    axes = figure.subplots()
+    middle, least, most = mean["friction_coefficient"].transpose("statistic", "load").values
+    axes.fill_between(loads, least, most, alpha=0.3, linewidth=0, label="95 %")
+    axes.semilogx(loads, middle, label="mean over lines")
+    axes.set_xlabel("normal load $F_N$ (mN)")
+    axes.set_ylabel(r"coefficient of static friction $\mu_s$")
+    axes.legend()
+    figure.savefig("afm_friction.png")

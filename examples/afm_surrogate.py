@@ -15,7 +15,7 @@ from stiction import (
     surrogate,
     turned_over,
 )
-from stiction.studies.map_pair import overlap_area
+from stiction.studies.pressed_maps import overlap_area
 
 # Rough, its peaks then worn to a plateau with a finer roughness of its own.
 rough, fine = (

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Profile, levelled, read_profile, self_affine, write_profile
-from stiction.views.characterisation import characterisation_figure, characterisation_text
+from stiction.views.characterisation import characterisation_text
+from stiction.views.figures.roughness import characterisation_figure
 
 # Rough as it was ground, its peaks then worn to a plateau with a finer roughness of its own, on a tilted table.
 ground = self_affine(3, hurst_exponent=0.8, rms=0.2, points=8000, spacing=0.05, longest_wavelength=40.0)

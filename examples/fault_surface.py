@@ -5,7 +5,8 @@ import math
 import numpy as np
 from matplotlib.cbook import get_sample_data
 from stiction import Surface, levelled, lines_along_both, nondimensional, paired_lines, traverse, traverse_mean
-from stiction.views.characterisation import surface_characterisation_figure, surface_characterisation_text
+from stiction.views.characterisation import surface_characterisation_text
+from stiction.views.figures.roughness import surface_characterisation_figure
 
 METRES_PER_DEGREE = 111_200  # of latitude
 

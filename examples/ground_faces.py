@@ -14,7 +14,7 @@ from stiction import (
     rotated,
     self_affine_surface,
 )
-from stiction.studies.map_pair import overlap_area
+from stiction.studies.pressed_maps import overlap_area
 
 ANGLES = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 90.0])
 SIDE = 38.4  # µm

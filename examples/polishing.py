@@ -6,7 +6,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import pressed_maps, self_affine_surface
-from stiction.studies.map_pair import overlap_area
+from stiction.studies.pressed_maps import overlap_area
 
 FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face, µm; that of the lower stays 0.1
 MATERIAL = {"mu0": 0.2, "tau0": [0.0, 0.5], "effective_modulus": 115.0, "shifts": 6}

@@ -66,13 +66,12 @@ def small_result():
 
 @pytest.fixture(scope="module")
 def no_figures():
-    """No pair is drawn while this is entered, for what other tests look at takes most of the time of the command."""
+    """No figure is drawn while this is entered: what other tests look at takes a fraction of the time."""
 
     @contextlib.contextmanager
     def undrawn():
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("stiction.views.traverse.save_traverse_figures", lambda *_, **__: [])
-            patch.setattr("stiction.views.map_pair.save_map_pair_figures", lambda *_, **__: [])
+            patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
             yield
 
     return undrawn
@@ -80,6 +79,6 @@ def no_figures():
 
 @pytest.fixture
 def undrawn(no_figures):
-    """The test looks at no figure of a pair."""
+    """The test looks at no figure."""
     with no_figures():
         yield

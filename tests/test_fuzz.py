@@ -23,7 +23,7 @@ def test_any_study_file_runs_or_is_refused_in_one_message(tmp_path):
 @pytest.fixture(scope="module")
 def pristine(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pristine")
-    run(fuzzing.small_study(), store=folder / "result.zarr")
+    run(fuzzing.small_study(), store=folder)
     return folder
 
 

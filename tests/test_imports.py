@@ -1,13 +1,13 @@
 """Which part of the package may know which: a value goes from surfaces to the command, and nothing points back."""
 
 import ast
-import importlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import stiction
+import typer
 from stiction.cli import application
 
 PACKAGE = Path(stiction.__file__).parent
@@ -94,10 +94,11 @@ def test_the_stub_of_the_face_says_where_its_names_are_made():
 
 
 def test_help_lists_every_command_with_the_module_that_adds_it():
-    listed = {name: module for group in application.COMMANDS.values() for name, (module, _) in group.items()}
-    for module in set(listed.values()):
-        importlib.import_module(f"stiction.cli.{module}")
-    added = {
-        each.name or each.callback.__name__: each.callback.__module__ for each in application.app.registered_commands
-    }
-    assert added == {name: f"stiction.cli.{module}" for name, module in listed.items()}
+    group = typer.main.get_command(application.app)
+    listed = {name: module for each in application.COMMANDS.values() for name, (module, _) in each.items()}
+    assert group.list_commands(None) == list(listed)
+    for name, module in listed.items():
+        command = group.get_command(None, name)
+        assert command.name == name
+        assert command.callback.__module__ == f"stiction.cli.{module}"
+    assert group.get_command(None, "juggle") is None

@@ -55,9 +55,10 @@ class TestWriting:
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
     def test_nothing_planted_is_followed(self, tmp_path, writer, monkeypatch):
-        monkeypatch.setattr(_files.secrets, "token_hex", lambda _: "0" * 16)
+        name = _files.half_written()
+        monkeypatch.setattr(_files, "half_written", lambda: name)
         (tmp_path / "target").write_text("mine")
-        (tmp_path / f".stiction-{'0' * 16}.partial").symlink_to("target")
+        (tmp_path / name).symlink_to("target")
         with pytest.raises(ValueError, match="exists already"), writer(tmp_path / "f", ValueError):
             pass
         assert (tmp_path / "target").read_text() == "mine"

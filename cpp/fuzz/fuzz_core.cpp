@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
+#include <variant>
 #include <vector>
 
 namespace {
@@ -117,38 +118,98 @@ void fuzz_contact(Source& source) {
   }
 }
 
-void fuzz_areal(Source& source) {
-  const auto rows = static_cast<stiction::Index>(source.below(14));
-  const auto columns = static_cast<stiction::Index>(source.below(14));
-  const std::vector<double> above = source.numbers(static_cast<std::size_t>(rows * columns));
-  const std::vector<double> below = source.numbers(static_cast<std::size_t>(rows * columns));
-  const Eigen::Map<const stiction::Matrix> upper(above.data(), rows, columns);
-  const Eigen::Map<const stiction::Matrix> lower(below.data(), rows, columns);
-  std::vector<double> approaches = source.numbers(source.below(6));
-  for (double& approach : approaches) {
-    approach = std::abs(approach);
+// Two maps of one shape on one grid, with ties and level parts among their heights, at any scale.
+struct Maps {
+  stiction::Matrix upper;
+  stiction::Matrix lower;
+
+  explicit Maps(Source& source)
+      : upper(static_cast<stiction::Index>(4 + source.below(16)), static_cast<stiction::Index>(4 + source.below(16))),
+        lower(upper.rows(), upper.cols()) {
+    const double scale = std::ldexp(1.0, source.byte() - 128);
+    const bool flat = source.byte() % 4 == 0;
+    const std::uint8_t level = source.byte();
+    for (stiction::Index i = 0; i < upper.size(); ++i) {
+      const bool tie = i > 0 && source.byte() < level;
+      upper.data()[i] = tie ? upper.data()[i - 1] : scale * source.number();
+      lower.data()[i] = flat ? 0.0 : (source.byte() < level ? upper.data()[i] : scale * source.number());
+    }
   }
-  std::sort(approaches.begin(), approaches.end());
-  const stiction::SurfacePair pair{upper, lower, {source.positive(), source.positive()}};
+};
+
+// What the rows of a table carry together, beside the sums over the same contacts.
+void compare(const std::vector<stiction::Contact>& table, const stiction::ArealSums& sums, const stiction::Vector2& way,
+             stiction::Sliding sliding) {
+  require(static_cast<stiction::Index>(table.size()) == sums.contact_count, "contacts and press agree");
+  stiction::ArealSums own;
+  double force = 0.0;
+  double area = 0.0;
+  for (const stiction::Contact& contact : table) {
+    require(contact.overlap > 0.0 && contact.normal.z() > 0.0, "contacts overlap and look upwards");
+    require(std::abs(contact.tangent.dot(contact.normal)) < 1e-14, "tangents are across the normals");
+    require(std::abs(contact.tangent.norm() - 1.0) < 1e-14, "tangents are of unit length");
+    force += contact.force;
+    area += contact.area;
+    own.normal_elastic += contact.force * contact.normal.z();
+    if (sliding == stiction::Sliding::all || contact.opposing) {
+      own.tangential_elastic -= contact.force * contact.normal.head<2>().dot(way);
+      own.normal_frictional += contact.force * contact.tangent.z();
+      own.tangential_frictional -= contact.force * contact.tangent.head<2>().dot(way);
+      own.tangential_adhesive -= contact.area * contact.tangent.head<2>().dot(way);
+    }
+  }
+  const auto near = [](double one, double other, double size, const char* what) {
+    require(!std::isfinite(size) || std::abs(one - other) <= 1e-12 * size + 1e-300, what);
+  };
+  near(area, sums.contact_area, area, "area");
+  near(own.normal_elastic, sums.normal_elastic, force, "normal elastic");
+  near(own.tangential_elastic, sums.tangential_elastic, force, "tangential elastic");
+  near(own.normal_frictional, sums.normal_frictional, force, "normal frictional");
+  near(own.tangential_frictional, sums.tangential_frictional, force, "tangential frictional");
+  near(own.tangential_adhesive, sums.tangential_adhesive, area, "tangential adhesive");
+}
+
+void fuzz_areal(Source& source) {
+  const Maps maps(source);
+  const stiction::SurfacePair pair{maps.upper, maps.lower, {source.positive(), source.positive()}};
   const stiction::ContactModel how = model(source);
-  const stiction::ArealCandidates found = stiction::candidates(pair, source.positive(), how.curvature);
+  const double deepest = 2.0 * (maps.upper - maps.lower).cwiseAbs().maxCoeff() * source.positive();
+  const stiction::ArealCandidates found = stiction::candidates(pair, deepest, how.curvature);
   for (const stiction::ArealCandidate& one : found.all) {
     require(one.gap <= found.deepest && one.radii.minor > 0.0, "minima are within reach and hollow");
-    require(one.radii.major >= one.radii.minor, "the larger radius is the first");
+    require(one.radii.major >= one.radii.minor && std::isfinite(one.radii.major), "the larger radius is the first");
+    require(one.row >= 0 && one.row + 1 < maps.upper.rows() && one.column >= 0 && one.column + 1 < maps.upper.cols(),
+            "minima lie in the map");
   }
-  const std::vector<stiction::Vector2> ways{{1.0, 0.0}, {0.0, -1.0}, {0.6, 0.8}};
-  const std::vector<stiction::ArealSums> sums =
-      stiction::press(found, approaches, how.law, ways, stiction::Sliding::all);
+  // Of an ellipse on a wall, seen from above, round-off leaves too few digits to tell what the edge cuts.
+  const bool steep = std::any_of(found.all.begin(), found.all.end(), [](const stiction::ArealCandidate& one) {
+    return one.normal.z() < 1e-5 || one.radii.major > 1e12 * one.radii.minor;
+  });
+  std::vector<double> approaches;
+  const double steps = 1.0 + static_cast<double>(source.below(7));
+  for (double step = 0.0; step < steps; ++step) {
+    approaches.push_back(found.deepest * (step + 0.5) / steps);
+  }
+  const double angle = source.number();
+  const std::vector<stiction::Vector2> ways{{1.0, 0.0}, {0.0, -1.0}, {std::cos(angle), std::sin(angle)}};
+  const auto sliding = source.byte() % 2 == 0 ? stiction::Sliding::all : stiction::Sliding::opposing;
+  const std::vector<stiction::ArealSums> sums = stiction::press(found, approaches, how.law, ways, sliding);
   require(sums.size() == ways.size() * approaches.size(), "sums of every direction and approach");
   for (std::size_t k = 0; k < approaches.size(); ++k) {
-    require(!(sums[k].contact_area < 0.0), "no negative area");
-    require(sums[k].unanswered_count <= sums[k].grid_minimum_count, "no more unanswered than there are");
-    for (const stiction::Vector2& way : ways) {
-      const std::vector<stiction::Contact> table = stiction::contacts(found, approaches[k], how.law, way);
-      require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
-      for (const stiction::Contact& contact : table) {
-        require(contact.overlap > 0.0 && contact.normal.z() > 0.0, "contacts overlap and look upwards");
-      }
+    const stiction::ArealSums& row = sums[k];
+    const double share = 1.0 + 1e-12;
+    require(!(row.contact_area < 0.0), "no negative area");
+    require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered than there are");
+    require(!(row.load_at_edge > share * row.normal_elastic), "what the edge cuts is a part of the load");
+    require(!(row.load_overlapping > share * row.normal_elastic), "what overlaps is a part of the load");
+    require(k == 0 || row.contact_count >= sums[k - 1].contact_count, "contacts grow in number");
+    if (std::holds_alternative<stiction::HertzSphere>(how.law) && !steep) {
+      require(k == 0 || !(share * row.normal_elastic < sums[k - 1].normal_elastic), "load grows");
+      require(k == 0 || !(share * row.contact_area < sums[k - 1].contact_area), "area grows");
+    }
+    for (std::size_t d = 0; d < ways.size(); ++d) {
+      compare(stiction::contacts(found, approaches[k], how.law, ways[d]), sums[d * approaches.size() + k], ways[d],
+              sliding);
     }
   }
 }

@@ -37,10 +37,11 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// The range of the gap in a row, and 0, or NaN where a height is not finite.
+// The range of the gap in a row, the largest height of both bodies, and 0, or NaN where a height is not finite.
 struct RowRange {
   double lowest;
   double highest;
+  double largest;
   double zero;
 };
 
@@ -49,6 +50,7 @@ RowRange range_of(const double* upper, const double* lower, Index size) {
   constexpr Index width = 16;
   double lowest[width];
   double highest[width];
+  double largest[width] = {};
   double zero[width] = {};
   std::fill_n(lowest, width, std::numeric_limits<double>::infinity());
   std::fill_n(highest, width, -std::numeric_limits<double>::infinity());
@@ -56,6 +58,10 @@ RowRange range_of(const double* upper, const double* lower, Index size) {
     const double gap = upper[i] - lower[i];
     lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
     highest[lane] = gap > highest[lane] ? gap : highest[lane];
+    const double above = std::abs(upper[i]);
+    const double below = std::abs(lower[i]);
+    const double larger = above > below ? above : below;
+    largest[lane] = larger > largest[lane] ? larger : largest[lane];
     zero[lane] += gap - gap;
   };
   Index i = 0;
@@ -68,17 +74,18 @@ RowRange range_of(const double* upper, const double* lower, Index size) {
     take(i, 0);
   }
   return {*std::min_element(lowest, lowest + width), *std::max_element(highest, highest + width),
-          std::accumulate(zero, zero + width, 0.0)};
+          *std::max_element(largest, largest + width), std::accumulate(zero, zero + width, 0.0)};
 }
 
-// Marks the points of a row that are lower than their eight neighbours and at most `deepest` high, but for both ends.
+// Marks the points of a row of which none of the eight neighbours is lower by more than round-off and that are at most
+// `deepest` high, but for both ends.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
-                      unsigned char* marks) {
+                      double round_off, unsigned char* marks) {
   for (Index i = 1; i + 1 < size; ++i) {
-    const double z = at[i];
-    marks[i] = (z <= deepest) & (z < at[i - 1]) & (z < at[i + 1]) & (z < above[i - 1]) & (z < above[i]) &
-               (z < above[i + 1]) & (z < below[i - 1]) & (z < below[i]) & (z < below[i + 1]);
+    const double z = at[i] - round_off;
+    marks[i] = (at[i] <= deepest) & (z <= at[i - 1]) & (z <= at[i + 1]) & (z <= above[i - 1]) & (z <= above[i]) &
+               (z <= above[i + 1]) & (z <= below[i - 1]) & (z <= below[i]) & (z <= below[i + 1]);
   }
 }
 
@@ -108,16 +115,17 @@ std::vector<Tile> tiles_of(Index rows, Index columns) {
   return tiles;
 }
 
-bool is_summit(double xx, double xy, double yy, double sign) {
-  return sign * xx > 0.0 && sign * yy > 0.0 && xx * yy > xy * xy;
+// Without overflow on the way. Not std::hypot, which asks for a newer C library than all else.
+double length(double a, double b) {
+  const double longer = std::max(std::abs(a), std::abs(b));
+  const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
+  return longer > 0.0 ? longer * std::sqrt(1.0 + ratio * ratio) : longer;
 }
 
-bool is_level(const MatrixView& map) {
-  const double first = map(0, 0);
-  return (map.row(0).array() == first).all() && (map.array() == first).all();
-}
+// The smaller principal second derivative.
+double smaller_bend(double xx, double xy, double yy) { return 0.5 * (xx + yy) - length(0.5 * (xx - yy), xy); }
 
-// A point that is lower than its neighbours.
+// A point of which no neighbour is lower.
 struct GridMinimum {
   Index row;
   Index column;
@@ -149,7 +157,7 @@ void add_candidate(const SurfacePair& pair, const Place& place, double offset, s
   const Shape shape = shape_of(candidate);
   const double x = std::min(position.x(), dx * static_cast<double>(pair.lower.cols() - 1) - position.x());
   const double y = std::min(position.y(), dy * static_cast<double>(pair.lower.rows() - 1) - position.y());
-  candidate.farthest = candidate.gap + std::min(x * x / shape.xx, y * y / shape.yy) / candidate.normal.z();
+  candidate.room = std::min(x * x / shape.xx, y * y / shape.yy);
   all.push_back(candidate);
 }
 
@@ -172,7 +180,7 @@ Meeting meeting(const Vector2& slope, double xx, double xy, double yy) {
   const double b = (h00 * r01 + h01 * r11) / q;
   const double c = (h10 * r01 + h11 * r11) / q;
   const double half_difference = 0.5 * (a - c);
-  const double radius = std::hypot(half_difference, b);
+  const double radius = length(half_difference, b);
   const double larger = 0.5 * (a + c) + radius;
   const double smaller = (xx * yy - xy * xy) / (q2 * q2) / larger;
   // The eigenvector of the smaller one, from whichever row does not cancel.
@@ -189,10 +197,11 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   check(pair, deepest);
   const Index rows = pair.upper.rows();
   const Index columns = pair.upper.cols();
-  RowRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};
+  RowRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0, 0.0};
   for (Index row = 0; row < rows; ++row) {
     const RowRange one = range_of(pair.upper.row(row).data(), pair.lower.row(row).data(), columns);
-    range = {std::min(range.lowest, one.lowest), std::max(range.highest, one.highest), range.zero + one.zero};
+    range = {std::min(range.lowest, one.lowest), std::max(range.highest, one.highest),
+             std::max(range.largest, one.largest), range.zero + one.zero};
   }
   if (range.zero != 0.0) {
     fail("upper or lower has heights that are NaN or infinite");
@@ -213,7 +222,9 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<GridMinimum> points;
   std::vector<Place> places;
   const double offset = pair.lower(0, 0);
-  const bool level_upper = is_level(pair.upper);
+  const double round_off = round_off_share * range.largest;
+  // Where heights are known to round-off only, no better than that.
+  const double level = std::max(level_share * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     checkpoint();
     auto spline = work.topLeftCorner(tile.rows + 2, tile.columns + 2);
@@ -225,23 +236,24 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     const Cells cells{tile.cells.row - tile.row, tile.cells.column - tile.column, tile.cells.rows, tile.cells.columns};
     for (Index row = std::max<Index>(cells.row, 1); row < cells.row + cells.rows; ++row) {
       const double* at = &heights(row, 0);
-      mark_grid_minima(at - work.outerStride(), at, at + work.outerStride(), tile.columns, deepest, marks.data());
+      mark_grid_minima(at - work.outerStride(), at, at + work.outerStride(), tile.columns, deepest, round_off,
+                       marks.data());
       for_each_marked(marks.data(), std::max<Index>(cells.column, 1), cells.column + cells.columns,
                       [&](Index i) { points.push_back({tile.row + row, tile.column + i, at[i]}); });
     }
     natural_bicubic(spline);
-    const std::vector<Minimum> found = minima(spline, cells, deepest, checkpoint);
+    std::vector<Minimum> found = minima(spline, cells, deepest, checkpoint);
+    std::erase_if(found, [&](const Minimum& one) { return smaller_bend(one.at.xx, one.at.xy, one.at.yy) <= level; });
     if (found.empty()) {
       continue;
     }
     heights = (of_tile(pair.lower) - offset).matrix();
     natural_bicubic(spline);
     for (const Minimum& one : found) {
-      places.push_back({one, bicubic_at(spline, one.row, one.column, one.u, one.v)});
-      if (level_upper) {
-        // The slope of both is that of the upper body: exactly none, so that no contact opposes by round-off.
-        places.back().lower.x = 0.0;
-        places.back().lower.y = 0.0;
+      places.push_back({one, at_minimum(spline, one)});
+      // So that no contact opposes by round-off.
+      for (double* slope : {&places.back().lower.x, &places.back().lower.y}) {
+        *slope = std::abs(*slope) > level ? *slope : 0.0;
       }
       places.back().minimum.row += tile.row;
       places.back().minimum.column += tile.column;
@@ -256,7 +268,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   };
   places.erase(std::unique(places.begin(), places.end(), repeated), places.end());
 
-  ArealCandidates result{{}, {}, {}, deepest, pair.spacing, columns};
+  ArealCandidates result{{}, {}, {}, deepest, pair.spacing, rows, columns};
   const auto before = [&](const Place& place, Index cell) { return place.cell(columns) < cell; };
   for (const GridMinimum& point : points) {
     bool answered = false;
@@ -275,8 +287,8 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   for (const Place& place : places) {
     const Jet& below = place.lower;
     const Jet& gap = place.minimum.at;
-    const bool summits = is_summit(below.xx, below.xy, below.yy, -1.0) &&
-                         is_summit(below.xx + gap.xx, below.xy + gap.xy, below.yy + gap.yy, 1.0);
+    const bool summits = smaller_bend(-below.xx, -below.xy, -below.yy) >= -level &&
+                         smaller_bend(below.xx + gap.xx, below.xy + gap.xy, below.yy + gap.yy) >= -level;
     if (curvature == Curvature::signed_ || summits) {
       add_candidate(pair, place, offset, result.all);
     }

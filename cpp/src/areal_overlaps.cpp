@@ -67,12 +67,9 @@ Shape shape_of(const ArealCandidate& candidate) {
   return {entry(0, 0), entry(0, 1), entry(1, 1)};
 }
 
-Steps steps_of(const ArealCandidate& candidate, Values approaches) {
-  const auto behind = [&](double approach) {
-    return static_cast<std::size_t>(std::upper_bound(approaches.begin(), approaches.end(), approach) -
-                                    approaches.begin());
-  };
-  return {behind(candidate.gap), behind(candidate.farthest)};
+std::size_t first_step(const ArealCandidate& candidate, Values approaches) {
+  return static_cast<std::size_t>(std::upper_bound(approaches.begin(), approaches.end(), candidate.gap) -
+                                  approaches.begin());
 }
 
 // Ellipses grow with the approach about their centres, so once overlapping they are so for ever.
@@ -80,7 +77,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
                                         const Checkpoint& checkpoint) {
   struct Seen {
     std::size_t index;
-    Steps steps;
+    std::size_t begin;
     Shape shape;
     double left;
     double right;
@@ -88,13 +85,13 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
   };
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Steps steps = steps_of(all[i], approaches);
-    if (steps.begin < steps.end) {
+    const std::size_t begin = first_step(all[i], approaches);
+    if (begin < approaches.size()) {
       const Shape shape = shape_of(all[i]);
-      const double size = all[i].overlap(approaches[steps.end - 1]);
+      const double size = all[i].overlap(approaches.back());
       const double reach = std::sqrt(shape.xx * size);
       const double x = all[i].position.x();
-      seen.push_back({i, steps, shape, x - reach, x + reach, std::sqrt(shape.yy * size)});
+      seen.push_back({i, begin, shape, x - reach, x + reach, std::sqrt(shape.yy * size)});
     }
   }
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.left < b.left; });
@@ -111,8 +108,8 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
         return overlap(one.shape, a.overlap(approaches[k]), other.shape, b.overlap(approaches[k]), apart);
       };
       // Nothing new is to be learned at and behind the later of what is known of the two.
-      std::size_t begin = std::max(one.steps.begin, other.steps.begin);
-      std::size_t end = std::min({std::max(first[one.index], first[other.index]), one.steps.end, other.steps.end});
+      std::size_t begin = std::max(one.begin, other.begin);
+      std::size_t end = std::max(first[one.index], first[other.index]);
       if (begin >= end || std::abs(apart.y()) > one.half_height + other.half_height || !at(end - 1)) {
         continue;
       }

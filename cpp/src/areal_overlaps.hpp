@@ -17,13 +17,8 @@ struct Shape {
 
 Shape shape_of(const ArealCandidate& candidate);
 
-// The approaches at which a candidate is a contact, as a range of their indices.
-struct Steps {
-  std::size_t begin;
-  std::size_t end;
-};
-
-Steps steps_of(const ArealCandidate& candidate, Values approaches);
+// The first of the approaches at which a candidate is a contact.
+std::size_t first_step(const ArealCandidate& candidate, Values approaches);
 
 // For each candidate, the first of the approaches at which its ellipse overlaps another: as many as there are for none.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,

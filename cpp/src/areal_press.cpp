@@ -1,3 +1,4 @@
+#include "areal_edge.hpp"
 #include "areal_overlaps.hpp"
 #include "checks.hpp"
 #include "multiversion.hpp"
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 namespace stiction {
@@ -29,6 +31,14 @@ ForceArea carried(const HertzSphere& law, const ArealCandidate& candidate, doubl
   return {4.0 / 3.0 * law.effective_modulus * std::sqrt(candidate.ellipse.stiff * overlap) * overlap,
           elastic_area(candidate.ellipse, overlap)};
 }
+
+// What yields spreads in proportion: area over that of the elastic ellipse.
+template <class AnyLaw>
+double spread(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
+  return area / elastic_area(candidate.ellipse, overlap);
+}
+
+double spread(const HertzSphere&, const ArealCandidate&, double, double) { return 1.0; }
 
 void refuse_cylinders(const Law& law) {
   if (std::holds_alternative<HertzCylinder>(law)) {
@@ -55,7 +65,7 @@ void pull_along(const Vector3& normal, const double* towards, std::size_t ways, 
     const double along = x * towards[d] + y * towards[ways + d];
     const double across = y * towards[d] - x * towards[ways + d];
     const double length = std::sqrt(z * z + across * across);
-    const double share = all | (along < 0.0) ? 1.0 : 0.0;
+    const double share = (all | (along < 0.0)) ? 1.0 : 0.0;
     pulls[d] = -along * share;
     pulls[ways + d] = -across * share;
     pulls[2 * ways + d] = along * (z / length) * share;
@@ -113,17 +123,22 @@ std::vector<Contact> contacts(const ArealCandidates& found, double approach, con
   const auto with = [&](const auto& one_law) {
     for (const ArealCandidate& one : found.all) {
       const double overlap = one.overlap(approach);
-      if (!(overlap > 0.0) || approach > one.farthest) {
+      if (!(overlap > 0.0)) {
         continue;
       }
-      const auto [force, area] = carried(one_law, one, overlap);
-      // What yields spreads in proportion.
-      const double spread = area / elastic_area(one.ellipse, overlap);
-      result.push_back(
-          {one.row * found.columns + one.column, one.position - 0.5 * overlap * one.normal, one.normal,
-           tangent(one.normal, direction), one.radii,
-           Vector2(std::sqrt(one.ellipse.major * overlap * spread), std::sqrt(one.ellipse.minor * overlap * spread)),
-           overlap, force, area, opposes(one.normal, direction)});
+      auto [force, area] = carried(one_law, one, overlap);
+      const double size = overlap * spread(one_law, one, overlap, area);
+      if (size > one.room) {
+        const Inside inside = Edges(found, one).inside(size);
+        force *= inside.force;
+        area *= inside.area;
+      }
+      // Of the like ellipse with the area that is inside.
+      const double scale = area / (pi * std::sqrt(one.ellipse.major * one.ellipse.minor));
+      result.push_back({one.row * found.columns + one.column, one.position - 0.5 * overlap * one.normal, one.normal,
+                        tangent(one.normal, direction), one.radii,
+                        Vector2(std::sqrt(one.ellipse.major * scale), std::sqrt(one.ellipse.minor * scale)), one.along,
+                        overlap, force, area, opposes(one.normal, direction)});
     }
   };
   std::visit(with, law);
@@ -168,19 +183,26 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
     for (std::size_t i = 0; i < found.all.size(); ++i) {
       const ArealCandidate& one = found.all[i];
       const double radius = one.radii.mean();
-      const auto [begin, end] = steps_of(one, approaches);
-      for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t begin = first_step(one, approaches);
+      std::optional<Edges> edges;
+      for (std::size_t k = begin; k < steps; ++k) {
         const double overlap = one.overlap(approaches[k]);
-        const ForceArea has = carried(one_law, one, overlap);
+        ForceArea has = carried(one_law, one, overlap);
+        const double size = overlap * spread(one_law, one, overlap, has.area);
+        const bool cut = size > one.room;
+        if (cut) {
+          edges = edges ? edges : Edges(found, one);
+          const Inside inside = edges->inside(size);
+          has.force *= inside.force;
+          has.area *= inside.area;
+        }
         force[waiting * packed + k] = has.force;
         area[waiting * packed + k] = has.area;
         const double load = common[k].add(one.normal, overlap, radius, has, widest);
         common[k].load_overlapping += k >= overlapping[i] ? load : 0.0;
+        common[k].load_at_edge += cut ? load : 0.0;
       }
-      for (std::size_t k = std::max(begin, end); k < steps; ++k) {
-        common[k].crossed_count += 1;
-      }
-      if (begin < end) {
+      if (begin < steps) {
         pull_along(one.normal, towards.data(), ways, sliding == Sliding::all, &pulls[waiting * of_force * ways]);
         waiting += 1;
       }

@@ -53,8 +53,8 @@ void list_candidate(const Candidate& candidate, double approach, double half_cel
     }
     const auto [force, area] = law(touch.overlap, candidate.radii);
     rows.push_back({candidate.index, candidate.position + touch.centre, touch.normal, tangent(touch.normal, direction),
-                    candidate.radii, law.semi_axes(touch.overlap, candidate.radii), touch.overlap, force, area,
-                    opposes(touch.normal, direction)});
+                    candidate.radii, law.semi_axes(touch.overlap, candidate.radii), Vector3::UnitY(), touch.overlap,
+                    force, area, opposes(touch.normal, direction)});
   });
 }
 

@@ -1,6 +1,5 @@
 #include "gsl.hpp"
 
-#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_linalg.h>
 
@@ -32,12 +31,6 @@ void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, 
   const auto b = gsl_vector_const_view_array(right_side.data(), size);
   auto x = gsl_vector_view_array(solution.data(), size);
   check(gsl_linalg_solve_symm_tridiag(&d.vector, &e.vector, &b.vector, &x.vector), "tridiagonal system");
-}
-
-double student_probability(double freedom, double t) noexcept { return gsl_cdf_tdist_P(t, freedom); }
-
-double student_quantile(double freedom, double probability) noexcept {
-  return gsl_cdf_tdist_Pinv(probability, freedom);
 }
 
 }  // namespace stiction::gsl

@@ -9,8 +9,4 @@ namespace stiction::gsl {
 /// `right_side`. Throws std::runtime_error with GSL's own words.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 
-/// Of Student's distribution, and the inverse of it; for arguments in range.
-double student_probability(double freedom, double t) noexcept;
-double student_quantile(double freedom, double probability) noexcept;
-
 }  // namespace stiction::gsl

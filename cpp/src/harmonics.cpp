@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <numbers>
@@ -26,6 +27,10 @@ struct Free {
 std::unique_ptr<double[], Free> aligned(std::size_t size) {
   return std::unique_ptr<double[], Free>(new (std::align_val_t{line}) double[size]);
 }
+
+// Of a grid's turns, as a power of two: more along all of it leave less than 20 binary digits, 1e-6, for the fraction
+// of a turn. 2^44 where a long double has 64 digits, 2^33 where it is a double.
+constexpr int resolved_turns = std::numeric_limits<long double>::digits - 20;
 
 // Points that are computed together, so that the group profiles of one block stay in the second-level cache.
 constexpr Index block = 1024;
@@ -101,8 +106,7 @@ struct Group {
 // Directions m and M - m have opposite wave numbers: cos(-k x + φ') = cos(k x - φ'), so they make one harmonic of
 // amplitude e^(i φ) + e^(-i φ'). m = M/2 has none and cancels; m = M has no partner.
 std::vector<Group> groups(MatrixView phases, const HarmonicGrid& grid) {
-  // Beyond this many turns along the profile, the fraction of a turn is no longer known to 1e-6.
-  constexpr long double most_turns = 0x1p44L;
+  const long double most_turns = std::ldexp(1.0L, resolved_turns);
   const Index directions = phases.rows();
   std::vector<Group> result(static_cast<std::size_t>(phases.cols()));
   for (Index n = 0; n < phases.cols(); ++n) {
@@ -116,8 +120,10 @@ std::vector<Group> groups(MatrixView phases, const HarmonicGrid& grid) {
       }
       if (std::abs(turns) * static_cast<long double>(grid.points) > most_turns) {
         throw std::invalid_argument(
-            "harmonic_profiles: gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the "
-            "highest frequencies cannot be resolved; take a smaller gamma, fewer frequencies or a band limit");
+            "harmonic_profiles: gamma^(frequencies - 1) extent / length_scale is above 2^" +
+            std::to_string(resolved_turns) +
+            ", so the phases of the highest frequencies cannot be resolved; take a smaller gamma, fewer frequencies or "
+            "a band limit");
       }
       group.harmonics.emplace_back(amplitude, turns_of(turns));
       group.constant += amplitude.real();
@@ -348,7 +354,7 @@ struct ArealSum {
 };
 
 ArealSum areal_sum(MatrixView phases, Values weights, const HarmonicArea& area, Index rows, Index columns) {
-  constexpr long double most_turns = 0x1p44L;
+  const long double most_turns = std::ldexp(1.0L, resolved_turns);
   ArealSum sum;
   const Index directions = phases.rows();
   for (Index n = 0; n < phases.cols(); ++n) {
@@ -365,8 +371,9 @@ ArealSum areal_sum(MatrixView phases, Values weights, const HarmonicArea& area, 
       if (std::max(std::abs(turns.y) * static_cast<long double>(rows),
                    std::abs(turns.x) * static_cast<long double>(columns)) > most_turns) {
         throw std::invalid_argument(
-            "gamma^(frequencies - 1) extent / length_scale is above 2^44, so the phases of the highest frequencies "
-            "cannot be resolved; take a smaller gamma, fewer frequencies, a smaller extent or a band limit");
+            "gamma^(frequencies - 1) extent / length_scale is above 2^" + std::to_string(resolved_turns) +
+            ", so the phases of the highest frequencies cannot be resolved; take a smaller gamma, fewer frequencies, a "
+            "smaller extent or a band limit");
       }
       const Complex one = std::polar(weight, phases(m - 1, n));
       const bool alone = partner == 0 || partner == m;

@@ -86,9 +86,9 @@ L law_of(const std::map<std::string, double>& given) {
     }
     law.*(parameter.member) = found->second;
   }
-  for (const auto& [name, value] : given) {
-    if (std::none_of(known.begin(), known.end(), [&](const auto& parameter) { return parameter.name == name; })) {
-      throw std::invalid_argument("law " + std::string(L::name) + " has no parameter " + name);
+  for (const auto& each : given) {
+    if (std::none_of(known.begin(), known.end(), [&](const auto& one) { return one.name == each.first; })) {
+      throw std::invalid_argument("law " + std::string(L::name) + " has no parameter " + each.first);
     }
   }
   check(law);

@@ -282,10 +282,10 @@ class Cell {
     const bool last = size <= smallest;
     if (finding == Finding::convex || last) {
       const double around = last ? size : beyond;
-      const auto minimum = newton(u + 0.5 * size, v + 0.5 * size, size);
+      const auto minimum = newton(u + 0.5 * size, v + 0.5 * size, size, round_off);
       if (minimum && minimum->u >= u - around && minimum->u <= u + size + around && minimum->v >= v - around &&
           minimum->v <= v + size + around) {
-        if (minimum->at.value <= highest_ && inside(minimum->u) && inside(minimum->v)) {
+        if (inside(minimum->u) && inside(minimum->v)) {
           found(*minimum);
         }
         return;
@@ -308,7 +308,7 @@ class Cell {
 
   static bool inside(double t) { return t >= -beyond && t <= 1.0 + beyond; }
 
-  std::optional<Minimum> newton(double u, double v, double size) const {
+  std::optional<Minimum> newton(double u, double v, double size, double round_off) const {
     for (int i = 0; i < 30; ++i) {
       const Jet at = bicubic_at(coefficients_, row_, column_, u, v);
       const double determinant = at.xx * at.yy - at.xy * at.xy;
@@ -318,7 +318,8 @@ class Cell {
       double du = (at.xy * at.y - at.yy * at.x) / determinant;
       double dv = (at.xy * at.x - at.xx * at.y) / determinant;
       const double length = most(std::abs(du), std::abs(dv));
-      if (length <= 1e-12) {
+      // Where the floor is nearly level, steps never become shorter than round-off makes them.
+      if (length <= 1e-12 || most(std::abs(at.x), std::abs(at.y)) <= round_off) {
         return Minimum{row_, column_, u + du, v + dv, bicubic_at(coefficients_, row_, column_, u + du, v + dv)};
       }
       if (length > 2.0 * size) {
@@ -342,18 +343,24 @@ class Cell {
 
 // ---- Each once, and not on the edge ---------------------------------------------------------------------------------
 
-// A minimum within round-off of a side of its cell belongs to the cell on whose left, or lower, side it then is.
+// A minimum next to a side of its cell belongs to the cell on whose left, or lower, side it then is.
 void settle(double& fraction, Index& cell, Index cells) {
   if (fraction >= 1.0 - same && cell + 1 < cells) {
     cell += 1;
     fraction -= 1.0;
   }
-  fraction = std::abs(fraction) < same ? most(fraction, 0.0) : fraction;
 }
 
 bool before(const Minimum& a, const Minimum& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; }
 
 }  // namespace
+
+Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum) {
+  const Index left = minimum.u < 0.0 && minimum.column > 0 ? 1 : 0;
+  const Index below = minimum.v < 0.0 && minimum.row > 0 ? 1 : 0;
+  return bicubic_at(coefficients, minimum.row - below, minimum.column - left, minimum.u + static_cast<double>(left),
+                    minimum.v + static_cast<double>(below));
+}
 
 bool is_same(const Minimum& one, const Minimum& other) {
   return std::abs(one.u - other.u) < 2.0 * same && std::abs(one.v - other.v) < 2.0 * same;
@@ -379,7 +386,10 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, 
     if (!on_edge) {
       settle(minimum.u, minimum.column, columns);
       settle(minimum.v, minimum.row, rows);
-      found.push_back(minimum);
+      minimum.at = at_minimum(coefficients, minimum);
+      if (minimum.at.value <= highest) {
+        found.push_back(minimum);
+      }
     }
   };
   for (Index row = where.row; row < where.row + where.rows; ++row) {

@@ -5,23 +5,47 @@
 
 #include <cstddef>
 
-// Not where the loader cannot do it: other compilers and platforms, and under sanitizers, whose start-up the resolver
+// Not where the loader cannot do it: other platforms and C libraries, and under sanitizers, whose start-up the resolver
 // functions break.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#define STICTION_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define STICTION_SANITIZED
+#endif
+#endif
 
-/// Before a function of plain loops.
-#define STICTION_MULTIVERSION __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+// AVX-512 and AVX2 with FMA: GCC knows them as levels since 12, Clang by their parts.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(STICTION_SANITIZED)
+#if defined(__clang__)
+#define STICTION_WIDEST "avx512f,avx512vl,avx512dq,avx512bw,fma"
+#define STICTION_WIDE "avx2,fma"
+#elif defined(__GNUC__) && __GNUC__ >= 12
+#define STICTION_WIDEST "arch=x86-64-v4"
+#define STICTION_WIDE "arch=x86-64-v3"
+#endif
+#endif
+
+/// Before a function of plain loops. Not by Clang, of which some versions lose what such a function calls.
+#if defined(STICTION_WIDE) && !defined(__clang__)
+#define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
+#else
+#define STICTION_MULTIVERSION
+#endif
+
+// Clang thinks that what only the loader picks is unused.
+#if defined(__clang__)
+#pragma clang diagnostic ignored "-Wunused-function"
+#endif
 
 /// Defines void name(parameters) as name_kernel<Width>(arguments), a template written in packs of so many numbers as a
 /// register of the instruction set holds: GCC keeps wider ones in memory, 20 times slower.
-#define STICTION_KERNEL(name, parameters, arguments)                                                             \
-  __attribute__((target("arch=x86-64-v4"))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
-  __attribute__((target("arch=x86-64-v3"))) void name parameters { name##_kernel<4> arguments; } /* AVX2, FMA */ \
+#if defined(STICTION_WIDE)
+#define STICTION_KERNEL(name, parameters, arguments)                                                            \
+  __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
+  __attribute__((target(STICTION_WIDE))) void name parameters { name##_kernel<4> arguments; }   /* AVX2, FMA */ \
   __attribute__((target("default"))) void name parameters { name##_kernel<2> arguments; }
-
 #else
-#define STICTION_MULTIVERSION
 #define STICTION_KERNEL(name, parameters, arguments) \
   void name parameters { name##_kernel<2> arguments; }
 #endif

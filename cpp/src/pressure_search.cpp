@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -20,8 +19,7 @@ constexpr double most_change = 2.0;
 // After a step that leads nowhere.
 constexpr double retreat = 0.25;
 constexpr int most_newton_steps = 200;
-constexpr std::size_t lanes = 8;
-constexpr std::size_t block = 64;  // points that are looked at together
+constexpr std::size_t sums_at_once = 8;
 
 STICTION_MULTIVERSION
 void add_scaled(const float* response, std::size_t size, double factor, double* potential) {
@@ -30,10 +28,10 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// Marks free points of a few: between the bounds, or at one that the gap calls them away from (or is not a number).
-// Returns whether there are any.
+// Marks free points of a few: between 0 and their bound, or at one that the gap calls them away from (or is not a
+// number). Returns whether there are any.
 STICTION_MULTIVERSION
-bool mark_free(const double* pressure, const double* potential, std::size_t size, double approach, double hardness,
+bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
   std::uint8_t any = 0;
   for (std::size_t i = 0; i < size; ++i) {
@@ -41,7 +39,7 @@ bool mark_free(const double* pressure, const double* potential, std::size_t size
     const double gap = potential[i] - approach;
     const bool loaded = p > 0.0;
     // Without branches, which are hard to foresee.
-    const bool is_free = (loaded & ((p < hardness) | (gap > 0.0))) | (!loaded & !(gap >= 0.0));
+    const bool is_free = (loaded & ((p < bound[i]) | (gap > 0.0))) | (!loaded & (bound[i] > 0.0) & !(gap >= 0.0));
     marks[i] = static_cast<std::uint8_t>(is_free);
     any |= marks[i];
   }
@@ -53,36 +51,36 @@ struct Cut {
   double between;  // how many are within the bounds
 };
 
-// Pressures less the shift, cut to the bounds; in as many sums as make it fast.
+// Pressures less the shift, cut to 0 and their bounds; in as many sums as make it fast.
 STICTION_MULTIVERSION
-Cut cut(const double* pressure, std::size_t size, double shift, double hardness) {
-  std::array<double, lanes> sums{};
-  std::array<double, lanes> between{};
+Cut cut(const double* pressure, const double* bound, std::size_t size, double shift) {
+  std::array<double, sums_at_once> sums{};
+  std::array<double, sums_at_once> between{};
   std::size_t i = 0;
-  for (; i + lanes <= size; i += lanes) {
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
+  for (; i + sums_at_once <= size; i += sums_at_once) {
+    for (std::size_t lane = 0; lane < sums_at_once; ++lane) {
       const double moved = pressure[i + lane] - shift;
       const double kept = moved > 0.0 ? moved : 0.0;
-      sums[lane] += kept < hardness ? kept : hardness;
-      between[lane] += moved > 0.0 && moved < hardness ? 1.0 : 0.0;
+      sums[lane] += kept < bound[i + lane] ? kept : bound[i + lane];
+      between[lane] += moved > 0.0 && moved < bound[i + lane] ? 1.0 : 0.0;
     }
   }
   for (; i < size; ++i) {
     const double moved = pressure[i] - shift;
-    sums[0] += std::clamp(moved, 0.0, hardness);
-    between[0] += moved > 0.0 && moved < hardness ? 1.0 : 0.0;
+    sums[0] += std::clamp(moved, 0.0, bound[i]);
+    between[0] += moved > 0.0 && moved < bound[i] ? 1.0 : 0.0;
   }
   return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(between.begin(), between.end(), 0.0)};
 }
 
 // The shift for which pressures less the shift, cut to the bounds, have the sum asked for. The sum falls with the
 // shift, in straight pieces: Newton's steps, kept within a bracket.
-double shift_to_sum(std::span<const double> pressure, double sum, double hardness) {
+double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum) {
   double left = -std::numeric_limits<double>::infinity();
   double right = std::numeric_limits<double>::infinity();
   double shift = 0.0;
   for (int count = 0; count < most_newton_steps; ++count) {
-    const Cut now = cut(pressure.data(), pressure.size(), shift, hardness);
+    const Cut now = cut(pressure.data(), bound.data(), pressure.size(), shift);
     const double excess = now.sum - sum;
     if (std::abs(excess) <= 1e-15 * sum) {
       return shift;
@@ -91,7 +89,8 @@ double shift_to_sum(std::span<const double> pressure, double sum, double hardnes
     double next = now.between > 0.0 ? shift + excess / now.between : left + 0.5 * (right - left);
     if (!std::isfinite(next)) {  // no pressure between the bounds, and only one side known
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
-      left = std::isfinite(left) ? left : *lowest - (std::isfinite(hardness) ? hardness : sum);
+      const double most = *std::max_element(bound.begin(), bound.end());
+      left = std::isfinite(left) ? left : *lowest - (std::isfinite(most) ? most : sum);
       right = std::isfinite(right) ? right : *highest;
       next = left + 0.5 * (right - left);
     } else if (!(next > left && next < right)) {
@@ -107,44 +106,61 @@ double shift_to_sum(std::span<const double> pressure, double sum, double hardnes
 
 }  // namespace
 
-PressureSearch::PressureSearch(Values pressure, double total, double hardness, bool line)
+PressureSearch::PressureSearch(Values pressure, double total, Values bound, bool line)
     : pressure_(pressure.begin(), pressure.end()),
       potential_(pressure.size()),
       total_(total),
-      hardness_(hardness),
       line_(line),
       residual_(pressure.size()),
       step_(pressure.size()) {
-  if (pressure.empty() || pressure.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+  const std::size_t size = pressure.size();
+  if (size == 0 || size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::invalid_argument("PressureSearch: pressure must have from 1 to below 2^31 points");
   }
-  if (!(total > 0.0) || !(hardness > 0.0) || !(total < hardness * static_cast<double>(pressure.size()))) {
-    throw std::invalid_argument("PressureSearch: total must be positive and below hardness times points");
+  if ((bound.size() != 1 && bound.size() != size) ||
+      !std::all_of(bound.begin(), bound.end(), [](double one) { return one >= 0.0; })) {
+    throw std::invalid_argument("PressureSearch: bound must be one for all points or one for each, none below 0");
   }
-  std::vector<double> loaded;
-  std::copy_if(pressure_.begin(), pressure_.end(), std::back_inserter(loaded), [](double p) { return p > 0.0; });
+  if (bound.size() == size) {
+    bounds_.assign(bound.begin(), bound.end());
+  }
+  everywhere_.fill(bound[0]);
+  double most = 0.0;
+  double most_of_loaded = 0.0;
+  for (std::size_t i = 0; i < size; ++i) {
+    most += bound_at(i);
+    most_of_loaded += pressure_[i] > 0.0 ? bound_at(i) : 0.0;
+  }
+  if (!(total > 0.0) || !(total < most)) {
+    throw std::invalid_argument("PressureSearch: total must be positive and below the sum of the bounds");
+  }
   // As many points bear the load as are needed.
-  const bool all = !(hardness * static_cast<double>(loaded.size()) > total);
-  const double shift = shift_to_sum(all ? pressure_ : loaded, total, hardness);
-  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+  const bool all = !(most_of_loaded > total);
+  for (std::size_t i = 0; i < size; ++i) {
     if (all || pressure_[i] > 0.0) {
-      pressure_[i] = std::clamp(pressure_[i] - shift, 0.0, hardness);
       moved_.push_back(static_cast<std::int32_t>(i));
+      target_.push_back(pressure_[i]);
+      most_.push_back(bound_at(i));
     }
+  }
+  const double shift = shift_to_sum(target_, most_, total);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    pressure_[static_cast<std::size_t>(moved_[k])] = std::clamp(target_[k] - shift, 0.0, most_[k]);
   }
   settle();
 }
 
 void PressureSearch::settle() {
   double between = 0.0;
-  double at_hardness = 0.0;
-  for (const double p : pressure_) {
-    (p < hardness_ ? between : at_hardness) += p;
+  double at_bound = 0.0;
+  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+    (pressure_[i] < bound_at(i) ? between : at_bound) += pressure_[i];
   }
-  const double factor = (total_ - at_hardness) / between;
+  const double factor = (total_ - at_bound) / between;
   if (between > 0.0 && factor > 0.0) {
-    for (double& p : pressure_) {
-      p = p < hardness_ ? std::min(p * factor, hardness_) : p;
+    for (std::size_t i = 0; i < pressure_.size(); ++i) {
+      const double most = bound_at(i);
+      pressure_[i] = pressure_[i] < most ? std::min(pressure_[i] * factor, most) : pressure_[i];
     }
   }
 }
@@ -163,31 +179,25 @@ double PressureSearch::balance() {
       residual_[static_cast<std::size_t>(i)] = 0.0F;
     }
   }
-  // Every point under pressure has moved, or is at the hardness and says nothing of the approach.
+  // Every point under pressure has moved, or is at its bound and says nothing of the approach.
   double sum = 0.0;
   std::size_t count = 0;
   for (const std::int32_t point : moved_) {
     const auto i = static_cast<std::size_t>(point);
     const double p = pressure_[i];
-    if (p > 0.0 && p < hardness_) {
+    if (p > 0.0 && p < bound_at(i)) {
       sum += potential_[i];
       ++count;
     }
   }
-  if (count > 0) {
-    approach_ = sum / static_cast<double>(count);
-  } else {  // all pressure is at the hardness: none of it may be open
-    approach_ = -std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < pressure_.size(); ++i) {
-      approach_ = pressure_[i] > 0.0 ? std::max(approach_, potential_[i]) : approach_;
-    }
-  }
+  approach_ = count > 0 ? sum / static_cast<double>(count) : approach_of_bounds();
   free_.clear();
   std::array<std::int32_t, block> found{};
   std::array<std::uint8_t, block> marks{};
   for (std::size_t first = 0; first < pressure_.size(); first += block) {
     const std::size_t count_here = std::min(block, pressure_.size() - first);
-    if (mark_free(&pressure_[first], &potential_[first], count_here, approach_, hardness_, marks.data())) {
+    const double* bound = bounds_.empty() ? everywhere_.data() : &bounds_[first];
+    if (mark_free(&pressure_[first], &potential_[first], bound, count_here, approach_, marks.data())) {
       std::size_t many = 0;
       for (std::size_t i = 0; i < count_here; ++i) {
         found[many] = static_cast<std::int32_t>(first + i);
@@ -205,6 +215,21 @@ double PressureSearch::balance() {
   }
   mean_ = approach_ + (free_.empty() ? 0.0 : sum / static_cast<double>(free_.size()));
   return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
+}
+
+// Where no pressure lies between the bounds: points at theirs may not be open, and those without pressure not overlap.
+// The last of the first where that can be, else midway, so that there are points on both sides to take and to give.
+double PressureSearch::approach_of_bounds() const {
+  double last = -std::numeric_limits<double>::infinity();
+  double first = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < pressure_.size(); ++i) {
+    if (pressure_[i] > 0.0) {
+      last = std::max(last, potential_[i]);
+    } else if (bound_at(i) > 0.0) {
+      first = std::min(first, potential_[i]);
+    }
+  }
+  return last <= first ? last : first + 0.5 * (last - first);
 }
 
 // Of each run of points that are not free: the free points on both sides (by their place in the list) and their
@@ -325,6 +350,10 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   mean_step /= count;
   double beta = conjugate_ ? std::max((mean * mean_response - product) / curvature_, 0.0) : 0.0;
   target_.resize(size);
+  most_.resize(size);
+  for (std::size_t k = 0; k < size; ++k) {
+    most_[k] = bound_at(static_cast<std::size_t>(free_[k]));
+  }
   const auto aim = [&] {
     const double length = plain_ ? plain_length_ : length_;
     double slope = 0.0;
@@ -340,7 +369,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
       slope += direction * rest;
       square += rest * rest;
       target_[k] = pressure_[i] + length * direction;
-      clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > hardness_;
+      clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > most_[k];
     }
     if (!plain_ && slope > 0.0 && square > 0.0) {
       plain_length_ = length_ * slope / square;
@@ -352,14 +381,14 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
     aim();
   }
   conjugate_ = beta > 0.0;
-  const double shift = shift_to_sum(target_, load, hardness_);
+  const double shift = shift_to_sum(target_, most_, load);
   for (const std::int32_t point : moved_) {
     step_[static_cast<std::size_t>(point)] = 0.0F;
   }
   moved_ = free_;
   for (std::size_t k = 0; k < size; ++k) {
     const auto i = static_cast<std::size_t>(free_[k]);
-    target_[k] = std::clamp(target_[k] - shift, 0.0, hardness_);
+    target_[k] = std::clamp(target_[k] - shift, 0.0, most_[k]);
     step_[i] = static_cast<float>(target_[k] - pressure_[i]);
   }
   return step_;
@@ -378,7 +407,7 @@ bool PressureSearch::advance(std::span<const float> response) {
     if (move < 0.0) {
       farthest = std::min(farthest, pressure_[i] / -move);
     } else if (move > 0.0) {
-      farthest = std::min(farthest, (hardness_ - pressure_[i]) / move);
+      farthest = std::min(farthest, (most_[k] - pressure_[i]) / move);
     }
   }
   const double best = descent / curvature;
@@ -395,7 +424,7 @@ bool PressureSearch::advance(std::span<const float> response) {
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const auto i = static_cast<std::size_t>(moved_[k]);
     pressure_[i] =
-        part == 1.0 ? target_[k] : std::clamp(pressure_[i] + part * static_cast<double>(step_[i]), 0.0, hardness_);
+        part == 1.0 ? target_[k] : std::clamp(pressure_[i] + part * static_cast<double>(step_[i]), 0.0, most_[k]);
   }
   add_scaled(response.data(), response.size(), part, potential_.data());
   (plain_ ? plain_length_ : length_) *= std::clamp(best, least_change, most_change);
@@ -403,6 +432,10 @@ bool PressureSearch::advance(std::span<const float> response) {
   conjugate_ = true;
   plain_ = false;
   return true;
+}
+
+double PressureSearch::work() const {
+  return std::inner_product(pressure_.begin(), pressure_.end(), potential_.begin(), 0.0);
 }
 
 void PressureSearch::restart(Values potential) {

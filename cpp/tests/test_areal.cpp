@@ -80,6 +80,42 @@ TEST_CASE("a paraboloid on a flat is one elliptic contact, in every direction an
   CHECK(stiction::contacts(found, 0.01, law, directions[1]).size() == 1);
 }
 
+TEST_CASE("tangents are those of the sums, also at walls along the motion") {
+  // Walls lean by 1e-12 and are turned by `turn` from the motion: t lies nearly across, where (s·n) n - s has lost all.
+  for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
+    for (const double up : {1e-12, 1e-3, 0.5}) {
+      const double level = std::sqrt(1.0 - up * up);
+      const stiction::Vector3 normal(-level * std::cos(turn), level * std::sin(turn), up);
+      const Vector2 direction(1.0, 0.0);
+      const stiction::Vector3 t = stiction::tangent(normal, direction);
+      const stiction::Pull by = stiction::pull(normal, direction);
+      CHECK(std::abs(t.norm() - 1.0) < 1e-15);
+      CHECK(std::abs(t.dot(normal)) < 1e-15);
+      CHECK(-t.x() == doctest::Approx(by.drag).epsilon(1e-15));
+      CHECK(t.z() == doctest::Approx(by.lift).epsilon(1e-15));
+    }
+  }
+}
+
+TEST_CASE("of an ellipse much larger than the map all of the map is inside") {
+  // With no loss of digits, however small a part it is.
+  const Matrix upper = paraboloid(31, 41, 1e4, 1e4);
+  const Matrix lower = Matrix::Zero(31, 41);
+  const ArealCandidates found = candidates({upper, lower, {spacing, spacing}}, 1e9, Curvature::signed_);
+  REQUIRE(found.all.size() == 1);
+  for (const double approach : {1e3, 1e6, 1e9}) {
+    const auto table = stiction::contacts(found, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
+    REQUIRE(table.size() == 1);
+    // The map's area, at the pressure of the middle, 2 E* (d / R)^(1/2) / π.
+    const double area = 40.0 * 30.0 * spacing * spacing;
+    CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
+    const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);
+    const double most = 20.0 / 3.141592653589793 * std::sqrt(table[0].overlap / radius) * area;
+    CHECK(table[0].force <= most * (1.0 + 1e-12));
+    CHECK(table[0].force == doctest::Approx(most).epsilon(2.0 / (radius * table[0].overlap)));
+  }
+}
+
 TEST_CASE("what cannot be pressed is refused") {
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);

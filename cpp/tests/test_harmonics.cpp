@@ -34,7 +34,7 @@ double direct(const Matrix& phases, const std::vector<double>& weights, const Ha
       if (grid.band_limited && std::abs(wave_number * static_cast<long double>(grid.spacing)) > pi) {
         continue;
       }
-      const long double phase = phases(m - 1, n);
+      const auto phase = static_cast<long double>(phases(m - 1, n));
       const long double x = static_cast<long double>(point) * static_cast<long double>(grid.spacing);
       sum += static_cast<long double>(weights[static_cast<std::size_t>(n)]) *
              (std::cos(phase) - std::cos(wave_number * x + phase));

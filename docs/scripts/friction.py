@@ -85,7 +85,7 @@ def main() -> None:
     figure = Figure(figsize=(7.2, 4.1), dpi=200, layout="constrained")
     axes = figure.subplots(2, 4, sharex=True).ravel()
     for name in STYLES:
-        data = store.read(RESULTS / name / "result.zarr")
+        data = store.read(RESULTS / name)
         sliding = "opposing" if "sliding" in data.dims else None
         with np.errstate(divide="ignore", invalid="ignore"):
             result = Resampled(data, AMPLITUDE, sliding=sliding)

@@ -41,7 +41,7 @@ def results(directory: Path) -> dict:
     )
     found = {}
     for name, study in {"half-plane": exact, "cylinders": cylinders}.items():
-        path = directory / name / "result.zarr"
+        path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)
         found[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path)
     return found

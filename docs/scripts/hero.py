@@ -10,7 +10,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, friction_map, gentle_friction, pair_of, run
-from stiction.views import figures
+from stiction.studies.at_load import reached_loads
+from stiction.views.digits import with_unit
+from stiction.views.figures import ensemble as figures
 from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, label, save_picture
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,7 +27,7 @@ STEEPEST = 1.5
 
 def result(name, repetitions):
     study = Study.named(name).with_changes({"ensemble.repetitions": repetitions, "figures.draw": []})
-    return study, run(study, store=ROOT / f"build/hero/{name}.zarr", progress=True)
+    return study, run(study, store=ROOT / f"build/hero/{name}", progress=True)
 
 
 def slopes_of_lines(study, dimensions):
@@ -51,7 +53,7 @@ def gradients_of_areas(study, dimensions):
 
 def draw(lines, areas):
     strengths = [0.0, 0.2]
-    maps = friction_map(lines[1], figures.reached_loads(lines[1]), mu0=[MU0], tau0=strengths).isel(mu0=0, amplitude=0)
+    maps = friction_map(lines[1], reached_loads(lines[1]), mu0=[MU0], tau0=strengths).isel(mu0=0, amplitude=0)
     height, below, above = 42.0, 16.0, 15.0
     total = height + below + above
     figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
@@ -64,7 +66,7 @@ def draw(lines, areas):
         ax = axes_at(13 + 33 * column, 30)
         figures._friction_panel(ax, maps.isel(tau0=column), norm, LOADS["lines"])
         ax.set_title(rf"lines, $\tau_0$ = {strength}", pad=2)
-        figures._dimension_axis(ax, lines[1], last=True, long=True)
+        figures._dimension_axis(ax, lines[1], last=True)
         if column == 0:
             ax.set_ylabel(label("load"))
         else:
@@ -77,7 +79,7 @@ def draw(lines, areas):
         curves = friction_map(dataset, [load], mu0=[MU0], tau0=strengths).isel(mu0=0, amplitude=0, load=0)
         figures._friction_curves(ax, curves, list(TAU0), MU0)
         ax.set_ylim(0, 0.95)
-        ax.set_title(f"{name}, $F_N$ = {figures.force_text(load)}", pad=2)
+        ax.set_title(f"{name}, $F_N$ = {with_unit(load, 'mN')}", pad=2)
         dimensions = dataset["fractal_dimension"].values[::4]
         if name == "lines":
             dimensions = dimensions[dimensions <= STEEPEST]
@@ -92,7 +94,7 @@ def draw(lines, areas):
         print(np.round(curves["friction_coefficient"].values[::4].T, 3))
         for each in gentle:
             ax.plot(dimensions, each, color="black", linewidth=0.8, dashes=(5, 2))
-        figures._dimension_axis(ax, dataset, last=True, long=True)
+        figures._dimension_axis(ax, dataset, last=True)
     meanings = figures._meanings(maps, asperities=True)
     gentle_line = mpl.lines.Line2D([], [], color="black", linewidth=0.8, dashes=(5, 2))
     gentle_line.set_label("gentle slopes on an elastic half-space: one formula")

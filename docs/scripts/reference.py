@@ -12,13 +12,14 @@ from typing import Any, Literal, get_args, get_origin
 
 import stiction
 import typer
-from stiction import Study
 from stiction._units import Quantity
 from stiction.cli.application import COMMANDS, app
-from stiction.studies import study_values
+from stiction.mechanics.law import NAMED
+from stiction.studies import values
+from stiction.studies.contact_tables import LAW_TABLES
+from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.study import study_names, study_summary
-from stiction.studies.study_tables import _KEYS, _WORDS
-from stiction.studies.study_values import MOST_DEGREES
+from stiction.studies.tables import CONTACTS, SURFACES, Ensemble, Figures, Friction, MeasuredFriction
 
 ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """A name in a page of the reference."""
@@ -76,39 +77,80 @@ def _summary(name: str) -> str:
 # ---- Keys of study files --------------------------------------------------------------------------------------------
 
 _QUANTITIES = (
-    (study_values.Length, "a length above 0"),
-    (study_values.LengthOrZero, "a length, at least 0"),
-    (study_values.Modulus, "a pressure above 0"),
-    (study_values.Strength, "a pressure, at least 0"),
-    (study_values.Force, "a force above 0"),
-    (study_values.Extent, "one or two lengths above 0"),
-    (study_values.Directions, f'`"+x"`, `"-x"` or degrees from {-MOST_DEGREES} to {MOST_DEGREES}'),
-    (study_values.Rules, '`"opposing"`, `"all"`'),
+    (values.Length, "a length above 0"),
+    (values.LengthOrZero, "a length, at least 0"),
+    (values.Modulus, "a pressure above 0"),
+    (values.Strength, "a pressure, at least 0"),
+    (values.Force, "a force above 0"),
 )
 """What the validators of a study ask of quantities, in words."""
 
+_DEGREES = f"degrees from {-values.MOST_DEGREES} to {values.MOST_DEGREES}"
+_ALLOWED = {
+    "law": " or ".join([*(f'`"{name}"`' for name in NAMED), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]),
+    "sliding": '`"opposing"`, `"all"` or a list of both',
+    "unit": "a unit of length or a list of two",
+    "spacing": "a length above 0 or a list of two",
+    "channel": "a name or a number from 0",
+    "columns": "a name or a number from 0, or a list of two",
+    "sha256": "64 hexadecimal digits",
+    "file": "a name",
+    "upper": "a table, see below",
+    "lower": "a table, see below",
+}
+"""What keys may be whose values are read by functions of their own."""
+
+_TABLES: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
+    ("`[surfaces]`, generated", "Fractal profiles, or areas of two kinds.", SURFACES[:3]),
+    ("`[surfaces]`, measured", "Two measured files, and how pairs are made of them.", SURFACES[3:]),
+    ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,)),
+    ("`[contact]` of generated surfaces", "How each pair is pressed together.", CONTACTS[:3]),
+    ("`[contact]` of measured surfaces", "How each pair is pressed together, to loads.", CONTACTS[3:]),
+    ("`[friction]` of generated surfaces", f"{Friction.__doc__}", (Friction,)),
+    ("`[friction]` of measured surfaces", f"{MeasuredFriction.__doc__}", (MeasuredFriction,)),
+    ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,)),
+    ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,)),
+)
+"""Tables of a study file and their cases."""
+
 
 def study_keys() -> str:
-    """A table for each part of a study file: key, default, what is allowed, meaning."""
+    """A table for each part of a study file: key, default, what is allowed, meaning and for which cases."""
     lines = []
-    for part, field in Study.model_fields.items():
-        table = field.annotation
-        assert isinstance(table, type)
-        lines += [
-            f"## `[{part}]`",
-            "",
-            f"{table.__doc__}",
-            "",
-            "| key | default | allowed | meaning |",
-            "|---|---|---|---|",
-        ]
-        for key, entry in table.model_fields.items():  # type: ignore[attr-defined]
-            allowed = _joined(_allowed(entry.annotation, entry.metadata))
-            owners = _KEYS.get(key)
-            of = f" Only of {' and '.join(_WORDS[each] for each in owners)}." if owners else ""
-            lines.append(_row(f"`{key}`", _toml(entry.default), allowed, f"{entry.description}{of}"))
+    for title, words, cases in _TABLES:
+        lines += [f"## {title}", "", words, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
+        owners: dict[tuple[str, str, str, str], list[str]] = {}
+        for case in cases:
+            for key, entry in case.model_fields.items():
+                owners.setdefault(_entry(key, entry, cases), []).append(getattr(case, "case", ""))
+        keys = list(dict.fromkeys(row[0] for row in owners))
+        for (key, default, allowed, meaning), names in sorted(owners.items(), key=lambda item: keys.index(item[0][0])):
+            of = "" if len(names) == len(cases) else f" Of {_listed(list(dict.fromkeys(names)))}."
+            lines.append(_row(key, default, allowed, meaning + of))
         lines.append("")
     return "\n".join(lines)
+
+
+def _entry(key: str, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
+    """Key, default, what is allowed, meaning; a key that says of which case a table is has a row for all of them."""
+    default = "required" if entry.is_required() else _toml(entry.default)
+    if key not in ("generator", "press", "mechanics"):
+        return f"`{key}`", default, _allowed_of(key, entry), str(entry.description)
+    fields = [case.model_fields[key] for case in cases if key in case.model_fields]
+    meanings = dict.fromkeys(f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields)
+    allowed = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
+    return f"`{key}`", _toml(fields[0].default), _joined(allowed), "; ".join(meanings) + "."
+
+
+def _allowed_of(key: str, entry: Any) -> str:
+    if key == "direction":
+        one = f'`"+x"`, `"-x"` or {_DEGREES}'
+        return f"{one}, or a list of these"
+    return _ALLOWED.get(key) or _joined(_allowed(entry.annotation, entry.metadata))
+
+
+def _listed(words: list[str]) -> str:
+    return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else words[0]
 
 
 def _row(*cells: str) -> str:
@@ -122,7 +164,7 @@ def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
             return [words]
     if get_origin(annotation) is Literal:
         return [f'`"{value}"`' for value in get_args(annotation)]
-    if isinstance(annotation, type) and issubclass(annotation, study_values.Table):
+    if isinstance(annotation, type) and issubclass(annotation, values.Table):
         if "start" in annotation.model_fields:
             spacing = ", spacing" if "spacing" in annotation.model_fields else ""
             return [f"a range `{{ start, stop, count{spacing} }}`"]
@@ -139,11 +181,11 @@ def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
         ways = [_allowed(each) for each in get_args(annotation) if each is not type(None)]
         return list(dict.fromkeys(words for way in ways for words in way))
     ends = {name: getattr(each, name) for each in _flat(metadata) for name in _ENDS if hasattr(each, name)}
-    what = {int: "a whole number", float: "a number"}[annotation]
+    what = {bool: "`true` or `false`", int: "a whole number", float: "a number", str: "a name"}[annotation]
     return [" ".join([what, *(f"{_ENDS[name]} {_number(end)}" for name, end in ends.items())])]
 
 
-_PLURALS = tuple((f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "number", "whole number"))
+_PLURALS = tuple((f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "number", "whole number", "name"))
 _ENDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
@@ -173,7 +215,7 @@ def _toml_text(value: Any) -> str:
         return f'"{value.text}"'
     if isinstance(value, tuple):
         return f"[{', '.join(map(_toml_text, value))}]"
-    if isinstance(value, study_values.Table):
+    if isinstance(value, values.Table):
         entries = ((name, _toml_text(getattr(value, name))) for name in type(value).model_fields)
         return f"{{ {', '.join(f'{name} = {text}' for name, text in entries)} }}"
     return f'"{value}"' if isinstance(value, str) else f"{value}"
@@ -184,12 +226,10 @@ def _toml_text(value: Any) -> str:
 
 def commands() -> str:
     """Every command: usage, arguments and options, and what its help ends with."""
-    for module in {module for group in COMMANDS.values() for module, _ in group.values()}:
-        importlib.import_module(f"stiction.cli.{module}")
     known: Any = typer.main.get_command(app)
     lines = []
     for name in (name for group in COMMANDS.values() for name in group):
-        command = known.commands[name]
+        command = known.get_command(known.context_class(known), name)
         context = command.context_class(command, info_name=f"stiction {name}")
         usage = command.get_usage(context).partition(":")[2].strip()
         lines += [f"## `stiction {name}`", "", *_paragraphs(command.help or ""), "", "```text", usage, "```", ""]

@@ -17,6 +17,7 @@ Table table_of(const std::vector<Contact>& rows) {
   table["radii"] = column(rows, [](const Contact& c) { return Vector2(c.radii.major, c.radii.minor); });
   table["radius"] = column(rows, [](const Contact& c) { return c.radii.mean(); });
   table["axes"] = column(rows, [](const Contact& c) { return c.axes; });
+  table["along"] = column(rows, [](const Contact& c) { return c.along; });
   table["overlap"] = column(rows, [](const Contact& c) { return c.overlap; });
   table["force"] = column(rows, [](const Contact& c) { return c.force; });
   table["area"] = column(rows, [](const Contact& c) { return c.area; });

@@ -8,17 +8,18 @@ void bind_families(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
+void bind_build(pybind11::module_& module);
 void bind_candidates(pybind11::module_& module);
 void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
 void bind_loading(pybind11::module_& module);
 void bind_pressure_search(pybind11::module_& module);
-void bind_student(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   module.doc() = "The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side.";
   module.attr("__version__") = STICTION_VERSION;
+  stiction::python::bind_build(module);
   stiction::python::bind_amplitude(module);
   stiction::python::bind_harmonics(module);
   stiction::python::bind_asperity(module);
@@ -30,5 +31,4 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_families(module);
   stiction::python::bind_loading(module);
   stiction::python::bind_pressure_search(module);
-  stiction::python::bind_student(module);
 }

@@ -23,10 +23,11 @@ PressureSearch& search_of(const py::object& self) { return self.cast<PressureSea
 
 void bind_pressure_search(py::module_& module) {
   py::class_<PressureSearch>(module, "PressureSearch")
-      .def(py::init([](const Array& pressure, double total, double hardness, bool line) {
-             return PressureSearch(view(pressure), total, hardness, line);
+      .def(py::init([](const Array& pressure, double total, const Array& bound, bool line) {
+             return PressureSearch(view(pressure), total, view(bound), line);
            }),
-           py::arg("pressure").noconvert(), py::kw_only(), py::arg("total"), py::arg("hardness"), py::arg("line"))
+           py::arg("pressure").noconvert(), py::kw_only(), py::arg("total"), py::arg("bound").noconvert(),
+           py::arg("line"))
       .def("balance", &PressureSearch::balance, py::call_guard<py::gil_scoped_release>())
       .def("residual",
            [](const py::object& self) {
@@ -83,6 +84,7 @@ void bind_pressure_search(py::module_& module) {
           },
           py::arg("potential").noconvert())
       .def_property_readonly("plain", &PressureSearch::plain)
+      .def("work", &PressureSearch::work, py::call_guard<py::gil_scoped_release>())
       .def_property_readonly("approach", &PressureSearch::approach)
       .def_property_readonly("pressure",
                              [](const py::object& self) { return shown(search_of(self).pressure(), self); });

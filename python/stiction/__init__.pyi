@@ -1,4 +1,5 @@
 from stiction._core import __version__ as __version__
+from stiction.cli.pair_function import pair as pair
 from stiction.mechanics.asperity import Asperities as Asperities, asperities as asperities
 from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
 from stiction.mechanics.closed_forms import (
@@ -9,19 +10,13 @@ from stiction.mechanics.closed_forms import (
     hertz_line as hertz_line,
     hertz_sphere as hertz_sphere,
     slope_friction as slope_friction,
-    westergaard_contact_fraction as westergaard_contact_fraction,
-    westergaard_gap as westergaard_gap,
-    westergaard_pressure as westergaard_pressure,
 )
 from stiction.mechanics.contact import (
     Contacts as Contacts,
-    LoadCurve as LoadCurve,
-    SurfaceLoadCurve as SurfaceLoadCurve,
-    SurfaceValidity as SurfaceValidity,
     contacts as contacts,
     press as press,
 )
-from stiction.mechanics.friction import Validity as Validity
+from stiction.mechanics.friction import SurfaceValidity as SurfaceValidity, Validity as Validity
 from stiction.mechanics.half_space import (
     HalfSpaceContact as HalfSpaceContact,
     HalfSpaceCurve as HalfSpaceCurve,
@@ -33,16 +28,40 @@ from stiction.mechanics.law import (
     JacksonGreen as JacksonGreen,
     force_and_area as force_and_area,
 )
+from stiction.mechanics.load_curve import LoadCurve as LoadCurve, SurfaceLoadCurve as SurfaceLoadCurve
 from stiction.mechanics.loading import approach_at_load as approach_at_load
+from stiction.mechanics.materials import (
+    Material as Material,
+    MaterialValue as MaterialValue,
+    compliance_fraction as compliance_fraction,
+    material as material,
+    materials as materials,
+    softer_hardness as softer_hardness,
+)
 from stiction.mechanics.model import ContactModel as ContactModel
+from stiction.mechanics.onset import Onset as Onset
+from stiction.mechanics.presliding import (
+    FourParameterIwan as FourParameterIwan,
+)
+from stiction.mechanics.presliding import (
+    LuGre as LuGre,
+)
+from stiction.mechanics.resolution import resolution as resolution, resolution_friction as resolution_friction
+from stiction.mechanics.spectral_resolution import spectral_resolution as spectral_resolution
+from stiction.mechanics.westergaard import (
+    westergaard_contact_fraction as westergaard_contact_fraction,
+    westergaard_gap as westergaard_gap,
+    westergaard_pressure as westergaard_pressure,
+)
 from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
-from stiction.studies.map_pair import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
+from stiction.studies.pressed_maps import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
 from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
 from stiction.studies.nondimensional import nondimensional as nondimensional
-from stiction.studies.pairs import pair_of as pair_of
+from stiction.studies.members import pair_of as pair_of
 from stiction.studies.runner import run as run
 from stiction.studies.study import Study as Study, study_names as study_names
 from stiction.studies.traverse import traverse as traverse, traverse_mean as traverse_mean
+from stiction.surfaces.cut_off import cut_off as cut_off
 from stiction.surfaces.fractal import (
     random_phases as random_phases,
     weierstrass_mandelbrot as weierstrass_mandelbrot,
@@ -51,7 +70,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface as weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.hurst import HurstEstimate as HurstEstimate, hurst_exponent_of as hurst_exponent_of
-from stiction.surfaces.isotropic import isotropic_spectrum as isotropic_spectrum, isotropic_surface as isotropic_surface
+from stiction.surfaces.joined import JoinedSpectrum as JoinedSpectrum, joined_spectrum as joined_spectrum
 from stiction.surfaces.lines import (
     LineRoughness as LineRoughness,
     line_roughness as line_roughness,
@@ -75,24 +94,31 @@ from stiction.surfaces.preparation import (
 from stiction.surfaces.profile import Profile as Profile
 from stiction.surfaces.roughness import (
     RoughnessParameters as RoughnessParameters,
+    SurfaceParameters as SurfaceParameters,
+    bearing_curve as bearing_curve,
     roughness_parameters as roughness_parameters,
+    surface_parameters as surface_parameters,
 )
-from stiction.surfaces.self_affine import self_affine as self_affine, surrogate as surrogate
-from stiction.surfaces.self_affine_surface import self_affine_surface as self_affine_surface
+from stiction.surfaces.scale import (
+    InstrumentLimit as InstrumentLimit,
+    ScaleDependentRoughness as ScaleDependentRoughness,
+    instrument_limit as instrument_limit,
+    scale_dependent_roughness as scale_dependent_roughness,
+)
+from stiction.surfaces.self_affine import self_affine as self_affine, self_affine_surface as self_affine_surface
 from stiction.surfaces.spectrum import (
     PowerSpectrum as PowerSpectrum,
     ProfileMoments as ProfileMoments,
-    power_spectrum as power_spectrum,
-    spectral_moments as spectral_moments,
-)
-from stiction.surfaces.surface import Surface as Surface
-from stiction.surfaces.surface_parameters import (
-    SurfaceParameters as SurfaceParameters,
-    bearing_curve as bearing_curve,
-    surface_parameters as surface_parameters,
-)
-from stiction.surfaces.surface_spectrum import (
     RadialSpectrum as RadialSpectrum,
     SurfaceSpectrum as SurfaceSpectrum,
+    power_spectrum as power_spectrum,
+    spectral_moments as spectral_moments,
     surface_spectrum as surface_spectrum,
 )
+from stiction.surfaces.surface import Surface as Surface
+from stiction.surfaces.surrogates import (
+    isotropic_spectrum as isotropic_spectrum,
+    isotropic_surface as isotropic_surface,
+    surrogate as surrogate,
+)
+from stiction.views.result import Result as Result, read_result as read_result

@@ -16,6 +16,7 @@ __all__: list[str] = [
     "approaches_at",
     "areal_quantities",
     "asperities",
+    "build",
     "candidates",
     "contacts",
     "force_and_area",
@@ -26,8 +27,6 @@ __all__: list[str] = [
     "press_families",
     "quantities",
     "scale_to_amplitude",
-    "student_probability",
-    "student_quantile",
 ]
 
 class Candidates:
@@ -77,7 +76,7 @@ class PressureSearch:
         pressure: numpy.typing.NDArray[numpy.float64],
         *,
         total: typing.SupportsFloat | typing.SupportsIndex,
-        hardness: typing.SupportsFloat | typing.SupportsIndex,
+        bound: numpy.typing.NDArray[numpy.float64],
         line: bool,
     ) -> None: ...
     def advance(self, response: numpy.typing.NDArray[numpy.float32]) -> bool: ...
@@ -91,6 +90,7 @@ class PressureSearch:
     def step(
         self, preconditioned: numpy.typing.NDArray[numpy.float32], response: numpy.typing.NDArray[numpy.float32]
     ) -> numpy.typing.NDArray[numpy.float32]: ...
+    def work(self) -> float: ...
     @property
     def approach(self) -> float: ...
     @property
@@ -161,6 +161,11 @@ def asperities(
 ]:
     """
     Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.
+    """
+
+def build() -> dict[str, str]:
+    """
+    What the core was built with, and what it uses of this machine: compiler, instruction_set, gsl.
     """
 
 @typing.overload
@@ -331,22 +336,6 @@ def scale_to_amplitude(
 ) -> bool:
     """
     Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.
-    """
-
-def student_probability(
-    freedom: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-) -> typing.Any:
-    """
-    Probability of a smaller t by Student's distribution with so many degrees of freedom.
-    """
-
-def student_quantile(
-    freedom: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    probability: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-) -> typing.Any:
-    """
-    The t below which a probability lies by Student's distribution with so many degrees of freedom.
     """
 
 __version__: str = "0.1.0"

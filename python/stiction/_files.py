@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import errno
 import os
+import platform
 import re
 import secrets
 import stat
+import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from stiction._text import named
 
-HALF_WRITTEN = re.compile(r"\.stiction-[0-9a-f]{16}\.partial")
-"""Name of a file that is being written; whoever is killed leaves it behind."""
+HALF_WRITTEN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
+"""Name of a file that is being written: it says on which machine, and by which process. Whoever is killed leaves it."""
+
+OLD = 3600.0
+"""Seconds after which nobody is still writing a file on another machine."""
+
+_HERE = f"{zlib.crc32(platform.node().encode()):08x}"
+_THIS_RUN = secrets.token_hex(4)  # the number of a process may have been that of one that was killed
 
 _MARKED = 1000
 """Bytes in which a file of ours carries its mark."""
@@ -52,8 +61,7 @@ def replace(path: Path, content: bytes) -> None:
 @contextmanager
 def _partial(path: Path, put: Callable[[Path, Path], object]) -> Iterator[Path]:
     """An empty file beside a path, which is put there when it is whole, and is gone afterwards in any case."""
-    # A name that nobody can have taken beforehand, as short for long names as for others.
-    partial = path.parent / f".stiction-{secrets.token_hex(8)}.partial"
+    partial = path.parent / half_written()
     os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
     try:
         yield partial
@@ -61,6 +69,35 @@ def _partial(path: Path, put: Callable[[Path, Path], object]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def half_written() -> str:
+    """A name that nobody can have taken beforehand, as short for long names as for others."""
+    return f".stiction-{_HERE}-{os.getpid()}-{_THIS_RUN}-{secrets.token_hex(4)}.partial"
+
+
+def sweep(folder: Path) -> None:
+    """Remove the half-written files of processes that are gone; a folder that cannot be written stays as it is."""
+    with suppress(OSError):
+        for entry in os.scandir(folder):
+            match = HALF_WRITTEN.fullmatch(entry.name)
+            if match and entry.is_file(follow_symlinks=False) and _is_left_behind(entry, *match.groups()):
+                with suppress(OSError):
+                    os.unlink(entry)
+
+
+def _is_left_behind(entry: os.DirEntry[str], machine: str, process: str, run: str) -> bool:
+    if machine != _HERE or os.name != "posix":
+        return time.time() - entry.stat(follow_symlinks=False).st_mtime > OLD
+    if int(process) == os.getpid():
+        return run != _THIS_RUN
+    try:
+        os.kill(int(process), 0)
+    except (ProcessLookupError, OverflowError):
+        return True
+    except PermissionError:
+        pass
+    return False
 
 
 @contextmanager

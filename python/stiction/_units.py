@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from decimal import Decimal
+from typing import Any
 
 _UNITS = {
     "length": {"m": "1e6", "mm": "1e3", "um": "1", "µm": "1", "μm": "1", "nm": "1e-3", "pm": "1e-6"},
@@ -70,6 +71,49 @@ def quantity(text: object, kind: str) -> Quantity:
         core = next(name for name, factor in units.items() if factor == "1")
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {shortened(text)}")
     return Quantity(value, f"{digits} {unit}")
+
+
+def in_core_units(name: str, value: Any, kind: str) -> Any:
+    """What may be text with a unit as numbers in core units: one text, several in a list, or numbers as they are.
+
+    Raises
+    ------
+    ValueError
+        If a text is not a number with a unit of that kind; it calls the argument by its name.
+    """
+    if isinstance(value, str):
+        try:
+            return float(quantity(value, kind))
+        except ValueError as error:
+            raise ValueError(f"{name} {error}") from None
+    if isinstance(value, (list, tuple)) and any(isinstance(each, str) for each in value):
+        return [in_core_units(name, each, kind) for each in value]
+    return value
+
+
+def loads_in_core_units(name: str, value: Any, area: float) -> Any:
+    """Loads as text with a unit, of force or of pressure on an area (µm²), in mN; numbers as they are.
+
+    Raises
+    ------
+    ValueError
+        If a text is neither.
+    """
+    if isinstance(value, (list, tuple)):
+        return [loads_in_core_units(name, each, area) for each in value]
+    if not isinstance(value, str):
+        return value
+    for kind, factor in (("force", 1.0), ("pressure", area)):
+        try:
+            return float(f"{quantity(value, kind) * factor:.12g}")  # without digits that nobody asked for
+        except ValueError:
+            continue
+    raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
+
+
+def exactly(value: float, unit: str) -> str:
+    """A number and its unit as text from which `quantity` reads the same number to the last bit."""
+    return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
 def shortened(value: object) -> str:

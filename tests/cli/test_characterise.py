@@ -1,5 +1,7 @@
 """The command for measured profiles and surfaces: what it prints is what the library finds in memory."""
 
+import csv
+import json
 import os
 
 import numpy as np
@@ -8,9 +10,13 @@ from command import assert_refused, stiction_command
 from matplotlib.image import imread
 from stiction import (
     Profile,
+    Surface,
+    cut_off,
+    joined_spectrum,
     levelled,
     random_phases,
     self_affine,
+    self_affine_surface,
     weierstrass_mandelbrot_surface,
     write_profile,
     write_surface,
@@ -33,8 +39,8 @@ def surface():
 @pytest.fixture
 def folder(tmp_path, profile, surface):
     write_profile(profile, tmp_path / "scan.csv")
-    write_profile(profile, tmp_path / "heights.npy")
-    write_surface(surface, tmp_path / "map.npy")
+    np.save(tmp_path / "heights.npy", profile.heights)
+    np.save(tmp_path / "map.npy", surface.heights)
     return tmp_path
 
 
@@ -104,7 +110,7 @@ def test_a_surface_has_the_table_of_its_lines(folder, surface):
     along_x, along_y = lines_along_both(surface)
     assert said == table(surface_characterisation_text(levelled(surface, "plane"), along_x, along_y))
     assert history == ["read from map.npy", "levelled by a plane"]
-    assert imread(figure).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
+    assert imread(figure).shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
     rows = {line[:19].strip(): line[20:].rstrip() for line in said.splitlines()}
     assert rows["points"] == "90 along x, 100 nm apart, over 9 µm"
     assert rows["number"].split() == ["60", "90"]
@@ -124,6 +130,40 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
     (folder / "scan.png").write_bytes(photograph)
     assert_refused(stiction_command("characterise", "scan.csv", cwd=folder), "scan.png: exists already")
     assert (folder / "scan.png").read_bytes() == photograph
+
+
+def test_json_and_a_figure_do_not_exclude_each_other(folder):
+    done = stiction_command("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == "stiction: wrote look.png\n"
+    assert imread(folder / "look.png").std() > 0.05
+    record = json.loads(done.stdout)
+    assert record["command"] == "characterise"
+    assert record == json.loads(stiction_command("characterise", "scan.csv", "--json", cwd=folder).stdout)
+    assert not (folder / "scan.png").exists()
+    for value in record["values"]:
+        assert list(value) == ["name", "value", "unit", "lower", "upper", "at", "status"]
+        assert value["at"] == {"file": "scan.csv"}
+
+
+def test_several_files_make_one_table(folder):
+    files = ["scan.csv", "map.npy"]
+    options = ["--unit", "um", "--spacing", "10 nm"]
+    done = stiction_command("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "wrote finishes.csv, 2 files\n"
+    rows = list(csv.DictReader((folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
+    assert [row["holds"] for row in rows] == ["profile", "surface"]
+    assert [row["points"] for row in rows] == ["3000", "60 x 90"]
+    record = json.loads(stiction_command("characterise", *files, *options, "--json", cwd=folder).stdout)
+    for row in rows:
+        values = {value["name"]: value for value in record["values"] if value["at"]["file"] == row["file"]}
+        for name, value in values.items():
+            title = name if value["unit"] == "1" else f"{name} ({value['unit']})"
+            assert row[title] == "" or float(row[title]) == pytest.approx(value["value"], rel=1e-8)
+    assert rows[0]["Sq (um)"] == rows[1]["Pq (um)"] == ""
+    done = stiction_command("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
+    assert_refused(done, "finishes.csv: exists already")
 
 
 @pytest.mark.parametrize(
@@ -156,7 +196,10 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
         (["scan.csv", "--band", "1,2"], "--band must be"),
         (["scan.csv", "--band", "2 um,1 um"], "--band must be the shortest and then the longest"),
         (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
-        (["scan.csv", "--output", "figure.pdf"], "figure.pdf: cannot be written: its name must end in .png"),
+        (
+            ["scan.csv", "--output", "figure.bmp"],
+            "figure.bmp: cannot be written: its name must end in .png, .pdf or .svg",
+        ),
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
@@ -192,3 +235,38 @@ def test_a_map_of_an_atomic_force_microscope(measured, tmp_path):
     assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)
     # 0.87 to 0.90 by other means; single lines scatter by 0.2.
     assert [float(number) for number in rows["Hurst exponent H"][::3]] == pytest.approx([0.88, 0.88], abs=0.06)
+
+
+# ---- Scales ---------------------------------------------------------------------------------------------------------
+
+
+def test_short_waves_are_taken_off_and_a_tip_is_asked_of_the_curvature(folder, profile):
+    level = cut_off(levelled(profile, "line"), 0.5)
+    history, said, _ = characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=folder)
+    assert history[-1] == level.history[-1]
+    assert table(characterisation_text(level, tip_radius=1.0)) == said
+    _, blunt, _ = characterise("scan.csv", "--tip", "100 um", cwd=folder)
+    assert "not to be trusted below" in blunt
+    assert "sharper than the tip follows" in blunt
+    assert_refused(stiction_command("characterise", "scan.csv", "--cutoff", "20 um", cwd=folder), "--cutoff")
+
+
+def test_several_scans_are_one_spectrum(folder):
+    surfaces = self_affine_surface(2, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.02)
+    fine, coarse = surfaces.heights[:128, :128], surfaces.heights[::4, ::4]
+    write_surface(Surface(coarse, spacing=0.08), folder / "coarse.npy")
+    write_surface(Surface(fine, spacing=0.02), folder / "fine.npy")
+    given = ["fine.npy", "coarse.npy", "--together"]
+    assert_refused(stiction_command("characterise", "fine.npy", "--together", cwd=folder), "--together")
+    done = stiction_command("characterise", *given, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "waves taken" in done.stdout
+    joined = joined_spectrum(
+        [levelled(Surface(each, spacing=step), "plane") for each, step in ((fine, 0.02), (coarse, 0.08))]
+    )
+    with (folder / "joined.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], joined.density, rtol=1e-6)
+    record = json.loads(stiction_command("characterise", *given, "--json", cwd=folder).stdout)
+    assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]
+    np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)

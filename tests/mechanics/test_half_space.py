@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.fft
 from reference import dense_half_space
+from soak import half_space as soak
 from stiction import (
     HalfSpaceCurve,
     Profile,
@@ -20,15 +21,22 @@ from stiction import (
     westergaard_gap,
     westergaard_pressure,
 )
-from stiction.mechanics.elastic_pressure import Kernel
-from stiction.studies.pairs import pair_of
+from stiction.mechanics.elastic_kernel import Grids, Kernel
+from stiction.mechanics.elastic_pressure import Solver
+from stiction.studies.members import pair_of
 
 MODULUS = 10.0
 
 DENSE = 1e-8
 """Of the highest pressure, against dense matrices with a solver's tolerance of 1e-11."""
 
+MINDLIN = 1e-3
+"""Of the motion of a sphere, with a contact of 50 points in radius."""
+
 ROUND_OFF = 1e-12
+
+GRID_OF_PLASTIC_EDGES = 0.05
+"""Of the true area, with some 15 points to a contact; the mean over grids is within 0.015."""
 
 QUADRATURE = 1e-9
 """Of 60 by 200 points over smooth functions."""
@@ -97,6 +105,60 @@ def test_agrees_with_dense_matrices(shape, boundary, pressed):
     )
     np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
     np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE)
+
+
+@pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize("part", [0.05, 0.5, 0.95])
+def test_pressures_below_a_bound_of_each_point_agree_with_dense_matrices(shape, boundary, flat, part):
+    """Over a rough gap, as a hardness that varies; and over none, as a traction, with points that bear nothing."""
+    random = np.random.default_rng(5)
+    periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
+    gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
+    bound = random.uniform(0.1, 1.0, shape) * (random.random(shape) < 0.7 if flat else 1.0)
+    solver = Solver(gap, Grids(shape, spacing, MODULUS, periodic=periodic), bound=bound, tolerance=1e-11)
+    matrix = getattr(dense_half_space, f"{boundary}_matrix")(shape, np.array(spacing), MODULUS)
+    near = None
+    for mean in np.array([0.9, 1.0]) * part * bound.mean():
+        near = found = solver.at(mean, near=near)
+        assert found.error <= 1e-11
+        exact = dense_half_space.pressure(
+            matrix, gap, found.approach, total=found.pressure.sum() if periodic else None, bound=bound
+        )
+        np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
+        np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_even_bounds_of_points_on_a_flat(boundary):
+    """A displacement that is even everywhere, or a punch's, up to all that the points bear."""
+    random = np.random.default_rng(2)
+    bound = 1.0 + 1e-15 * random.normal(size=(20, 24))
+    solver = Solver(np.zeros(bound.shape), Grids((20, 24), (0.1, 0.1), MODULUS, periodic=boundary == "periodic"),
+                    bound=bound, tolerance=1e-6)  # fmt: skip
+    near = None
+    for ratio in (0.01, 0.5, 0.99, 0.9999):
+        near = found = solver.at(ratio, near=near)
+        assert found.error <= 1e-6
+        if boundary == "periodic":
+            assert found.pressure == pytest.approx(np.full(bound.shape, ratio), rel=SAME)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
+def test_traction_under_a_sphere_is_mindlins(ratio):
+    """Hertz's pressure times mu0 is the bound; of the radius (1 - T/T_s)^(1/3) sticks (Johnson 7.2)."""
+    n, spacing, radius, mu0 = 128, 0.02, 1.0, 0.4
+    x = (np.arange(n) - n / 2 + 0.31) * spacing
+    bound = mu0 * np.sqrt(np.maximum(1 - (x[:, np.newaxis] ** 2 + x**2) / radius**2, 0))
+    solver = Solver(
+        np.zeros((n, n)), Grids((n, n), (spacing,) * 2, MODULUS, periodic=False), bound=bound, tolerance=1e-8
+    )
+    found = solver.at(ratio * bound.mean())
+    sticks = (bound > 0) & (found.pressure < bound)
+    assert np.sqrt(sticks.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
+    moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius  # of a Hertzian pressure of that height, at its middle
+    assert found.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN)
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
@@ -292,6 +354,46 @@ def test_hardness_caps_the_pressure_and_tends_to_load_over_hardness():
     assert shares == sorted(shares)
     assert shares[-1] > 0.95
     assert ratio == pytest.approx(1.0, abs=0.05)
+
+
+def test_random_problems_with_a_hardness_are_solved():
+    """A few of those of the soak: none refused, none wrong, pressures in contact at most the hardness on the mean."""
+    random = np.random.default_rng(8)
+    for _ in range(20):
+        upper, lower, load, arguments, words = soak.hard_problem(random)
+        curve = half_space(upper, lower, [load], effective_modulus=soak.MODULUS, **arguments)
+        assert not soak.wrong(lower, load, arguments, curve), words
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("shape", [(256,), (40, 40)])
+@pytest.mark.parametrize("ratio", [0.5, 2, 10, 50, 300, 1000])
+def test_no_hardness_is_too_low(shape, boundary, ratio):
+    """E* h'/H from 0.5 to 1000 and loads up to all that the hardness bears."""
+    lower = rough(shape)
+    hardness = MODULUS * 0.1 / ratio
+    loads = np.array([1e-3, 0.03, 0.3, 0.9, 0.999]) * hardness
+    curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
+    assert (curve.error <= 1e-6).all()
+    assert (curve.load / curve.contact_area <= hardness * (1 + ROUND_OFF)).all()
+    assert (np.diff(curve.contact_area) >= 0).all()  # equal where all of it is in contact
+    for index in range(loads.size):
+        contact = curve.contact(index)
+        assert (contact.share >= contact.pressure / hardness).all()
+        assert ((contact.share > 0) == (contact.pressure > 0)).all()
+        assert contact.share.max() <= 1
+
+
+def test_true_area_under_a_hardness_is_that_of_finer_grids():
+    """Of 16 points in the shortest wave against 64."""
+    loads, fine = [0.005, 0.03], rough((512, 512), longest=2, shortest=8, seed=3)
+    for hardness in (0.7, 0.2, 0.04):
+        areas = []
+        for step in (1, 4):
+            lower = Surface(fine.heights[::step, ::step], spacing=step / 512)
+            curve = half_space(flat_like(lower), lower, loads, boundary="periodic", hardness=hardness, tolerance=1e-5)
+            areas.append(curve.contact_area)
+        assert areas[1] == pytest.approx(areas[0], rel=GRID_OF_PLASTIC_EDGES)
 
 
 def test_hardness_agrees_with_tamaas():
@@ -571,6 +673,17 @@ def test_single_precision_responses_are_the_displacements(points, periodic):
     assert kernel.preconditioned(residual.astype(np.float32)) == pytest.approx(stiff, abs=SINGLE * np.abs(stiff).max())
 
 
+def test_pairs_on_one_grid_share_kernels():
+    one, other = (rough((32, 32), seed=seed) for seed in (1, 2))
+    first = half_space(flat_like(one), one, [0.01])
+    second = half_space(flat_like(other), other, [0.02])
+    assert first._problem.grids is second._problem.grids
+    stiffer = half_space(flat_like(other), other, [0.02], effective_modulus=2 * MODULUS)
+    assert stiffer._problem.grids is not first._problem.grids
+    alone = Solver(first._problem.gap, Grids((32, 32), (1 / 32, 1 / 32), MODULUS, periodic=False), tolerance=1e-6)
+    assert np.array_equal(alone.at(0.01).pressure, first.contact(0).pressure)
+
+
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_loads_one_after_the_other_are_the_loads_alone(boundary):
     """Areas begin at the load before where that is near; which start they had is below the tolerance."""
@@ -599,6 +712,15 @@ def test_approaches_are_those_of_the_loads_they_take(shape, boundary):
     assert again.contact_area == pytest.approx(curve.contact_area, rel=1e-3)
 
 
+@pytest.mark.parametrize("shape", [(64,), (24, 20)])
+@pytest.mark.parametrize("left", [1e-2, 1e-3, 1e-5, 1e-6, 1e-9, 1e-12, 1e-14])
+def test_approaches_up_to_full_contact_are_met(shape, left):
+    body = rough(shape, longest=1, shortest=5)
+    full = (body.heights.max() - body.heights).mean()
+    curve = half_space(flat_like(body), body, approaches=[full * (1 - left)], boundary="periodic")
+    assert abs(curve.approach[0] - full * (1 - left)) <= 1.01e-6 * body.heights.std()
+
+
 def test_approach_of_a_sphere_is_hertz():
     """The approach of far points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
@@ -623,6 +745,19 @@ def test_bad_approaches(arguments, message):
     body = rough((64,))
     with pytest.raises(ValueError, match=message):
         half_space(flat_like(body), body, **({"boundary": "periodic"} | arguments))
+
+
+@pytest.mark.parametrize("spacing", [1e-320, (0.1, 1e-13), (1e-160, 1e-160)])
+def test_a_grid_that_is_none_is_refused(spacing):
+    heights = rough((16, 16)).heights
+    with pytest.raises(ValueError, match="spacing must"):
+        half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
+
+
+def test_progress_that_cannot_be_called_is_refused():
+    body = rough((16, 16))
+    with pytest.raises(ValueError, match="progress must be a function of three arguments or None, got 'x'"):
+        half_space(flat_like(body), body, [0.01], progress="x")
 
 
 def test_progress_says_what_is_solved_and_can_end_it():

@@ -1,6 +1,7 @@
 """Contact and friction of two maps in plain NumPy on scipy's splines: slow, and each step as its formula reads."""
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import NdBSpline, make_interp_spline
@@ -93,6 +94,53 @@ def ellipse(longer, shorter):
     return k, integrals(k)[0]
 
 
+def semi_axes(longer, shorter, overlap):
+    """Of the ellipse, and K."""
+    k, first = ellipse(longer, shorter)
+    second = ellipe(1 - k**2)
+    if k > 1 - 1e-6:
+        a = np.sqrt(overlap * longer * (1 + (1 - k) / 4))
+    else:
+        a = np.sqrt(2 * overlap * longer * (first - second) / (first * (1 - k**2)))
+    return a, k * a, first
+
+
+def inside(place, along, across, extent):
+    """Shares of Hertz's force and of the area that lie on the map, along rays from the centre to the edge or the rim.
+
+    Of the ellipse place + r (cos θ along + sin θ across), r <= 1, of semi-axes `along` and `across`.
+    """
+
+    def reach(theta):
+        """Along each ray, where it leaves the map or the ellipse."""
+        ray = np.cos(theta)[:, None] * along + np.sin(theta)[:, None] * across
+        with np.errstate(divide="ignore"):
+            leaves = np.where(ray > 0, (extent - place) / ray, np.where(ray < 0, -place / ray, np.inf))
+        return np.minimum(1, leaves.min(axis=1))
+
+    # Rays to the corners and to where the edge crosses the rim.
+    bends = [-np.pi, np.pi]
+    axes = np.column_stack([along, across])
+    for x in (0, extent[0]):
+        for y in (0, extent[1]):
+            c, s = np.linalg.solve(axes, np.array([x, y]) - place)
+            bends.append(np.arctan2(s, c))
+    for k in (0, 1):
+        size = np.hypot(along[k], across[k])
+        for distance in (-place[k], extent[k] - place[k]):
+            if abs(distance) < size:
+                middle, half = np.arctan2(across[k], along[k]), np.arccos(distance / size)
+                bends += [np.angle(np.exp(1j * (middle + sign * half))) for sign in (-1, 1)]
+    bends = np.sort(bends)
+    nodes, weights = np.polynomial.legendre.leggauss(100)
+    force = area = 0.0
+    for begin, end in pairwise(bends):
+        r = reach(0.5 * (begin + end) + 0.5 * (end - begin) * nodes)
+        area += 0.5 * (end - begin) * (weights @ r**2) / 2
+        force += 0.5 * (end - begin) * (weights @ (1 - (1 - r**2) ** 1.5)) / 3
+    return force / (2 * np.pi / 3), area / np.pi
+
+
 def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=False):
     """A dict for each contact of two maps."""
     gap = upper - lower
@@ -118,19 +166,17 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=
         directions = (root.T @ vectors).T  # rows, the less curved first
         longer, shorter = 1 / curvature
         overlap = (approach - height) / q
-        k, first = ellipse(longer, shorter)
-        second = ellipe(1 - k**2)
-        if k > 1 - 1e-6:
-            a = np.sqrt(overlap * longer * (1 + (1 - k) / 4))
-        else:
-            a = np.sqrt(2 * overlap * longer * (first - second) / (first * (1 - k**2)))
-        b = k * a
+        a, b, first = semi_axes(longer, shorter, overlap)
         reach = np.sqrt((a * directions[0]) ** 2 + (b * directions[1]) ** 2)
         leaves = (np.array([x, y]) < reach).any() or (np.array([x, y]) + reach > extent).any()
+        ellipse_of = np.array([x, y]), a * directions[0], b * directions[1]
+        of_force, of_area = inside(*ellipse_of, extent) if leaves else (1.0, 1.0)
         found.append({
             "x": x, "y": y, "z": float(of_lower([x], [y])[0]), "normal": normal, "radii": (longer, shorter),
-            "axes": (a, b), "overlap": overlap, "leaves": leaves,
-            "force": 2 / 3 * np.pi * a * overlap * effective_modulus / first, "area": np.pi * a * b,
+            "axes": (a * np.sqrt(of_area), b * np.sqrt(of_area)), "along": directions[0],
+            "overlap": overlap, "leaves": leaves,
+            "force": of_force * 2 / 3 * np.pi * a * overlap * effective_modulus / first,
+            "area": of_area * np.pi * a * b,
         })  # fmt: skip
     return found
 
@@ -141,20 +187,18 @@ def sums(found, angle, sliding="opposing"):
     across = np.array([-s[1], s[0], 0])
     total = dict.fromkeys(
         [
-            *("contact_count", "contact_area", "crossed_count", "normal_elastic", "normal_frictional"),
+            *("contact_count", "contact_area", "load_at_edge", "normal_elastic", "normal_frictional"),
             *("normal_adhesive", "tangential_elastic", "tangential_frictional", "tangential_adhesive"),
             *("lateral_elastic", "lateral_frictional", "lateral_adhesive"),
         ],
         0.0,
     )
     for one in found:
-        if one["leaves"]:
-            total["crossed_count"] += 1
-            continue
         n, force, area = one["normal"], one["force"], one["area"]
         total["contact_count"] += 1
         total["contact_area"] += area
         total["normal_elastic"] += force * n[2]
+        total["load_at_edge"] += force * n[2] * one["leaves"]
         if sliding == "opposing" and not s @ n < 0:
             continue
         t = -s + (s @ n) * n

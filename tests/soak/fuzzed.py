@@ -38,7 +38,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder, pristine = Path(name), Path(name) / "pristine"
         pristine.mkdir()
-        run(fuzzing.small_study(), store=pristine / "result.zarr")
+        run(fuzzing.small_study(), store=pristine)
         findings = fuzz("arrays", options.count, options.seed, fuzzing.fuzz_arrays)
         findings += fuzz("stores", options.count, options.seed, lambda r: fuzzing.fuzz_store(r, pristine, folder))
         findings += fuzz("study files", options.count, options.seed, lambda r: fuzzing.fuzz_study_file(r, folder))

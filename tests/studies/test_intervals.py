@@ -3,7 +3,6 @@ import pytest
 import scipy.special
 import scipy.stats
 from reference.neighbours import judged, of_quantity, traverses
-from stiction._core import student_probability, student_quantile
 from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours, of_sample
 
 TRIALS = 500
@@ -115,15 +114,3 @@ def test_the_interval_of_a_sample_knows_what_is_missing():
     assert upper[0] == pytest.approx(2 + 4.302652730 / 3**0.5)  # t of 2
     assert lower[0] == lower[1] == 0  # nothing is below
     assert np.isnan([lower[2], upper[2]]).all()
-
-
-@pytest.mark.parametrize("probability", [0.6, 0.9, 0.975, 0.999])
-def test_students_distribution_is_that_of_scipy(probability):
-    freedom = np.append(np.geomspace(1, 1e7, 500), 2)
-    found = student_quantile(freedom, probability)
-    np.testing.assert_allclose(found, scipy.special.stdtrit(freedom, probability), rtol=QUANTILE)
-    np.testing.assert_allclose(student_probability(freedom, found), probability, rtol=QUANTILE)
-
-
-QUANTILE = 1e-12
-"""Of quantiles; SciPy's and GSL's agree to 4e-15 at 0.975 and to 5e-11 at 0.999 999."""

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 import xarray
 from stiction import Study, friction_map, stiffness_map
-from stiction.mechanics.contact import LoadCurve
-from stiction.studies.dataset import empty_dataset
+from stiction.mechanics.load_curve import LoadCurve
 from stiction.studies.maps import area_map
+from stiction.studies.result import empty_dataset
 
 EXACT = 1e-12
 APPROACH = np.linspace(0.01, 0.1, 10)

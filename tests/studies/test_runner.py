@@ -1,41 +1,41 @@
+"""Running a study: what arrives of it, on which executor, and what is shown meanwhile."""
+
 import builtins
 import contextlib
 import importlib.util
+import math
 import multiprocessing
+import shutil
 import time
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import executors, layout, runner, store
+from stiction.studies import executors, members, pressed, runner
+from stiction.studies.pressed import cost_of_member
+from stiction.studies.store import bytes_of_member
 from stiction.studies.study import study_of
+from tiny import TINY, Inline, assert_same_bits, repetitions
 
-SMALL = Study().with_changes(
+SMALL = TINY.with_changes(
     {
-        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 4},
-        "surfaces.amplitude": ["50 nm", "100 nm"],
+        "surfaces.fractal_dimension.count": 4,
         "surfaces.points": 5000,
-        "surfaces.extent": "2 um",
+        "surfaces.directions": 40,
+        "surfaces.frequencies": 40,
         "contact.approach.count": 6,
         "ensemble.repetitions": 5,
     }
 )
 
 
-SUMS_OF_ONE = {name: np.zeros((4, 2, 6), np.int64 if name.endswith("_count") else np.float64) for name in SUMS}
-
-
 @pytest.fixture(scope="module")
 def result():
     return run(SMALL)
-
-
-def assert_same_bits(one, other):
-    for name in SUMS:
-        assert one[name].values.tobytes() == other[name].values.tobytes(), name
 
 
 def test_every_sum_is_that_of_its_pair(result):
@@ -81,24 +81,22 @@ def test_the_choices_of_a_study_arrive(result):
         assert differs, key
 
 
-def test_any_executor_gives_the_same_bits(result):
-    class Inline(ThreadPoolExecutor):
-        def submit(self, function, /, *args, **kwargs):
-            future = Future()
-            future.set_result(function(*args, **kwargs))
-            return future
-
+def test_any_executor_and_any_block_give_the_same_bits(result, monkeypatch):
     for workers in (1, 2):
         with ThreadPoolExecutor(workers) as pool:
             assert_same_bits(run(SMALL, executor=pool), result)
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
         assert_same_bits(run(SMALL, executor=pool), result)
-    assert_same_bits(run(SMALL, executor=Inline()), result)
+    monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
+    for size in (1, 2, 3, 100):
+        monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
+        assert_same_bits(run(SMALL, executor=Inline()), result)
 
 
 def test_families_and_their_size_do_not_matter(result, monkeypatch):
     for rows in (1, 3):
-        monkeypatch.setattr(runner, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
+        for module in (members, pressed):
+            monkeypatch.setattr(module, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
         assert_same_bits(run(SMALL), result)
 
 
@@ -106,18 +104,13 @@ def test_families_and_their_size_do_not_matter(result, monkeypatch):
 def test_a_task_holds_no_more_than_is_said(monkeypatch, points):
     """docs/cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
     family = 8 * 2500
-    monkeypatch.setattr(runner, "FAMILY_MEMORY", family)
+    monkeypatch.setattr(pressed, "FAMILY_MEMORY", family)
     made = []
-    monkeypatch.setattr(runner, "_memory", lambda shape: made.append(np.empty(shape)) or made[-1])
+    monkeypatch.setattr(pressed, "_memory", lambda shape: made.append(np.empty(shape)) or made[-1])
     study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
-    runner.repetition_sums(study, 0)
+    pressed.member_sums(study, 0)
     (memory,) = made
     assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
-
-
-def test_more_repetitions_than_are_submitted_at_a_time_are_all_there(result, monkeypatch):
-    monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
-    assert_same_bits(run(SMALL), result)
 
 
 def test_the_result_says_what_it_is(result):
@@ -127,14 +120,63 @@ def test_the_result_says_what_it_is(result):
     assert result["approach"].attrs["units"] == "um"
 
 
+@pytest.mark.parametrize("name", ["quick", "figure6", "figure7", "figure6-areal", "figure6-half-plane"])
+def test_a_block_is_little_work_and_there_are_many(name):
+    study = Study.named(name)
+    for total in (1, 10, 100, 1_000_000):
+        size = runner.block_size(repetitions(total, study))
+        assert 1 <= size <= runner.MOST_MEMBERS
+        assert size == 1 or size * cost_of_member(study) <= runner.BLOCK_TIME
+        assert size == 1 or size * bytes_of_member(study) <= runner.MOST_BYTES
+        assert math.ceil(total / size) >= min(total, runner.FEWEST_BLOCKS)
+
+
 def test_a_study_that_cannot_be_computed_is_a_value_error():
     with pytest.raises(ValueError, match="gamma"):
         run(SMALL.with_changes({"surfaces.gamma": 100.0}))
 
 
+def test_what_no_memory_or_disk_holds_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
+    many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(total=10**9))
+    for store in (None, tmp_path / "r"):
+        with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory"):
+            run(many, store=store)
+    with pytest.raises(ValueError, match=r"would take .*B, and the disk of .* has .* in all: take fewer"):
+        runner.fill(many, tmp_path / "r")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
+    computed, sums = [], runner.member_sums(repetitions(1), 0)
+
+    def record(study, number):
+        computed.append(number)
+        time.sleep(1e-3)
+        return sums
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "member_sums", record)
+    monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
+    held = None
+    with ThreadPoolExecutor(1) as pool:
+        try:
+            run(repetitions(800), executor=pool)
+        except KeyboardInterrupt as error:
+            held = error  # and with it every frame of the run
+    assert held is not None
+    assert len(computed) < 800
+
+
+# ---- Progress -------------------------------------------------------------------------------------------------------
+
+
 def test_progress_is_drawn_on_request(capfd, monkeypatch):
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
-    run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
+    run(repetitions(2), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
 
@@ -165,56 +207,14 @@ def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):
         """By its name rich knows a notebook."""
 
     monkeypatch.setattr(builtins, "get_ipython", ZMQInteractiveShell, raising=False)
-    run(SMALL.with_changes({"ensemble.repetitions": 2}), progress=True)
+    run(repetitions(2), progress=True)
     assert "2/2" in capfd.readouterr().err
-
-
-def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
-    computed = []
-
-    def record(study, repetition):
-        computed.append(repetition)
-        time.sleep(1e-3)
-        return SUMS_OF_ONE
-
-    def interrupt(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(runner, "repetition_sums", record)
-    monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
-    held = None
-    with ThreadPoolExecutor(1) as pool:
-        try:
-            run(SMALL.with_changes({"ensemble.repetitions": 800}), executor=pool)
-        except KeyboardInterrupt as error:
-            held = error  # and with it every frame of the run
-    assert held is not None
-    assert len(computed) < 800
-
-
-def test_what_no_memory_holds_needs_a_store(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "repetition_sums", lambda *_: pytest.fail("computed"))
-    many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
-    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give it a store"):
-        run(many)
-    monkeypatch.setattr(runner, "MOST_PACKED", 1e-6)
-    with pytest.raises(ValueError, match=r"would take up to \d+ GB, and the disk of .* has .* in all: take fewer"):
-        run(many.with_changes({"ensemble.repetitions": 100_000_000}), store=tmp_path / "r.zarr")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_task_ends_in_time_and_the_rest_of_its_block_is_computed_by_another(result, monkeypatch, tmp_path):
-    monkeypatch.setattr(runner, "TASK", 0.0)
-    monkeypatch.setattr(layout, "FEWEST_BLOCKS", 1)
-    assert layout.block_of(SMALL) == 4
-    assert_same_bits(run(SMALL, store=tmp_path / "r.zarr"), result)
-    assert_same_bits(store.read(tmp_path / "r.zarr"), result)
 
 
 def test_what_lies_ahead_is_said_once(tmp_path):
     said = []
     for _ in range(2):
-        runner.computed(SMALL, tmp_path / "r.zarr", say=said.append)
+        runner.fill(SMALL, tmp_path, say=said.append)
     (line,) = said
-    assert line.startswith("to compute: 5 repetitions, up to 23 kB in 65 files (")
+    assert line.startswith("to compute: 5 repetitions, 23 kB in 5 files (")
     assert line.endswith(" of one core; the workers write them")

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, study_names
-from stiction._units import quantity
-from stiction.studies.study_text import StudyError
+from stiction._units import exactly, quantity
+from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
+from stiction.studies.study import differences, study_from_text
+from stiction.studies.text import StudyError
 
 
 class TestQuantities:
@@ -55,6 +57,10 @@ class TestQuantities:
         with pytest.raises(ValueError, match=kind) as caught:
             quantity(text, kind)
         assert len(str(caught.value)) < 200
+
+    @given(st.floats(1e-12, 1e12))
+    def test_a_number_is_written_to_its_last_bit(self, value):
+        assert quantity(exactly(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
     def test_any_text_is_read_or_refused(self, text):
@@ -230,3 +236,214 @@ class TestFiles:
         with pytest.raises(StudyError) as caught:
             Study.from_toml(file)
         assert len(str(caught.value).splitlines()) == 6
+
+
+MEASURED = """
+[surfaces]
+kind = "measured"
+upper = { file = "scan.npy", unit = "nm", spacing = ["2 um", "0.5 um"] }
+lower = { file = "other/scan.csv", columns = ["x", 3], channel = 0 }
+
+[friction]
+mu0 = [0.3, 0.4]
+load = ["1 mN", "10 mN"]
+"""
+AREAS = study_from_text(MEASURED, "areas")
+LINES = study_from_text(MEASURED.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines")
+SURFACES = Study().with_changes({"surfaces.kind": "surface", "contact.direction": ["+x", 90]})
+SELF_AFFINE = SURFACES.with_changes({"surfaces.generator": "self-affine"})
+HALF_SPACES = SURFACES.with_changes({"contact.mechanics": "half-space", "contact.hardness": "1 GPa"})
+
+
+class TestCases:
+    @pytest.mark.parametrize("study", [SURFACES, SELF_AFFINE, HALF_SPACES, AREAS, LINES])
+    def test_survive_their_own_text_and_a_process(self, study):
+        assert study_from_text(study.to_toml(), "text") == study
+        assert pickle.loads(pickle.dumps(study)) == study
+        assert study.with_changes({}) == study
+
+    def test_a_law_with_parameters_is_pickled(self):
+        law = {"name": "jackson-green", "yield_strength": "200 MPa", "poisson_ratio": 0.3}
+        study = Study().with_changes({"contact.law": law})
+        assert pickle.loads(pickle.dumps(study)) == study
+
+    def test_what_another_case_shares_is_carried_over(self):
+        study = Study().with_changes({"surfaces.gamma": 1.6, "contact.effective_modulus": "70 GPa"})
+        study = study.with_changes({"surfaces.kind": "surface", "contact.mechanics": "half-space"})
+        assert study.surfaces.gamma == 1.6
+        assert study.contact.effective_modulus == 70
+        assert study.with_changes({"contact.mechanics": "asperities"}).contact.detection == "gap-minimum"
+        back = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
+        assert (back.contact.detection, back.surfaces.gamma) == ("cell", 1.6)
+
+    def test_differences_name_keys_of_either_case(self):
+        changed = {key: (one, other) for key, one, other in differences(Study(), SELF_AFFINE)}
+        assert changed["surfaces.kind"] == ('"profile"', '"surface"')
+        assert changed["surfaces.points"] == ("150_000", "none")
+        assert not list(differences(AREAS, AREAS))
+
+    @pytest.mark.parametrize(
+        ("study", "sums", "step", "cells"),
+        [
+            (Study(), SUMS, "approach", ["fractal_dimension", "amplitude"]),
+            (SURFACES, SUMS + AREAL_SUMS, "approach", ["fractal_dimension", "amplitude"]),
+            (HALF_SPACES, HALF_SPACE_SUMS, "load", ["fractal_dimension", "amplitude"]),
+            (AREAS, HALF_SPACE_SUMS, "load", ["cut_off"]),
+            (LINES, (*SUMS, "approach"), "load", ["cut_off"]),
+        ],
+    )
+    def test_say_what_a_result_has(self, study, sums, step, cells):
+        assert (study.sums(), study.step, list(study.surfaces.cells())) == (sums, step, cells)
+
+    @pytest.mark.parametrize(
+        ("study", "key", "value"),
+        [
+            (SURFACES, "surfaces.points", 100),
+            (SURFACES, "surfaces.longest_wavelength", "1 um"),
+            (SELF_AFFINE, "surfaces.gamma", 1.5),
+            (Study(), "surfaces.shape", [8, 8]),
+            (Study(), "surfaces.kind", "line"),
+            (SURFACES, "surfaces.generator", "white"),
+            (SURFACES, "surfaces.extent", "1 um"),
+            (SURFACES, "surfaces.extent", ["1 um"]),
+            (Study(), "surfaces.extent", ["1 um", "1 um"]),
+            (SURFACES, "surfaces.shape", [8]),
+            (SURFACES, "surfaces.shape", [100_000, 100_000]),
+            (SURFACES, "surfaces.amplitude_measure", "Ra"),
+            (Study(), "surfaces.amplitude_measure", "Sq"),
+            (Study().with_changes({"surfaces.frequencies": 1000}), "surfaces.directions", 10_000),
+            (SELF_AFFINE, "surfaces.convention", "paper"),
+            (SELF_AFFINE, "surfaces.longest_wavelength", "30 um"),
+            (SELF_AFFINE, "surfaces.shortest_wavelength", "1 nm"),
+            (SURFACES, "contact.detection", "cell"),
+            (SURFACES, "contact.law", "hertz-cylinder"),
+            (SURFACES, "contact.load", ["1 mN"]),
+            (HALF_SPACES, "contact.law", "hertz-sphere"),
+            (HALF_SPACES, "contact.approach", ["1 nm"]),
+            (HALF_SPACES, "contact.boundary", "open"),
+            (HALF_SPACES, "contact.load", ["1 nm"]),
+            (HALF_SPACES, "contact.load", ["1 N"]),
+            (HALF_SPACES, "contact.compliance_share", 1.5),
+            (SURFACES, "contact.mechanics", "molecular"),
+            (SURFACES, "contact.direction", ["+x", 360]),
+            (SURFACES, "contact.direction", []),
+            (SURFACES, "contact.direction", "north"),
+            (SURFACES, "contact.direction", float("nan")),
+            (Study(), "contact.direction", 90),
+            (SURFACES, "contact.sliding", ["all", "all"]),
+            (SURFACES, "contact.sliding", "both"),
+            (SURFACES, "figures.draw", ["profiles"]),
+            (SURFACES, "friction.load", ["1 mN"]),
+            (AREAS, "surfaces.press", "points"),
+            (AREAS, "surfaces.offsets", 3),
+            (AREAS, "surfaces.level", "line"),
+            (AREAS, "surfaces.rotate", float("inf")),
+            (AREAS, "surfaces.cut_off", ["1 um", "0 um"]),
+            (AREAS, "surfaces.amplitude", ["1 um"]),
+            (AREAS, "surfaces.upper.fil", "scan.npy"),
+            (AREAS, "surfaces.upper.file", ""),
+            (AREAS, "surfaces.upper.spacing", "0 um"),
+            (AREAS, "surfaces.upper.spacing", ["1 um", "1 um", "1 um"]),
+            (AREAS, "surfaces.upper.unit", "inch"),
+            (AREAS, "surfaces.upper.sha256", "abc"),
+            (AREAS, "surfaces.upper.columns", [0, -1]),
+            (AREAS, "surfaces.upper.channel", True),
+            (AREAS, "contact.sliding", "all"),
+            (AREAS, "contact.direction", [0, 0]),
+            (AREAS, "contact.direction", [index / 2 for index in range(500)]),
+            (LINES, "contact.direction", [0]),
+            (LINES, "surfaces.rotate", 3.0),
+            (LINES, "surfaces.offsets", 0),
+            (AREAS, "friction.load", ["1 N"]),
+            (AREAS, "friction.mu0", [index / 1000 for index in range(101)]),
+            (AREAS, "friction.mu0", [0.3, 0.3]),
+            (AREAS, "figures.draw", ["area"]),
+        ],
+    )
+    def test_faults_name_their_key(self, study, key, value):
+        with pytest.raises(StudyError) as caught:
+            study.with_changes({key: value})
+        assert f"changes: {key}" in str(caught.value)
+        assert len(str(caught.value)) < 400
+
+    def test_a_key_of_another_case_is_said_to_be_its(self):
+        with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
+            SURFACES.with_changes({"surfaces.points": 100})
+        with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
+            LINES.with_changes({"surfaces.rotate": 3.0})
+
+    def test_too_many_answers_are_refused(self):
+        many = {"friction.mu0": [index / 100 for index in range(100)], "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"]}
+        with pytest.raises(StudyError, match=r"friction: .*at most 1000, got 600|at most 1000"):
+            AREAS.with_changes(many | {"friction.load": [f"{1 + index} mN" for index in range(8)]})
+
+
+class TestMeasured:
+    def test_both_rules_and_all_directions_are_dimensions(self):
+        assert AREAS.motions() == {"sliding": ["all", "opposing"], "direction": [30.0 * step for step in range(12)]}
+        assert LINES.motions() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
+        assert AREAS.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
+
+    def test_is_pressed_to_loads_around_those_that_are_asked_for(self):
+        assert AREAS.contact.steps() == pytest.approx([10**-0.5, 1, 10, 10**1.5])
+        for study in (LINES, LINES.with_changes({"contact.mechanics": "half-space"})):
+            steps = study.contact.steps()
+            assert {1.0, 10.0} <= set(steps)
+            assert steps[0] < 0.2
+            assert steps[-1] > 90
+        with pytest.raises(StudyError, match=r"contact.load"):
+            study_from_text(MEASURED.replace('load = ["1 mN", "10 mN"]', ""), "no load")
+
+    def test_files_are_relative_to_the_study_file_and_known_by_their_checksums(self, tmp_path, monkeypatch):
+        heights = np.random.default_rng(1).normal(size=(24, 20))
+        np.save(tmp_path / "scan.npy", heights)
+        text = MEASURED.replace('"other/scan.csv", columns = ["x", 3], channel = 0', '"scan.npy", unit = "um"')
+        text = text.replace(', unit = "um" }', ', unit = "um", spacing = "1 um" }')
+        (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+        study = Study.from_toml(tmp_path / "study.toml")
+        assert study.surfaces.upper.file == str(tmp_path / "scan.npy")
+        body = study.surfaces.upper.read()
+        assert body.spacing == (2.0, 0.5)
+        assert body.heights == pytest.approx(heights / 1000)
+        known = study.with_known_files()
+        assert known == study_from_text(known.to_toml(), "itself")
+        assert known.surfaces.lower.read().heights.shape == (24, 20)
+        np.save(tmp_path / "scan.npy", heights[:, ::-1])
+        assert study.surfaces.upper.read().heights.shape == (24, 20)
+        with pytest.raises(ValueError, match=r"scan\.npy: is another file"):
+            known.surfaces.upper.read()
+        assert known.with_known_files() == known
+        monkeypatch.chdir(tmp_path)
+        assert study_from_text(text, "here").with_known_files().surfaces.upper.file == str(tmp_path / "scan.npy")
+        with pytest.raises(ValueError, match="cannot be read"):
+            AREAS.surfaces.located(tmp_path / "none").known()
+        assert Study().with_known_files() == Study()
+
+
+VALUES = [
+    "", "3", "-1", "1.5", "true", "inf", "nan", '""', '"surface"', '"measured"', '"lines"', '"half-space"',
+    '"self-affine"', '"1 um"', '"10 mN"', '["10 mN"]', '["1 um", "1 um"]', "[]", "[[1]]", "{}", '{ file = "x" }',
+    "{ start = 1.0, stop = 1.7, count = 3 }", '{ name = "jackson-green" }', "1979-05-27", "9" * 400,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_file_with_other_lines_is_a_study_or_refused(seed):
+    random = np.random.default_rng(seed)
+    texts = [study.to_toml().splitlines() for study in (Study(), SURFACES, SELF_AFFINE, HALF_SPACES, AREAS, LINES)]
+    taken = 0
+    for _ in range(300):
+        lines = list(texts[random.integers(len(texts))])
+        for _ in range(random.integers(1, 4)):
+            at, key = (place := int(random.integers(len(lines)))), lines[place].partition("=")[0]
+            other = texts[random.integers(len(texts))]
+            lines[at] = random.choice([f"{key}= {random.choice(VALUES)}", random.choice(other), ""])
+        try:
+            study = study_from_text("\n".join(lines), "changed")
+        except StudyError:
+            continue
+        taken += 1
+        assert study_from_text(study.to_toml(), "itself") == study
+        assert study.contact.steps().size
+        assert set(study.motions()) <= {"sliding", "direction"}
+    assert taken

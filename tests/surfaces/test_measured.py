@@ -387,6 +387,12 @@ def test_workbooks_that_are_none_are_refused(file, monkeypatch):
     assert "is a damaged workbook" in refusal(file(data[:-60], "a.xlsx"))
     assert "is a damaged workbook" in refusal(file(x3p(METRES), "a.xlsx"))
     assert "is named .xlsx, but what it holds is not a zip archive" in refusal(file("1,2\n", "a.xlsx"))
+    for tags, said in (("<row>" * 11_000_000, "tags of XML"), ("<row>" + "<c/>" * 200_000, "more cells in a row")):
+        bomb = io.BytesIO()
+        with zipfile.ZipFile(io.BytesIO(data)) as source, zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as copy:
+            for name in source.namelist():
+                copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + tags.encode()))
+        assert said in refusal(file(bomb.getvalue(), "a.xlsx"))
     monkeypatch.setattr(excel, "MOST_TEXT_BYTES", 5000)
     assert "at most" in refusal(file(data, "a.xlsx"))
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
@@ -421,22 +427,60 @@ def test_a_generated_profile_comes_back_to_the_bit(tmp_path):
     profile = weierstrass_mandelbrot(random_phases(3), 1.4, points=5000, extent=7.0).with_amplitude(0.1)
     write_profile(profile, tmp_path / "a.csv")
     write_profile(profile, tmp_path / "a.npy")
-    for again in (
-        read_profile(tmp_path / "a.csv"),
-        read_profile(tmp_path / "a.npy", unit="um", spacing=f"{profile.spacing!r} um"),
-    ):
-        assert np.array_equal(again.heights, profile.heights)
-        assert again.spacing == profile.spacing
+    for name in ("a.csv", "a.npy"):
+        for options in ({}, {"unit": "um", "spacing": f"{profile.spacing!r} um"}):
+            again = read_profile(tmp_path / name, **options)
+            assert np.array_equal(again.heights, profile.heights)
+            assert again.spacing == profile.spacing
+            assert again.history[: 1 + len(profile.history)] == (f"read from {name}", *profile.history)
+    assert np.array_equal(np.load(tmp_path / "a.npy"), profile.heights)
     assert "# history: scaled to height 0.1 µm\n" in (tmp_path / "a.csv").read_text(encoding="utf-8")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "a.npy"]
 
 
-def test_a_surface_comes_back_to_the_bit(tmp_path):
-    surface = Surface(np.random.default_rng(1).normal(size=(30, 40)), spacing=(0.5, 0.25))
-    write_surface(surface, tmp_path / "a.npy")
-    again = read_surface(tmp_path / "a.npy", unit="um", spacing=("0.5 um", "0.25 um"))
-    assert np.array_equal(again.heights, surface.heights)
-    assert again.spacing == surface.spacing
+@pytest.mark.parametrize("name", ["a.npy", "a.csv"])
+def test_a_surface_comes_back_to_the_bit(tmp_path, name):
+    heights = np.random.default_rng(1).normal(size=(30, 40)) * 10.0 ** np.arange(-35, 5)
+    surface = Surface(heights, spacing=(1 / 3, 1e-5), history=("ground", "levelled by a plane"))
+    write_surface(surface, tmp_path / name)
+    for options in ({}, {"unit": "um", "spacing": ("0.3333333 um", "10 pm")}):
+        again = read_surface(tmp_path / name, **options)
+        assert np.array_equal(again.heights, surface.heights)
+        assert again.spacing == surface.spacing
+        assert again.history == (f"read from {name}", "ground", "levelled by a plane")
+    with pytest.raises(FormatError, match="says that its spacing is"):
+        read_surface(tmp_path / name, spacing="2 um")
+    plane = Surface(np.arange(20.0).reshape(4, 5), spacing=1.0)  # whose rows count as positions would
+    write_surface(plane, tmp_path / f"plane-{name}")
+    assert np.array_equal(read_surface(tmp_path / f"plane-{name}").heights, plane.heights)
+    assert isinstance(read_measurement(tmp_path / name), Surface)
+
+
+def test_a_narrow_surface_is_refused_where_it_would_not_be_known_for_one(tmp_path):
+    with pytest.raises(FormatError, match="needs at least 4 columns, and the surface has 3"):
+        write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.csv")
+    assert not list(tmp_path.iterdir())
+    write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.npy")
+    assert read_surface(tmp_path / "a.npy").heights.tolist() == np.eye(3).tolist()
+
+
+def test_what_follows_the_heights_of_an_array_is_believed_only_if_it_is_ours(file):
+    spacing = np.array((0.5, 0.25), dtype=[("spacing_y_um", float), ("spacing_x_um", float)])
+    ours = npy(np.eye(4)) + npy(spacing) + npy(np.array(["made up\x1b[31m"]))
+    assert read_surface(file(ours, "a.npy")).history == ("read from a.npy", "made up\\x1b[31m")
+    for others in (
+        npy(np.eye(4)) + npy(spacing),
+        npy(np.eye(4)) + npy(np.eye(2)) + npy(np.array(["no"])),
+        npy(np.eye(4)) + npy(spacing) + npy(np.arange(3)),
+        npy(np.eye(4)) + b"anything",
+        npy(np.arange(9.0)) + npy(spacing) + npy(np.array(["of another shape"])),
+        ours[:-3],
+    ):
+        with pytest.raises(FormatError, match="does not say in which unit"):
+            read_measurement(file(others, "b.npy"))
+    negative = npy(np.array((-0.5, 0.25), dtype=spacing.dtype))
+    with pytest.raises(FormatError, match="has a spacing of -0"):
+        read_surface(file(npy(np.eye(4)) + negative + npy(np.array([""])), "c.npy"))
 
 
 def test_nothing_is_written_over_or_by_halves(tmp_path, monkeypatch):

@@ -84,6 +84,30 @@ def test_two_surfaces_come_to_the_finer_grid_along_each_axis():
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
 
 
+def test_a_common_grid_about_the_middle_is_where_a_turned_map_lies():
+    small, height = bumps((41, 61), (0.1, 0.1))
+    # The same function, seen by a larger map that begins 1 µm further down and 2 µm further left.
+    for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
+        y, x = spacing * np.arange(shape[0])[:, np.newaxis] - 1.0, spacing * np.arange(shape[1]) - 2.0
+        for pair in ((small, Surface(height(y, x), spacing=spacing)), (Surface(height(y, x), spacing=spacing), small)):
+            one, other = on_common_grid(*pair, align="middle")
+            assert one.spacing == other.spacing == (0.1, 0.1)
+            assert one.heights.shape == other.heights.shape == (41, 61)
+            assert np.abs(one.heights - other.heights).max() < 3e-4  # of the splines
+    assert other.history == () or "about its middle" in "".join((*one.history, *other.history))
+    lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
+    assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]
+    assert lines[0].history == ("cropped to its middle 5 points",)
+    half = on_common_grid(Profile(np.arange(8.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
+    assert half[0].heights.tolist() == [1, 2, 3, 4, 5]
+    turned = on_common_grid(rotated(small, 30), small, align="middle")
+    kept = turned[1].heights
+    rows, columns = (41 - kept.shape[0]) // 2, (61 - kept.shape[1]) // 2
+    assert np.array_equal(kept, small.heights[rows : rows + kept.shape[0], columns : columns + kept.shape[1]])
+    with pytest.raises(ValueError, match="align must be one of 'start', 'middle', got 'end'"):
+        on_common_grid(small, small, align="end")
+
+
 @pytest.mark.parametrize("turns", [-1, 0, 1, 2, 3, 5])
 def test_quarter_turns_keep_every_height(turns):
     surface, _ = bumps()

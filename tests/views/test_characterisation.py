@@ -22,12 +22,8 @@ from stiction import (
 )
 from stiction.surfaces.lines import lines_along_both
 from stiction.surfaces.spectrum import peak_of
-from stiction.views.characterisation import (
-    characterisation_figure,
-    characterisation_text,
-    surface_characterisation_figure,
-    surface_characterisation_text,
-)
+from stiction.views.characterisation import characterisation_text, surface_characterisation_text
+from stiction.views.figures.roughness import characterisation_figure, surface_characterisation_figure
 
 NO_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 

@@ -1,14 +1,24 @@
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from measured_results import lines_result, maps_result
 from small import SMALL
-from stiction.studies.dataset import empty_dataset
+from stiction import Profile
+from stiction.studies.at_load import at_load, reached_loads
+from stiction.studies.contact_picture import contact_picture
 from stiction.studies.maps import friction_map
+from stiction.studies.result import empty_dataset
 from stiction.studies.study import study_of
-from stiction.views.figures import FADE, _fading, area_figure, friction_figure, reached_loads, save_figures
-from stiction.views.style import force_text, save_picture, spread_out
+from stiction.views import style
+from stiction.views.figures import drawn
+from stiction.views.figures.contact import contact_figure
+from stiction.views.figures.contacts import contacts_figure
+from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
+from stiction.views.figures.standard import figures_of
+from stiction.views.style import FORMATS, save_picture, spread_out
 
 
 @pytest.fixture(scope="module")
@@ -16,47 +26,97 @@ def result(small_result):
     return small_result
 
 
-def test_figures_are_files_with_something_in_them(result, tmp_path):
-    paths = save_figures(result.isel(amplitude=[0]), tmp_path)
-    assert [p.name for p in paths] == [
-        "friction_mu0_0.1.png",
-        "friction_mu0_0.4.png",
-        "friction_mu0_1.png",
-        "area.png",
-    ]
-    for path in paths:
-        assert imread(path).std() > 0.05
+@pytest.fixture(scope="module")
+def maps(tmp_path_factory):
+    return maps_result(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
 
 
-def test_surfaces_are_drawn_where_a_study_asks_for_them(result, tmp_path):
+@pytest.fixture(scope="module")
+def lines(tmp_path_factory):
+    return lines_result(tmp_path_factory.mktemp("lines"))
+
+
+# ---- Which figures ---------------------------------------------------------------------------------------------------
+
+
+def names(result, picture=None):
+    return [name for name, _ in figures_of(result, picture)]
+
+
+def test_a_study_has_the_figures_that_it_asks_for(result):
+    assert names(result) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
     wanted = study_of(result).with_changes({"figures.draw": ["profiles", "length-scales"]})
-    paths = save_figures(result.assign_attrs(study=wanted.to_toml()), tmp_path)
-    assert [p.name for p in paths] == ["profiles.png", "length_scales.png"]
-    for path in paths:
-        assert imread(path).std() > 0.05
-        assert imread(path).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
+    assert names(result.assign_attrs(study=wanted.to_toml())) == ["profiles", "length_scales"]
 
 
-def test_friction_has_maps_of_three_strengths_and_curves_for_each_amplitude_and_says_what_is_missing(result):
+def test_measured_bodies_have_the_standard_set(maps, lines):
+    of_each = ("friction", "compass", "positions", "cut_off")
+    of_materials = [f"{name}{of}" for of in ("", "-2", "-3", "-4") for name in of_each]
+    assert names(maps, contact_picture(maps)) == [*of_materials, "sizes", "contacts"]
+    assert {"friction", "positions", "contact", "friction-4"} <= set(names(lines))
+    assert not {"compass", "contacts", "cut_off"} & set(names(lines))
+
+
+def test_figures_are_files_of_every_format_with_something_in_them(result, tmp_path):
+    one = result.assign_attrs(study=study_of(result).with_changes({"figures.draw": ["profiles"]}).to_toml())
+    paths = drawn(one, tmp_path, formats=FORMATS)
+    assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
+    assert imread(paths[0]).std() > 0.03
+    assert imread(paths[0]).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
+    before = [path.read_bytes() for path in paths]
+    assert before[1].startswith(b"%PDF")
+    assert before[2].startswith(b"<?xml")
+    assert drawn(one, tmp_path, formats=FORMATS) == paths
+    assert [path.read_bytes() for path in paths] == before  # equal figures are equal files
+
+
+def test_files_of_others_are_not_replaced(tmp_path):
+    from matplotlib.figure import Figure
+
+    for ending in FORMATS:
+        other = tmp_path / f"other.{ending}"
+        Figure().savefig(other)
+        content = other.read_bytes()
+        with pytest.raises(ValueError, match="exists already"):
+            save_picture(Figure(), other)
+        assert other.read_bytes() == content
+    with pytest.raises(ValueError, match=r"\.png"):
+        save_picture(Figure(), tmp_path / "figure.jpg")
+    with pytest.raises(ValueError, match="formats"):
+        drawn(empty_dataset(SMALL), tmp_path, formats=["tiff"])
+
+
+def test_nothing_to_draw_is_said_so():
+    with pytest.raises(ValueError, match="nothing to draw"):
+        drawn(empty_dataset(SMALL), Path())
+
+
+# ---- Generated bodies ------------------------------------------------------------------------------------------------
+
+
+def panels(figure):
+    return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
+
+
+def test_friction_has_maps_of_two_strengths_and_curves_for_each_amplitude(result):
     for data, rows in ((result, 2), (result.isel(amplitude=[1]), 1)):
         figure = friction_figure(data, 0.4)
-        drawn = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
-        assert len(drawn) == 4 * rows
-        assert [ax.get_title() for ax in drawn[:3]] == [rf"$\tau_0$ = {mpa} MPa" for mpa in (0, 100, 200)]
+        found = panels(figure)
+        assert len(found) == 3 * rows
+        assert [ax.get_title() for ax in found[:2]] == [rf"$\tau_0$ = {mpa} MPa" for mpa in (0, 200)]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
         assert "load not reached" in labels
-        assert drawn[0].get_ylabel() == "normal load $F_N$ (mN)"
-        middle = drawn[4 * (rows // 2) + 3]
-        assert middle.get_ylabel() == r"coefficient of static friction $\mu_s$"
-        assert any("fractal dimension" in ax.get_xlabel() for ax in drawn)
-        bars = [ax.get_xlabel() for ax in figure.axes if ax.get_label() == "<colorbar>"]
-        assert bars == [r"coefficient of static friction $\mu_s$, at $\mu_0$ = 0.4"]
+        assert any("model not valid" in label for label in labels)
+        assert found[0].get_ylabel() == style.label("load")
+        assert found[3 * (rows // 2) + 2].get_ylabel() == style.label("friction_coefficient")
+    assert not figure.get_suptitle()
+    part = friction_figure(result.isel(repetition=[0, 1, 4]), 0.1)
+    assert part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
 def test_friction_curves_are_those_of_the_map_at_a_load_that_most_dimensions_reach(result):
     one = result.isel(amplitude=[1])
-    figure = friction_figure(one, 0.4)
-    curves = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"][3]
+    curves = panels(friction_figure(one, 0.4))[2]
     amount, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(amount) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     expected = friction_map(one, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
@@ -69,44 +129,30 @@ def test_friction_curves_are_those_of_the_map_at_a_load_that_most_dimensions_rea
 @pytest.mark.parametrize("part", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str)
 def test_figures_of_little_are_drawn_without_a_warning(result, part, tmp_path):
     one = result.isel(amplitude=[0], **part)
-    for mu0 in (0.0, 0.4):
-        save_picture(friction_figure(one, mu0), tmp_path / "friction.png")
+    save_picture(friction_figure(one, 0.0), tmp_path / "friction.png")
     save_picture(area_figure(one), tmp_path / "area.png")
 
 
-def test_cells_fade_with_the_width_of_their_interval():
+def test_cells_fade_with_the_width_of_their_interval_to_the_grey_that_is_as_bright():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
-    names = ("friction_coefficient", "lower", "upper")
-    maps = {
-        name: SimpleNamespace(values=np.array(each)) for name, each in zip(names, zip(*cells, strict=True), strict=True)
-    }
-    sure, half, wide, unknown, nothing = _fading(maps)
+    columns = zip(("friction_coefficient", "lower", "upper"), zip(*cells, strict=True), strict=True)
+    sure, half, wide, unknown, nothing = _fading(
+        {name: SimpleNamespace(values=np.array(each)) for name, each in columns}
+    )
     assert (sure, nothing) == (0, 0)
     assert wide == unknown == FADE[2]
     assert half == pytest.approx(FADE[2] * (1.0 - FADE[0]) / (FADE[1] - FADE[0]))
+    purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
+    grey = _faded(purple, np.array(1.0))
+    assert grey == pytest.approx([purple @ luminance] * 3)
 
 
-def test_labels_are_apart_and_in_their_order():
-    places = spread_out([1.0, 1.01, 0.99, 3.0], 0.1)
-    assert np.array_equal(np.argsort(places), [2, 0, 1, 3])
-    assert np.diff(np.sort(places)).min() == pytest.approx(0.1)
-    assert places[3] == 3.0
-
-
-def test_a_force_has_the_unit_of_its_size():
-    assert [force_text(force) for force in (1e-6, 1e-4, 0.05, 2.0)] == ["1 nN", "0.1 µN", "0.05 mN", "2 mN"]
-
-
-def test_area_has_units_and_a_named_curve_for_each_dimension(result):
+def test_area_has_a_named_curve_for_each_dimension_and_no_band_takes_its_axis(result):
     figure = area_figure(result)
     left = figure.axes[0]
     assert len(left.lines) == 2 * 4  # as far as it is to be trusted, and beyond
-    assert left.texts[0].get_text() == "$D$ = 1.00"
-    assert "µm²" in left.get_ylabel()
-    assert any("mN" in ax.get_xlabel() for ax in figure.axes)
-
-
-def test_no_band_takes_the_axis_of_areas(result):
+    assert any(text.get_text() == "$D$ = 1.00" for text in left.texts)
+    assert left.get_ylabel() == style.label("contact_area")
     for ax in area_figure(result.isel(repetition=slice(2))).axes:
         values = np.concatenate([line.get_ydata() for line in ax.lines])
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
@@ -120,13 +166,92 @@ def test_loads_are_those_that_every_ensemble_starts_below_and_some_reach(result)
     assert np.all(np.diff(loads) > 0)
 
 
-def test_nothing_to_draw_is_said_so():
-    with pytest.raises(ValueError, match="nothing to draw"):
-        save_figures(empty_dataset(SMALL), ".")
+# ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def test_figures_of_an_unfinished_study_say_so(result):
-    part = result.isel(repetition=[0, 1, 4])
-    for figure in (friction_figure(part, 0.1), area_figure(part)):
-        assert figure.get_suptitle() == "unfinished: 3 of 12 repetitions"
-    assert not area_figure(result).get_suptitle()
+def figure_of(result, wanted, picture=None):
+    return next(draw for name, draw in figures_of(result, picture) if name == wanted)()
+
+
+def test_friction_and_area_against_load_are_the_means_of_the_result(maps):
+    figure = figure_of(maps, "friction")
+    upper, lower = figure.axes
+    wanted = at_load(maps, maps["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0, mu0=0, tau0=0)
+    for line, rule in zip(upper.lines, style.RULES, strict=False):
+        expected = wanted["friction_all_round"].sel(sliding=rule, statistic="mean")
+        np.testing.assert_allclose(line.get_ydata(), expected.values)
+        assert line.get_color() == style.RULES[rule]
+    np.testing.assert_allclose(
+        lower.lines[0].get_ydata(), 100 * wanted["contact_area_fraction"].sel(statistic="mean").values
+    )
+    assert (upper.get_ylabel(), lower.get_ylabel()) == tuple(
+        map(style.label, ("friction_coefficient", "contact_area_fraction"))
+    )
+    marked = [line.get_xdata()[0] for line in lower.lines if line.get_linestyle() == "--"]
+    assert marked == [0.1, 0.5]  # what was asked for
+
+
+def test_one_colour_has_one_meaning(maps):
+    for name in ("friction", "cut_off", "compass", "positions"):
+        used = {line.get_color() for line in figure_of(maps, name).axes[0].lines}
+        assert {style.ALL, style.OPPOSING} <= used <= {style.ALL, style.OPPOSING, "0.2", "0.5"}
+
+
+def test_the_compass_passes_through_its_points_and_rings_begin_at_zero(maps):
+    axes = figure_of(maps, "compass").axes[0]
+    wanted = at_load(maps, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
+    points, curve = axes.lines[:2]
+    expected = wanted["friction_coefficient"].sel(sliding="all", statistic="mean").values
+    np.testing.assert_allclose(points.get_ydata(), expected)
+    np.testing.assert_allclose(curve.get_ydata()[[0, 90, 180, 270]], expected, rtol=1e-9)
+    assert axes.get_ylim()[0] == 0
+    assert 4 <= len(axes.get_yticks()) <= 6
+
+
+def test_members_are_in_order_and_positions_lie_at_their_offset(maps, lines):
+    each = figure_of(maps, "positions").axes[0].lines[0]
+    assert np.array_equal(each.get_xdata(), [1, 2, 3, 4])
+    assert (np.diff(each.get_ydata()) >= 0).all()
+    along = figure_of(lines, "positions").axes[0].lines[0]
+    assert set(along.get_xdata()) == set(lines["x"].values)
+
+
+def test_contacts_are_marked_where_they_are_and_loads_add_up(maps):
+    picture = contact_picture(maps)
+    figure = contacts_figure(picture, direction=90.0)
+    axes = figure.axes[0]
+    marks = np.concatenate([each.get_offsets() for each in axes.collections[1::2]])
+    assert {tuple(mark) for mark in marks} == set(
+        zip(picture["contact_x"].values, picture["contact_y"].values, strict=True)
+    )
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert sum(int(text.split()[0]) for text in texts) == picture.sizes["contact"]
+    assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
+
+
+def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc):
+    upper, lower = (circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
+    figure = contact_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
+    large = figure.axes[1]
+    figure.draw_without_rendering()
+    frame = large.get_window_extent()
+    for arrows in [each for each in large.collections if hasattr(each, "U")]:
+        start = large.transData.transform(arrows.get_offsets())
+        length = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
+        assert (start[:, 1] + length <= frame.y1).all()
+    assert "times larger" in large.get_title(loc="left")
+
+
+def test_two_flat_bodies_without_contact_are_drawn(tmp_path):
+    flat = Profile(np.zeros(200), spacing=0.01)
+    save_picture(contact_figure(flat, flat, 0.0, mu0=0.3), tmp_path / "contact.png")
+
+
+# ---- Style -----------------------------------------------------------------------------------------------------------
+
+
+def test_labels_are_apart_and_in_their_order():
+    places = spread_out([1.0, 1.01, 0.99, 3.0], 0.1)
+    assert np.array_equal(np.argsort(places), [2, 0, 1, 3])
+    assert np.diff(np.sort(places)).min() == pytest.approx(0.1)
+    assert places[3] == 3.0

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from measured_results import lines_result, maps_result
 from scipy.special import stdtrit
 from small import SMALL
 from stiction import (
@@ -16,10 +17,12 @@ from stiction import (
     weierstrass_mandelbrot,
 )
 from stiction.studies import intervals
-from stiction.studies.dataset import empty_dataset
+from stiction.studies.at_load import at_load
+from stiction.studies.result import empty_dataset
 from stiction.studies.study import study_of
+from stiction.views.digits import two_digits, with_unit
 from stiction.views.report import report_page
-from stiction.views.report.study import MOST_CONTACTS, WINDOW
+from stiction.views.report.example import MOST_CONTACTS, WINDOW
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
@@ -28,22 +31,13 @@ from page_numbers import PageNumbers
 AGREEMENT = 1e-6
 """The page keeps 2e-9 of each sum; intervals are differences of these."""
 
+MEASURED = 1e-9
+"""Of measured bodies the page keeps every bit."""
+
 SHAPES = 2e-4
 """The page keeps 1e-4 of what is only drawn."""
 
-STATUSES = {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
-
-STUDIES = {
-    "small": {},
-    "to the left": {"contact.shear": "-x", "surfaces.amplitude": ["70 nm"]},
-    "all curvatures at the minima of the gap": {"contact.curvature": "signed", "contact.detection": "gap-minimum"},
-    "cylinders": {"contact.law": "hertz-cylinder"},
-    "classical": {"surfaces.convention": "classical", "surfaces.amplitude_measure": "Rq"},
-    "one dimension": {"surfaces.fractal_dimension": [1.3], "surfaces.amplitude": ["50 nm"]},
-    "two repetitions": {"ensemble.repetitions": 2},
-    "one repetition": {"ensemble.repetitions": 1},
-    "one approach": {"contact.approach": ["10 nm"]},
-}
+READ_OFF = {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
 
 
 def invented(reached):
@@ -83,6 +77,8 @@ def numbers(result):
     return PageNumbers(report_page(result))
 
 
+# ---- Means of generated bodies ---------------------------------------------------------------------------------------
+
 MAPS = {
     "friction": (friction_map, "friction_coefficient"),
     "area": (area_map, "contact_area"),
@@ -118,20 +114,28 @@ def statuses_held_to_the_library(numbers, data, loads, mu0, tau0, motion=0):
     return statuses
 
 
-@pytest.mark.parametrize("changes", STUDIES.values(), ids=STUDIES)
-def test_friction_and_area_of_studies_are_those_of_the_library(changes):
-    data = run(SMALL.with_changes(changes))
-    numbers = PageNumbers(report_page(data))
+HALF_PLANES = {
+    "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
+    "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
+    "ensemble.repetitions": 4, "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.1, 1.4],
+}  # fmt: skip
+
+
+def test_a_study_by_asperities_is_that_of_the_library(numbers, result):
     lowest, highest = numbers("() => facts.loads")
     loads = np.geomspace(lowest / 3, 3 * highest, 30).tolist()
-    random = np.random.default_rng(5)
-    statuses = [
-        status
-        for mu0, tau0 in [(0.0, 0.0), (0.4, 0.0), *random.uniform([0, 0], [1, 0.3], (2, 2)).tolist()]
-        for status in statuses_held_to_the_library(numbers, data, loads, mu0, tau0)
-    ]
-    assert ("ok" in statuses) == (data.sizes["approach"] > 1)
-    assert set(statuses) <= set(numbers("() => Object.keys(facts.statuses)")) == STATUSES
+    for mu0, tau0 in [(0.0, 0.0), (0.4, 0.2)]:
+        assert "ok" in statuses_held_to_the_library(numbers, result, loads, mu0, tau0)
+
+
+def test_every_rule_of_half_planes_is_that_of_the_library():
+    data = run(Study.named("quick").with_changes(HALF_PLANES))
+    numbers = PageNumbers(report_page(data))
+    lowest, highest = numbers("() => facts.loads")
+    loads = np.geomspace(lowest / 3, 3 * highest, 20).tolist()
+    for m, rule in enumerate(numbers("() => facts.rules")):
+        one = data.sel(sliding=rule)
+        assert "ok" in statuses_held_to_the_library(numbers, one, loads, 0.4, 0.1, motion=m)
 
 
 @pytest.mark.parametrize("reached", [0.0, 1.0])
@@ -142,7 +146,16 @@ def test_every_way_to_read_off_is_that_of_the_library(reached):
     statuses = []
     for mu0, tau0 in [(0.0, 0.0), *np.random.default_rng(3).uniform([0, 0], [1.5, 1.0], (5, 2)).tolist()]:
         statuses += statuses_held_to_the_library(numbers, data, loads, mu0, tau0)
-    assert set(statuses) == STATUSES
+    assert set(statuses) == READ_OFF
+
+
+def test_members_without_a_solution_are_left_out_as_by_the_library(result):
+    data = result.copy(deep=True)
+    for name in ("normal_elastic", "tangential_elastic", "contact_area"):
+        data[name].loc[{"repetition": 3, "approach": data["approach"][-1]}] = np.nan
+    numbers = PageNumbers(report_page(data))
+    assert numbers("() => facts.repetitions") == data.sizes["repetition"] - 1
+    assert "ok" in statuses_held_to_the_library(numbers, data, [1e-3, 1e-2], 0.4, 0.1)
 
 
 def test_the_map_of_the_page_is_that_of_the_library(numbers, result):
@@ -168,43 +181,75 @@ def test_the_map_of_the_page_is_that_of_the_library(numbers, result):
     assert np.array(widths, float) == pytest.approx(expected.values, rel=1e-5, nan_ok=True)
 
 
-AREAL = {
-    "surfaces.shape": [48, 48], "surfaces.fractal_dimension": [1.1, 1.4], "ensemble.repetitions": 4,
-    "contact.approach": {"start": "0.5 nm", "stop": "30 nm", "count": 8, "spacing": "geometric"},
-}  # fmt: skip
-HALF_PLANES = {
-    "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
-    "contact.boundary": "periodic", "surfaces.points": 512, "surfaces.extent": "5 um", "ensemble.repetitions": 4,
-    "surfaces.band_limit": "nyquist",
-    "surfaces.fractal_dimension": [1.1, 1.4],
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("name", "changes"),
-    [
-        ("figure6-areal", AREAL | {"contact.direction": [0, 90]}),
-        ("quick", HALF_PLANES),
-        ("quick", HALF_PLANES | {"contact.boundary": "free", "contact.sliding": ["opposing", "all"]}),
-    ],
-)
-def test_areas_and_half_spaces_are_those_of_the_library(name, changes):
-    data = run(Study.named(name).with_changes(changes))
+def test_nothing_touches():
+    data = empty_dataset(SMALL.with_changes({"contact.approach": ["0 nm"]}))
     numbers = PageNumbers(report_page(data))
-    lowest, highest = numbers("() => facts.loads")
-    loads = np.geomspace(lowest / 3, 3 * highest, 20).tolist()
-    motions = numbers("() => facts.motions")
-    dims = [dim for dim in ("sliding", "direction") if dim in data.dims]
-    assert len(motions) == np.prod([data.sizes[dim] for dim in dims])
-    for m, place in enumerate(np.ndindex(*(data.sizes[dim] for dim in dims))):
-        one = data.isel(dict(zip(dims, place, strict=True)))
-        assert motions[m]["sliding"] == one.coords.get("sliding", motions[m]["sliding"])
-        assert motions[m]["direction"] == one.coords.get("direction", motions[m]["direction"])
-        assert "ok" in statuses_held_to_the_library(numbers, one, loads, 0.4, 0.1, motion=m)
-    if name == "figure6-areal":
-        found = numbers.arrays("friction", 0, 0, [loads[10]], 0.4, 0.0)
-        assert 0 <= found["share_overlapping"][0] <= 1
-        assert 0 <= found["share_unanswered"][0] <= 1
+    assert numbers("() => facts.loads") == []
+    assert set(statuses_held_to_the_library(numbers, data, [1e-3, 1.0], 0.4, 0.0)) == {"no-contact"}
+    assert numbers("() => colourRange(facts, [mapOf(result, 'friction', 0, [1], 0.4, 0)])") == [0.1, 1]
+
+
+def test_what_is_packed_comes_out_again(numbers, result):
+    for name, relative in (("means", 0.0), ("sums", 2e-9)):
+        kept = numbers(f"() => Array.from(result.{name}.contact_area)")
+        expected = result["contact_area"].transpose("fractal_dimension", "amplitude", "repetition", "approach").values
+        expected = expected.mean(axis=2) if name == "means" else expected
+        assert np.array(kept) == pytest.approx(expected.ravel(), rel=relative, abs=0)
+
+
+# ---- Members of measured bodies --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=["maps", "lines"])
+def measured(request, tmp_path_factory):
+    """A result of measured bodies and the numbers of its page."""
+    folder = tmp_path_factory.mktemp(request.param)
+    data = maps_result(folder) if request.param == "maps" else lines_result(folder)
+    return data, PageNumbers(report_page(data))
+
+
+@pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.37, 0.08)])
+def test_friction_of_measured_bodies_is_that_of_the_library(measured, mu0, tau0):
+    data, numbers = measured
+    loads = data["load"].values
+    wanted = at_load(data, loads, mu0=[mu0], tau0=[tau0]).isel(mu0=0, tau0=0, cut_off=0)
+    every = list(range(data.sizes["direction"]))
+    for r, rule in enumerate(numbers("() => facts.rules")):
+        for chosen, name in [*(([d], "friction_coefficient") for d in every), (every, "friction_all_round")]:
+            at = wanted[name].sel(sliding=rule)
+            at = at.isel(direction=chosen[0]) if "direction" in at.dims else at
+            motions = [r * len(every) + d for d in chosen]
+            found = numbers(
+                "(chosen, loads, mu0, tau0) => readOff({...result, chosen}, 'friction', 0, 0, loads, mu0, tau0)"
+                ".map(({value, lower, upper}) => [value, lower, upper])", motions, loads.tolist(), mu0, tau0,
+            )  # fmt: skip
+            assert np.array(found) == pytest.approx(at.transpose("load", "statistic").values, rel=MEASURED, nan_ok=True)
+            alone = numbers(
+                "(way, rule, mu0, tau0) => slopesAlone(result, 0, way, rule, mu0, tau0)", chosen, rule, mu0, tau0
+            )
+            slopes = wanted["gentle_friction"].sel(sliding=rule).isel(direction=chosen)
+            slopes = slopes.sel(statistic="mean") if "statistic" in slopes.dims else slopes
+            assert alone == pytest.approx(float(slopes.mean()), rel=MEASURED)
+
+
+def test_contacts_of_measured_bodies_are_those_of_the_library(measured):
+    data, numbers = measured
+    loads = data["load"].values
+    wanted = at_load(data, loads, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
+    names = numbers("() => facts.quantities.map(({name}) => name)")
+    assert {"contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness"} <= set(names)
+    for name in names:
+        found = numbers(
+            "(name, loads) => readOff(result, name, 0, 0, loads, 0.3, 0).map(({value, lower, upper}) =>"
+            " [value, lower, upper])", name, loads.tolist(),
+        )  # fmt: skip
+        expected = wanted[name].transpose("load", "statistic").values
+        assert np.array(found) == pytest.approx(expected, rel=MEASURED, abs=1e-15, nan_ok=True), name
+
+
+def test_a_load_that_was_not_computed_has_no_value(measured):
+    _, numbers = measured
+    assert numbers("() => readOff(result, 'friction', 0, 0, [0.3], 0.3, 0)[0].status") == "not-reached"
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
@@ -218,13 +263,6 @@ def test_friction_by_the_slope_alone_is_that_of_the_library(numbers, sliding):
         assert found == pytest.approx(float(wanted), rel=1e-12, nan_ok=True)
 
 
-def test_derivatives_are_those_of_numpy(numbers):
-    steps = np.array([0.0, 1.0, 1.5, 4.0, 9.0])
-    values = np.array([1.0, -2.0, 0.5, 3.0, 8.0])
-    found = numbers("(values, steps) => gradient(values, steps)", values.tolist(), steps.tolist())
-    assert found == pytest.approx(np.gradient(values, steps, edge_order=2), rel=1e-12)
-
-
 @pytest.mark.parametrize("sample", [[0.1, 0.2, 0.4], [0.1, 0.5], [-1.0, 2.0, 3.0, np.nan], [0.0, 0.01, 3.0]])
 def test_means_of_a_sample_are_those_of_the_library(numbers, sample):
     found = numbers(
@@ -232,6 +270,24 @@ def test_means_of_a_sample_are_those_of_the_library(numbers, sample):
         [None if np.isnan(x) else x for x in sample], intervals.FEWEST_OF_SAMPLE,
     )  # fmt: skip
     assert found == pytest.approx([float(x) for x in intervals.of_sample(np.array(sample))], rel=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    "values", [np.sin(np.arange(9.0)), np.exp(np.sin(np.arange(40.0))), [1.0] * 9, [0.1, 0.2, 0.3]]
+)
+def test_means_of_neighbours_are_those_of_the_library(numbers, values):
+    found = numbers("(values, fewest) => ofNeighbours(values, 0.95, fewest)", list(values), intervals.FEWEST_NEIGHBOURS)
+    assert found == pytest.approx([float(x) for x in intervals.of_neighbours(np.array(values))], rel=1e-9, nan_ok=True)
+
+
+# ---- Pieces ----------------------------------------------------------------------------------------------------------
+
+
+def test_derivatives_are_those_of_numpy(numbers):
+    steps = np.array([0.0, 1.0, 1.5, 4.0, 9.0])
+    values = np.array([1.0, -2.0, 0.5, 3.0, 8.0])
+    found = numbers("(values, steps) => gradient(values, steps)", values.tolist(), steps.tolist())
+    assert found == pytest.approx(np.gradient(values, steps, edge_order=2), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -252,39 +308,14 @@ def test_ticks_are_round(numbers, low, high, is_log, texts):
     assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in found)
 
 
-def test_without_intervals_there_is_none(monkeypatch, result):
-    monkeypatch.setattr("stiction.views.report.study.MOST_SUMS", 100)
-    numbers = PageNumbers(report_page(result))
-    found = numbers.arrays("friction", 1, 0, [1e-3], 0.4, 0.0)
-    wanted = friction_map(result, [1e-3], mu0=[0.4], tau0=[0.0]).isel(fractal_dimension=1, amplitude=0)
-    assert found["value"] == pytest.approx(wanted["friction_coefficient"].values.ravel(), rel=AGREEMENT)
-    assert np.isnan([found["lower"], found["upper"]]).all()
-
-
-def test_nothing_touches():
-    data = empty_dataset(SMALL.with_changes({"contact.approach": ["0 nm"]}))
-    numbers = PageNumbers(report_page(data))
-    assert numbers("() => facts.loads") == []
-    assert set(statuses_held_to_the_library(numbers, data, [1e-3, 1.0], 0.4, 0.0)) == {"no-contact"}
-    assert numbers("() => colourRange(facts, [mapOf(result, 'friction', 0, [1], 0.4, 0)])") == [0.1, 1]
-
-
-def test_what_is_packed_comes_out_again(numbers, result):
-    for name, relative in (("means", 0.0), ("sums", 2e-9)):
-        kept = numbers(f"() => Array.from(result.{name}.contact_area)")
-        expected = result["contact_area"].transpose("fractal_dimension", "amplitude", "repetition", "approach").values
-        expected = expected.mean(axis=2) if name == "means" else expected
-        assert np.array(kept) == pytest.approx(expected.ravel(), rel=relative, abs=0)
-
-
 def test_quantiles_of_student(numbers):
     freedom = np.concatenate([np.linspace(1, 12, 50), np.geomspace(13, 1e5, 30)])
     found = numbers("(list) => list.map((freedom) => studentQuantile(0.975, freedom))", freedom.tolist())
     assert found == pytest.approx(stdtrit(freedom, 0.975), rel=1e-10)
 
 
-@pytest.mark.parametrize("pair", [0, 2])
-def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result, pair):
+def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result):
+    pair = 2
     surfaces, approaches = study_of(result).surfaces, result["approach"].values
     d, a, k = 1, 1, 7
     upper, lower = (
@@ -314,19 +345,14 @@ def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result,
     assert drawn - drawn[0] == pytest.approx(heights - heights[0], abs=SHAPES * np.abs(drawn).max())
 
 
-@pytest.mark.parametrize(
-    ("call", "text"),
-    [
-        ("shown(0.123456)", "0.1235"),
-        ("shown(-1.5e-7, 3)", "−1.50 × 10⁻⁷"),
-        ("shown(123456)", "1.235 × 10⁵"),
-        ("shown(NaN)", "–"),
-        ("lengthName(0.05)", "50 nm"),
-        ("lengthName(2.5)", "2.5 µm"),
-    ],
-)
-def test_numbers_for_people(numbers, call, text):
-    assert numbers(f"() => {call}") == text
+@pytest.mark.parametrize("value", [0.0, 5e-4, 0.1147, 0.99951, 17.251, 1234.0])
+def test_numbers_for_people_are_those_of_the_terminal(numbers, value):
+    assert numbers("(value) => twoDigits(value)", value) == two_digits(value)
+    assert numbers("(value) => twoDigits(value, 0.98 * value, 1.03 * value)", value) == two_digits(
+        value, 0.98 * value, 1.03 * value
+    )
+    for unit in ("mN", "GPa", "um"):
+        assert numbers("(value, unit) => withUnit(value, unit)", value, unit) == with_unit(value, unit)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-4, 1e4])

@@ -4,6 +4,16 @@
 // displacement of the upper body towards the lower one, measured from the first touch of grid points. At a minimum of
 // the gap both bodies have one slope, so a contact has one normal at every approach; how the normal turns as the bodies
 // sink into each other is of second order in overlap over radius and left out.
+//
+// Of a contact whose ellipse the edge of the map cuts, what lies inside counts: Hertz's pressure integrated over it. So
+// force and area of a contact grow with the approach, and that of a long valley is the part of it that is on the map.
+//
+// What round-off would decide is decided by rules that a turned, mirrored, swapped or lifted pair meets alike. In units
+// of the spacing a bend or a slope is none that is below 2^-26 of the gap's range:
+// - A minimum that does not bend upwards in every direction is a level valley or floor, and no contact, for it has no
+//   lowest point. The grid points of a level floor count as minima of the grid without an answer.
+// - A body that does not bend downwards is not hollow: flat in some direction or all, it counts as a summit.
+// - What does not slope along the motion does not oppose it.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -39,13 +49,13 @@ struct Meeting {
 /// For a positive definite Hessian.
 Meeting meeting(const Vector2& slope, double xx, double xy, double yy);
 
-/// A minimum of the gap, which touches at approaches between `gap` and `farthest`.
+/// A minimum of the gap, which touches at approaches above `gap`.
 struct ArealCandidate {
   Index row;         ///< of the cell that owns it: that of its first point
   Index column;      ///< likewise
   Vector3 position;  ///< of the lower body there [µm]
   double gap;        ///< above first touch of grid points [µm]; may be somewhat below 0
-  double farthest;   ///< approach [µm] at which its ellipse reaches the edge of the map: what leaves it is no contact
+  double room;       ///< overlap [µm] at which its elastic ellipse reaches the edge of the map
   Vector3 normal;
   Radii radii;
   Vector3 along;    ///< of the larger semi-axis
@@ -57,12 +67,21 @@ struct ArealCandidate {
 /// Candidates found once, for any number of presses up to an approach of `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< cell by cell along x and then y
-  std::vector<double> grid_minima;  ///< gaps [µm] of the points that are lower than their eight neighbours, increasing
+  std::vector<double> grid_minima;  ///< gaps [µm] of the points of which no neighbour is lower, increasing
   std::vector<double> unanswered;   ///< of those beside which the spline has no minimum: in none of the four cells
   double deepest;                   ///< [µm]
   Vector2 spacing;                  ///< of columns and of rows [µm]
-  Index columns;                    ///< of the maps
+  Index rows;                       ///< of the maps
+  Index columns;                    ///< likewise
 };
+
+/// Heights that differ by less than this share of the largest are equal: what round-off in heights, in their difference
+/// and in its spline may make of it.
+inline constexpr double round_off_share = 0x1p-46;
+
+/// Along a valley, a rise from one point to the next below this share of the gap's range is none: where a minimum lies
+/// is then known to some 1e-8 of a spacing at best.
+inline constexpr double level_share = 0x1p-26;
 
 /// All with a gap of at most `deepest` [µm] >= 0. `convex` asks for both bodies to be summits, `signed_` only for a
 /// minimum of the gap. Maps have equal shapes of at least 4 by 4 finite heights, and their gap is not the same
@@ -76,7 +95,8 @@ struct ArealSums : Sums {
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z of contacts whose ellipse overlaps another one [mN]
-  Index grid_minimum_count = 0;     ///< points lower than their neighbours within the approach
+  double load_at_edge = 0.0;        ///< Σ F n_z of contacts whose ellipse the edge of the map cuts [mN]
+  Index grid_minimum_count = 0;     ///< points within the approach of which no neighbour is lower
   Index unanswered_count = 0;       ///< of those, beside which the spline has no minimum
 };
 
@@ -96,7 +116,9 @@ inline constexpr std::array areal_quantities{
     ArealQuantity{"lateral_adhesive", "mN/GPa", "lateral load per unit tau0", &ArealSums::lateral_adhesive},
     ArealQuantity{"load_overlapping", "mN", "normal load of contacts whose ellipse overlaps another one",
                   &ArealSums::load_overlapping},
-    ArealQuantity{"grid_minimum_count", "1", "number of grid points lower than their neighbours",
+    ArealQuantity{"load_at_edge", "mN", "normal load of contacts whose ellipse the edge of the map cuts",
+                  &ArealSums::load_at_edge},
+    ArealQuantity{"grid_minimum_count", "1", "number of grid points of which no neighbour is lower",
                   &ArealSums::grid_minimum_count},
     ArealQuantity{"unanswered_count", "1", "number of those beside which the spline has no minimum",
                   &ArealSums::unanswered_count},

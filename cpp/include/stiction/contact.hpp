@@ -30,6 +30,7 @@ struct Contact {
   Vector3 tangent;  ///< unit vector of the friction on the upper body
   Radii radii;      ///< of the relative curvature
   Vector2 axes;     ///< semi-axes of the patch [µm], the larger first
+  Vector3 along;    ///< unit vector of the larger one, on profiles y
   double overlap;   ///< [µm]
   double force;     ///< normal force [mN]
   double area;      ///< [µm²]

@@ -3,12 +3,15 @@
 
 #include "stiction/array.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace stiction {
 
-/// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  over  0 <= p <= hardness, sum p = total.
+/// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  over  0 <= p <= bound at each point, sum p = total.
 ///
 /// K maps pressure [GPa] to displacement [µm]; the caller applies it, and a preconditioner that resembles its inverse.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ. Free points are those under a pressure strictly
@@ -25,12 +28,13 @@ namespace stiction {
 class PressureSearch {
  public:
   /// Begins at `pressure` >= 0, brought to the bounds and the sum. `line`: neighbours in memory are neighbours on a
-  /// line. Throws std::invalid_argument for 2³¹ points or more, and a total that is not positive or that the hardness
-  /// cannot bear.
-  PressureSearch(Values pressure, double total, double hardness, bool line);
+  /// line. `bound`: one for all points, which may be infinite, or one for each, of which those of 0 bear nothing.
+  /// Throws std::invalid_argument for 2³¹ points or more, bounds below 0, and a total that is not positive or not below
+  /// their sum.
+  PressureSearch(Values pressure, double total, Values bound, bool line);
 
   /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
-  /// under pressure is open by more, none overlaps by more. Infinite where potentials are not finite.
+  /// under pressure is open by more, none below its bound overlaps by more. Infinite where potentials are not finite.
   double balance();
 
   /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
@@ -49,17 +53,24 @@ class PressureSearch {
   /// Goes as far along the step as lowers the energy most, with `response` = K step. Returns whether it went at all.
   bool advance(std::span<const float> response);
 
-  /// Scales pressures below the hardness to the sum, exact but for round-off, for a potential to be computed anew.
+  /// Scales pressures below their bounds to the sum, exact but for round-off, for a potential to be computed anew.
   void settle();
 
   /// Takes such a potential, and begins again with the steepest descent.
   void restart(Values potential);
 
+  /// Σ pressure potential [GPa µm]; for no gap twice the elastic energy over the area of a cell.
+  double work() const;
+
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
 
  private:
+  static constexpr std::size_t block = 64;  // points that are looked at together
+
   void check(std::span<const float> grid) const;
+  double bound_at(std::size_t i) const { return bounds_.empty() ? everywhere_[0] : bounds_[i]; }
+  double approach_of_bounds() const;
   bool continued() const { return line_ && !plain_ && !free_.empty(); }
   template <class Between>
   void for_each_gap(Between between) const;
@@ -68,7 +79,8 @@ class PressureSearch {
   std::vector<double> pressure_;
   std::vector<double> potential_;
   double total_;
-  double hardness_;
+  std::array<double, block> everywhere_{};  // the bound, if it is one
+  std::vector<double> bounds_;              // one for each point, or empty
   bool line_;
   std::vector<std::int32_t> free_;   // where residual_ may differ from 0
   std::vector<std::int32_t> moved_;  // where step_ may differ from 0
@@ -77,6 +89,7 @@ class PressureSearch {
   std::vector<float> sharpened_;     // on the grid, of free points
   std::vector<double> collected_;    // preconditioned residual at free points
   std::vector<double> target_;       // pressure at free points after a whole step
+  std::vector<double> most_;         // bound at free points
   double approach_ = 0.0;
   double mean_ = 0.0;          // potential of free points
   double length_ = 1.0;        // of the next step, in preconditioned residuals

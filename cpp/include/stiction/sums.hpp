@@ -107,11 +107,16 @@ double friction_coefficient(const Sums& sums, double mu0, double tau0 = 0.0);
 
 inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
-  if (normal.x() * direction.y() == normal.y() * direction.x()) {
+  const double across = normal.y() * direction.x() - normal.x() * direction.y();
+  if (across == 0.0) {
     // In the plane of s and z no normalisation is needed; every contact of a profile is there.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  return (along * normal - Vector3(direction.x(), direction.y(), 0.0)).normalized();
+  // By its parts along s, across it and upwards, because (s·n) n - s is the difference of equal vectors at a wall.
+  const double length = std::sqrt(normal.z() * normal.z() + across * across);
+  const double left = along * (across / length);
+  return {-length * direction.x() - left * direction.y(), -length * direction.y() + left * direction.x(),
+          along * (normal.z() / length)};
 }
 
 /// Overlap over radius up to which Hertz is trusted: he assumes a << R.

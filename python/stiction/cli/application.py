@@ -1,10 +1,12 @@
-"""The application that the groups of commands are added to, and how it speaks."""
+"""The application that the commands are added to, and how it speaks."""
 
 from __future__ import annotations
 
 import os
 import re
+import shutil
 import sys
+import textwrap
 import warnings
 from collections.abc import Callable
 from importlib import import_module
@@ -13,7 +15,7 @@ from typing import Annotated, Any, TypeVar
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from stiction._core import __version__
+from stiction._core import __version__, build
 from stiction._files import reason
 from stiction._text import LONGEST_LINE, named, printable
 
@@ -26,12 +28,15 @@ BAD_INPUT = 2
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
-"""What the parser raises of options; versions of typer have it from different places."""
+"""What the parser raises of options: click's UsageError, of the copy of click that typer brings or imports."""
 
 
 def say(text: str, kind: str = "") -> None:
     """Tell the person, on standard error; what is foreign in it moves no cursor and begins no line of its own."""
     lines = [f"stiction: {kind}{printable(line, LONGEST_LINE)}" for line in text.split("\n") if line]
+    if sys.stderr.isatty():
+        width = shutil.get_terminal_size().columns
+        lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
     print("\n".join(lines), file=sys.stderr)
 
 
@@ -46,10 +51,14 @@ def tell(text: str) -> None:
     try:
         typer.echo("\n".join(printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")))
     except OSError as error:
-        # Python flushes what is left at the end, and would fail once more.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _to_nowhere(sys.stdout)
         if not isinstance(error, BrokenPipeError):
             raise
+
+
+def _to_nowhere(stream: Any) -> None:
+    """Lead a stream that takes nothing more to nowhere: Python flushes what is left, and would fail once more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -58,43 +67,28 @@ def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 
 COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
+    "Measured surfaces": {
+        "pair": ("pair", "Static friction of two measured surfaces at given loads."),
+        "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
+        "materials": ("materials", "Elasticity and hardness of materials, with sources."),
+    },
     "Studies": {
         "run": ("studies", "Compute a study, or what is missing of it, and draw it."),
-        "plot": ("studies", "Draw the figures of a study or a pair again."),
-        "at": ("at", "Friction, area and stiffness of a study at one load."),
-        "report": ("studies", "Make one interactive page, for any browser."),
-        "info": ("studies", "Show what a study is, how far it has come, how far to trust it."),
-        "export": ("studies", "Write the results to one netCDF file."),
         "studies": ("studies", "List the built-in studies, or print one as a study file."),
-        "claims": ("studies", "Judge what the paper claims by its own studies."),
+        "claims": ("claims", "Judge what the paper claims by its own studies."),
     },
-    "Measured surfaces": {
-        "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
-        "pair": ("pair", "Static friction of two measured surfaces at given loads."),
+    "Results of both": {
+        "at": ("at", "Friction, area and stiffness at one load, and whether to quote them."),
+        "info": ("results", "Show what a result is, how far it has come, how far to trust it."),
+        "plot": ("results", "Draw the figures of a result again."),
+        "report": ("results", "Make one interactive page, for any browser."),
+        "export": ("results", "Write a result to one netCDF file, or its table to a CSV file."),
     },
     "Contact laws": {
         "table": ("table", "Friction, true area and stiffness of rough surfaces for another code."),
     },
 }
 """Of each group the commands, the module that adds each, and a line of help, which is printed without the modules."""
-
-
-def _add_commands() -> None:
-    """Import the module of the command that is asked for, or all where that is none: what they use takes a moment."""
-    modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
-    asked = next((each for each in sys.argv[1:] if not each.startswith("-")), None)
-    if "_STICTION_COMPLETE" in os.environ:  # a shell asks what may follow
-        asked = None if len(words := os.environ.get("COMP_WORDS", "").split()) < 2 else words[1]
-        for module in sorted(
-            {module for module in modules.values() if asked not in modules or module == modules[asked]}
-        ):
-            import_module(f"stiction.cli.{module}")
-        return
-    if asked is None and sys.argv[1:]:
-        return  # --help, --version
-    for module in {modules[asked]} if asked in modules else sorted(set(modules.values())):
-        import_module(f"stiction.cli.{module}")
-
 
 STATUSES = f"""Exit status: 0 done, {BAD_INPUT} bad input (one message says what), {INTERRUPTED} interrupted."""
 
@@ -104,22 +98,45 @@ def examples(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", STATUSES])
 
 
+_DEFAULT = re.compile(r"\[default: \(([^()]*)\)")
+"""A default in words, which typer puts into brackets of its own."""
+
+_RANGE = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
+_TYPE = re.compile(r" <[\w\[\] ]+>$")
+"""What typer adds to a help text, and to a name."""
+
+
 class _Command(TyperCommand):
-    """Names arguments and options by what they are called alone, without types and braces."""
+    """Names arguments and options by what they are called alone, and lists options in their panels."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
-        return [piece.strip("{}") for piece in super().collect_usage_pieces(ctx)]
+        return [re.sub("[{}]", "", piece) for piece in super().collect_usage_pieces(ctx)]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        for title, kind in (("Arguments", "argument"), ("Options", "option")):
-            records = [each.get_help_record(ctx) for each in self.get_params(ctx) if each.param_type_name == kind]
-            if rows := [(re.sub(r" <[\w ]+>$", "", name), text) for name, text in filter(None, records)]:
-                with formatter.section(title):
-                    formatter.write_dl(rows)
+        panels: dict[str, list[tuple[str, str]]] = {}
+        for each in self.get_params(ctx):
+            usual = "Arguments" if each.param_type_name == "argument" else "Options"
+            title = getattr(each, "rich_help_panel", None) or usual
+            if record := each.get_help_record(ctx):
+                text = _RANGE.sub("", _DEFAULT.sub(r"[default: \1", record[1])).replace("[]", "").rstrip()
+                panels.setdefault(title, []).append((_TYPE.sub("", record[0]), text))
+        for title, rows in panels.items():
+            with formatter.section(title):
+                formatter.write_dl(rows)
 
 
 class _Commands(TyperGroup):
-    """Lists commands that are not imported, and says that it was interrupted, of which typer makes a bare status."""
+    """Imports the module of a command when it is asked for; what the modules use takes a moment."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        return [name for group in COMMANDS.values() for name in group]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
+        if cmd_name not in modules:
+            return None
+        import_module(f"stiction.cli.{modules[cmd_name]}")
+        return typer.main.get_command(_ADDED[cmd_name])
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         for title, group in COMMANDS.items():
@@ -129,29 +146,36 @@ class _Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt:  # of which typer makes a bare status
             say("interrupted")
             raise typer.Exit(INTERRUPTED) from None
 
+
+# Without rich's markup: loading what it takes would be half of the time that help takes.
+_PLAIN: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False}
 
 app = typer.Typer(
     name="stiction",
     cls=_Commands,
     help="The coefficient of static friction of rough surfaces, from their shape.",
     epilog=examples(
-        "stiction run quick                          # a map of friction, in seconds",
-        "stiction pair upper.csv lower.csv --young '210 GPa' --poisson 0.3 --mu0 0.2 --load '10 mN'",
+        "stiction pair upper.csv lower.csv --young '210 GPa' \\",
+        "    --poisson 0.3 --mu0 0.2 --load '10 mN'",
+        "stiction run quick            # a map of friction, in seconds",
         "stiction COMMAND --help",
     ),
     no_args_is_help=True,
-    rich_markup_mode=None,  # loading what it takes would be half of the time that help takes
-    pretty_exceptions_enable=False,
+    **(_PLAIN | {"add_completion": True}),
 )
+
+_ADDED: dict[str, typer.Typer] = {}
+"""Each command that has been added."""
 
 
 def command(name: str, *lines: str) -> Callable[[Function], Function]:
     """Add a command whose help ends with these examples."""
-    return app.command(name, cls=_Command, epilog=examples(*lines))
+    own = _ADDED[name] = typer.Typer(**_PLAIN)
+    return own.command(name, cls=_Command, epilog=examples(*lines))
 
 
 def start() -> int:
@@ -159,7 +183,15 @@ def start() -> int:
     _open_streams()
     warnings.showwarning = show_warning
     try:
-        _add_commands()
+        return _started()
+    except OSError:  # standard error itself takes nothing more
+        for stream in (sys.stdout, sys.stderr):
+            _to_nowhere(stream)
+        return BAD_INPUT
+
+
+def _started() -> int:
+    try:
         return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -200,13 +232,15 @@ def _open_streams() -> None:
 def _print_version(wanted: bool) -> None:
     if wanted:
         tell(f"stiction {__version__}")
+        tell("built with " + ", ".join(f"{what.replace('_', ' ')} {value}" for what, value in build().items()))
         raise typer.Exit
 
 
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Show version and build, and exit."),
     ] = False,
 ) -> None:
     pass

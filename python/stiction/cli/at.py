@@ -1,55 +1,143 @@
-"""`stiction at`: what a study says at one load."""
+"""`stiction at`: what a result says at one load."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stiction.cli.application import command, tell
-from stiction.cli.options import Json, quantity_of
+from stiction.cli.options import Json, Verbose, at_least_0, listed, load_of, numbers, quantity_of
+from stiction.cli.showing import opened
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.store import Stored
+
+
+Loads = Annotated[
+    list[str],
+    typer.Option(
+        "--load",
+        metavar="FORCE",
+        help='Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.',
+    ),
+]
+Dimension = Annotated[
+    float | None,
+    typer.Option("--d", metavar="D", help="Of a study: the nearest fractal dimension that it has.", show_default="all"),
+]
+Amplitude = Annotated[
+    str | None,
+    typer.Option(
+        "--amplitude", metavar="LENGTH", help="Of a study: the nearest that it has.", show_default="its first"
+    ),
+]
+Mu0 = Annotated[
+    str | None,
+    typer.Option(
+        "--mu0", metavar="NUMBERS", help='Molecular friction coefficients, "0.3,0.4".', show_default="its own"
+    ),
+]
+Tau0 = Annotated[
+    str | None,
+    typer.Option(
+        "--tau0",
+        metavar="PRESSURES",
+        help='Adhesive shear strengths, "0 MPa,50 MPa".',
+        show_default="0 MPa of a study, its own of a pair",
+    ),
+]
+Direction = Annotated[
+    float | None,
+    typer.Option(
+        "--direction", metavar="DEGREES", help="Where the upper body is about to move.", show_default="the mean of all"
+    ),
+]
 
 
 @command(
     "at",
-    "stiction at figure6 --load '1 uN' --d 1.3 --mu0 0.4",
-    "stiction at figure6 --load '1 uN' --d 1.3 --mu0 0.4 --tau0 '200 MPa' --json",
+    "stiction at figure6 --load '1 uN' --d 1.1 --mu0 0.4",
+    "stiction at figure6 --load '1 uN' --d 1.1 --mu0 0.4 --tau0 '200 MPa' --json",
+    "stiction at pair --load '10 MPa' --mu0 0.2,0.3",
 )
 def at(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study was written.")],
-    load: Annotated[str, typer.Option("--load", metavar="FORCE", help='Normal load, "0.1 mN".')],
-    fractal_dimension: Annotated[
-        float, typer.Option("--d", metavar="D", help="Fractal dimension; the nearest that the study has is taken.")
-    ],
-    mu0: Annotated[float, typer.Option("--mu0", metavar="NUMBER", help="Molecular friction coefficient.")],
-    tau0: Annotated[str, typer.Option("--tau0", metavar="PRESSURE", help="Adhesive shear strength.")] = "0 MPa",
-    amplitude: Annotated[
-        str | None,
-        typer.Option(
-            "--amplitude", metavar="LENGTH", help="The nearest that the study has is taken.", show_default="its first"
-        ),
-    ] = None,
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
+    load: Loads,
+    fractal_dimension: Dimension = None,
+    amplitude: Amplitude = None,
+    mu0: Mu0 = None,
+    tau0: Tau0 = None,
+    direction: Direction = None,
+    verbose: Verbose = False,
     as_json: Json = False,
 ) -> None:
-    """Coefficient of static friction, true contact area and normal stiffness of a study at one load, with intervals.
+    """Coefficient of static friction, true contact area and stiffness of a result at one load, with intervals.
 
-    Any mu0 and tau0 will do: they need not be those of the study, and nothing is computed again.
+    Any mu0 and tau0 will do: they need not be those of the study, and nothing is pressed again.
     """
-    from stiction.cli.studies import stored
-    from stiction.studies import store
-    from stiction.views import answers, records
+    from stiction.studies.at_load import at_load
+    from stiction.views import rows, text
+    from stiction.views.asked import in_memory
+    from stiction.views.inputs import doubts_of_study
 
-    force, strength = quantity_of("--load", load, "force"), quantity_of("--tau0", tau0, "pressure")
-    if not force > 0:
-        raise ValueError(f"--load must be above 0, got {load!r}")
-    if not mu0 >= 0 or not strength >= 0:
-        raise ValueError(f"--mu0 and --tau0 must be at least 0, got {mu0:g} and {tau0!r}")
-    found = answers.point(
-        store.read(stored(directory)), load=force, fractal_dimension=fractal_dimension, mu0=mu0, tau0=strength,
-        amplitude=None if amplitude is None else quantity_of("--amplitude", amplitude, "length"),
-    )  # fmt: skip
+    stored = opened(directory)
+    measured = stored.study.surfaces.kind == "measured"
+    rubbing = None if mu0 is None else at_least_0("--mu0", numbers("--mu0", mu0), mu0)
+    strengths: list[float] | None = None if measured else [0.0]
+    if tau0 is not None:
+        strengths = at_least_0("--tau0", [quantity_of("--tau0", each, "pressure") for each in listed(tau0)], tau0)
+    length = None if amplitude is None else quantity_of("--amplitude", amplitude, "length")
+    found = at_load(in_memory(stored), _loads(stored, load), mu0=rubbing, tau0=strengths)
+    found = _cells(found, fractal_dimension, length)
+    if direction is not None:
+        found = _towards(found, direction)
+    beside = doubts_of_study(stored.study)
     if as_json:
-        tell(records.point_record(found, load=force, mu0=mu0, tau0=strength))
+        tell(rows.record_text("at", found, stored.study, beside=beside))
     else:
-        tell(answers.point_text(found, load=force, mu0=mu0, tau0=strength))
+        tell(text.result_text(found, stored.study, verbose=verbose, beside=beside))
+
+
+def _loads(stored: Stored, texts: list[str]) -> list[float]:
+    """Loads in mN."""
+    loads = []
+    for each in texts:
+        amount, per_area = load_of(each)
+        if not amount > 0:
+            raise ValueError(f"--load must be above 0, got {each!r}")
+        if per_area:
+            amount *= _nominal_area(stored, each)
+        loads.append(amount)
+    return sorted(set(loads))
+
+
+def _nominal_area(stored: Stored, load: str) -> float:
+    coordinates = next(stored.pieces(["contact_count"])).coords
+    if "nominal_area" not in coordinates:
+        raise ValueError(f"--load of a study must be a force, got {load!r}")
+    return float(coordinates["nominal_area"])
+
+
+def _cells(found: xarray.Dataset, fractal_dimension: float | None, amplitude: float | None) -> xarray.Dataset:
+    """The nearest cells to those that were asked for."""
+    asked = {"--d": ("fractal_dimension", fractal_dimension), "--amplitude": ("amplitude", amplitude)}
+    for option, (name, value) in asked.items():
+        if value is not None and name not in found.dims:
+            raise ValueError(f"{option} is for studies of generated surfaces, got {value:g}")
+        if value is not None:
+            found = found.sel({name: [value]}, method="nearest")
+    return found.isel(amplitude=[0]) if "amplitude" in found.dims and amplitude is None else found
+
+
+def _towards(found: xarray.Dataset, direction: float) -> xarray.Dataset:
+    """A result in one direction alone."""
+    known = found["direction"].values.reshape(-1).tolist() if "direction" in found.coords else []
+    if direction % 360 not in known:
+        shown = ", ".join(f"{each:g}" for each in known) or "none"
+        raise ValueError(f"--direction must be one of those of the result, {shown}; got {direction:g}")
+    one = found.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
+    return one.sel(direction=direction % 360) if "direction" in one.dims else one

@@ -9,7 +9,7 @@ import typer
 
 from stiction._checks import choice
 from stiction._text import named
-from stiction.cli.application import command, tell
+from stiction.cli.application import command, say, tell
 from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Unit, measurement, quantity_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -21,10 +21,11 @@ from stiction.surfaces.surface import Surface
     "stiction characterise lapped.csv",
     "stiction characterise map.npy --unit nm --spacing '2 um,0.5 um' --row 17",
     "stiction characterise *.csv --output finishes.csv",
-    "stiction characterise lapped.csv --json",
+    "stiction characterise lapped.csv --cutoff '100 nm' --tip '2 um' --json",
+    "stiction characterise coarse.x3p fine.di --together",
 )
 def characterise(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Measured profiles or surfaces.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Measured profiles or surfaces.")],
     unit: Unit = None,
     spacing: Spacing = None,
     missing: MissingPoints = "error",
@@ -54,6 +55,30 @@ def characterise(
             show_default="found",
         ),
     ] = None,
+    cutoff: Annotated[
+        str | None,
+        typer.Option(
+            "--cutoff",
+            metavar="LENGTH",
+            help='Take off waves shorter than this (Gaussian), "0.1 um".',
+            show_default="the scan as it is",
+        ),
+    ] = None,
+    tip: Annotated[
+        str | None,
+        typer.Option(
+            "--tip",
+            metavar="RADIUS",
+            help='Of the stylus or the probe, "10 nm": what is sharper is its own.',
+            show_default=False,
+        ),
+    ] = None,
+    together: Annotated[
+        bool,
+        typer.Option(
+            "--together", help="Several scans of one surface, alike in all directions: one spectrum, written as CSV."
+        ),
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -61,47 +86,104 @@ def characterise(
             "-o",
             metavar="FILE",
             help="The figure to draw, or the table to write of several files.",
-            show_default="./FILE.png, ./characterised.csv",
+            show_default="./FILE.png, ./characterised.csv, ./joined.csv",
         ),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
 
-    Of one file it prints a table and draws a figure; of several it writes one CSV file, a row for each.
+    Of one file it prints a table and draws a figure; of several it writes one CSV file, a row for each. With --json it
+    draws or writes only where --output says so.
     """
-    from stiction.surfaces.lines import lines_along_both
-    from stiction.views import characterisation as views
-    from stiction.views import records
-    from stiction.views.style import save_picture
+    from stiction.views import roughness_rows as rows
 
     fitted = _band(band)
-    told = []
-    for file in files:
-        body = _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level)
-        if as_json or len(files) > 1:
-            told.append((str(file), body, records.characterisation(body, fitted)))
-    if as_json:
-        tell(records.characterisation_record(told))
+    shortest = None if cutoff is None else quantity_of("--cutoff", cutoff, "length")
+    radius = None if tip is None else quantity_of("--tip", tip, "length")
+    bodies = [
+        _cut_off(
+            _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level), shortest
+        )
+        for file in files
+    ]
+    if together:
+        _together(files, bodies, radius, output, as_json=as_json)
         return
+    told = [
+        (str(file), body, rows.characterisation(body, fitted, radius))
+        for file, body in zip(files, bodies, strict=True)
+        if as_json or len(files) > 1
+    ]
+    if as_json:
+        tell(rows.characterisation_record(told))
+    said = say if as_json else tell
     if len(files) > 1:
-        table = output if output is not None else Path("characterised.csv")
+        if output is not None or not as_json:
+            table = output if output is not None else Path("characterised.csv")
+            if table.exists():
+                raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
+            table.write_text(rows.characterisation_csv(told), encoding="utf-8")
+            said(f"wrote {table}, {len(files)} files")
+    elif output is not None or not as_json:
+        path = output if output is not None else Path(f"{files[0].stem}.png")
+        _draw(bodies[0], fitted, radius, path, with_table=not as_json)
+        said(f"wrote {path}")
+
+
+def _together(
+    files: list[Path], bodies: list[Profile | Surface], radius: float | None, output: Path | None, *, as_json: bool
+) -> None:
+    """Say what several scans of one surface are together, and write their spectrum."""
+    from stiction.surfaces.joined import joined_spectrum
+    from stiction.views import scale_rows
+    from stiction.views.rows import record
+
+    if len(files) < 2:
+        raise ValueError("--together is for several scans of one surface, got 1")
+    joined = joined_spectrum(bodies, tip_radii=[radius] * len(bodies))
+    names = [file.name for file in files]
+    if as_json:
+        tell(record("characterise", [], kind="joined", **scale_rows.joined_record(names, joined)))
+    else:
+        tell(scale_rows.joined_text(names, joined))
+    if output is not None or not as_json:
+        table = output if output is not None else Path("joined.csv")
         if table.exists():
             raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
-        text = records.characterisation_csv(told)
-        table.write_text(text, encoding="utf-8")
-        tell(f"wrote {table}, {len(files)} files")
-        return
+        table.write_text(scale_rows.joined_csv(names, joined), encoding="utf-8")
+        (say if as_json else tell)(f"wrote {table}, {len(files)} scans")
+
+
+def _cut_off(body: Profile | Surface, shortest: float | None) -> Profile | Surface:
+    """A body without waves shorter than this (µm), if that is asked for."""
+    from stiction.surfaces.cut_off import cut_off
+
+    try:
+        return body if shortest is None else cut_off(body, shortest)
+    except ValueError as error:
+        raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
+
+
+def _draw(
+    body: Profile | Surface, band: tuple[float, float] | None, radius: float | None, path: Path, *, with_table: bool
+) -> None:
+    """Print the table of one body, if it is wanted, and draw its figure."""
+    from stiction.surfaces.lines import lines_along_both
+    from stiction.views import characterisation as views
+    from stiction.views.figures import roughness
+    from stiction.views.style import save_picture
+
     if isinstance(body, Profile):
-        tell(views.characterisation_text(body, band=fitted))
-        figure = views.characterisation_figure(body, band=fitted)
+        text = views.characterisation_text(body, band=band, tip_radius=radius)
+        figure = roughness.characterisation_figure(body, band=band)
     else:
-        along_x, along_y = lines_along_both(body, band=fitted)
-        tell(views.surface_characterisation_text(body, along_x, along_y, band=fitted))
-        figure = views.surface_characterisation_figure(body, along_x, along_y, band=fitted)
-    path = output if output is not None else Path(f"{files[0].stem}.png")
+        along = lines_along_both(body, band=band)
+        text = views.surface_characterisation_text(body, *along, band=band, tip_radius=radius)
+        figure = roughness.surface_characterisation_figure(body, *along, band=band)
+    if with_table:
+        tell(text)
     save_picture(figure, path)
-    tell(f"wrote {path}")
 
 
 def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:

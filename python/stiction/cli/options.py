@@ -2,45 +2,56 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from stiction._units import quantity
-from stiction.cli.application import announce, say, tell
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
+
+READING, OUTPUT = "Reading files", "Output"
+"""Sections of help."""
 
 _unit = typer.Option(
     "--unit",
     metavar="UNIT",
     help='Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
     show_default=False,
+    rich_help_panel=READING,
 )
 _spacing = typer.Option(
     "--spacing",
     metavar="LENGTH",
     help='Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
     show_default=False,
+    rich_help_panel=READING,
 )
 _channel = typer.Option(
     "--channel",
     metavar="NAME|NUMBER",
     help="What to read of a file of several channels or sheets, numbers from 0 on.",
     show_default="the first of heights",
+    rich_help_panel=READING,
 )
 _columns = typer.Option(
     "--columns",
     metavar="X,Z|Z",
     help="Of a table, names or numbers from 0 on, of positions and heights or of heights.",
     show_default=False,
+    rich_help_panel=READING,
 )
 
-Json = Annotated[bool, typer.Option("--json", help="Print JSON alone on standard output; messages go elsewhere.")]
+Json = Annotated[
+    bool,
+    typer.Option("--json", help="Print JSON alone on standard output; messages go elsewhere.", rich_help_panel=OUTPUT),
+]
+
+Verbose = Annotated[
+    bool,
+    typer.Option("--verbose", "-v", help="Say what was pressed, and every quantity.", rich_help_panel=OUTPUT),
+]
 
 Unit = Annotated[str | None, _unit]
 Spacing = Annotated[str | None, _spacing]
@@ -54,8 +65,12 @@ Channels = Annotated[list[str] | None, _channel]
 ColumnsOfEach = Annotated[list[str] | None, _columns]
 
 MissingPoints = Annotated[
-    str, typer.Option("--missing", metavar="error|interpolate", help="What to do about points without a height.")
-]
+    str,
+    typer.Option(
+        "--missing", metavar="error|interpolate", help="What to do about points without a height.",
+        rich_help_panel=READING,
+    ),
+]  # fmt: skip
 
 
 def listed(text: str) -> list[str]:
@@ -132,38 +147,3 @@ def refuse(context: typer.Context, why: str, *names: str) -> None:
             option = f"--{name.replace('_', '-')}"
             value = context.params[name]
             raise ValueError(f"{option} {why}, got {option}" + (f" {value}" if value is not True else ""))
-
-
-_FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip")
-
-
-def check_directory(output: Path, table: Path, *, replace: bool) -> None:
-    """Whatever would keep results from being written is said before anything is computed."""
-    if output.suffix.lower() in _FILES and not output.is_dir():
-        raise ValueError(f"--output {output}: is the name of a file; results go into a directory")
-    if table.exists() and not replace:
-        raise ValueError(f"{table}: exists already; --replace writes over it, --output DIR puts the results elsewhere")
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=output):
-            pass
-    except OSError as error:
-        raise ValueError(f"{output}: cannot be written: {os.strerror(error.errno or 0)}") from None
-
-
-def leave_pair(
-    result: Any, table: Path, rows: str, draw: Callable[[], Iterable[Path]], *, replace: bool, as_json: bool
-) -> None:
-    """What a pair leaves: its result, its table beside it, and its figures; each is said."""
-    from stiction.studies.export import export
-    from stiction.views.traverse import TABLE
-
-    said = say if as_json else tell
-    export(result, table, replace=replace)
-    said(f"wrote {table}")
-    listed = table.with_name(TABLE)
-    listed.write_text(rows, encoding="utf-8")
-    said(f"wrote {listed}")
-    announce("drawing")
-    for path in draw():
-        said(f"wrote {path}")

@@ -8,21 +8,19 @@ from typing import Annotated, Any
 import typer
 
 from stiction.cli.application import command, tell
-from stiction.cli.material import elasticity
-from stiction.cli.options import check_directory, listed, load_of, numbers, quantity_of
-from stiction.studies.executors import threads
+from stiction.cli.elasticity import elasticity_of
+from stiction.cli.options import listed, load_of, numbers, quantity_of
+from stiction.cli.running import Scheduler, Workers
 
-RESULT = "result.zarr"
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
 
 
 @command(
     "table",
-    "stiction table --effective-modulus '10 GPa' --hurst 0.8 --rms '20 nm,50 nm' --mu0 0.4",
-    "stiction table --young '70 GPa' --poisson 0.2 --load '0.1 MPa,1 MPa,10 MPa' --repetitions 40",
+    "stiction table --effective-modulus '10 GPa' --hurst 0.8 --rms '20 nm,50 nm'",
+    "stiction table --young '70 GPa' --poisson 0.2 --load '1 MPa,9 MPa' --mu0 0.4",
 )
 def table_command(
-    context: typer.Context,
     hurst: Annotated[str, typer.Option("--hurst", metavar="NUMBERS", help="Hurst exponents of the surfaces.")] = (
         "0.5,0.7,0.9"
     ),
@@ -54,12 +52,11 @@ def table_command(
         str,
         typer.Option("--wavelengths", metavar="SHORTEST,LONGEST", help="Cut-off and roll-off of the surfaces."),
     ] = "0.3125 um,2.5 um",
-    points: Annotated[int, typer.Option("--points", min=16, help="Along each side.")] = 256,
-    repetitions: Annotated[int, typer.Option("--repetitions", min=1, help="Pairs of surfaces.")] = 12,
-    seed: Annotated[int, typer.Option("--seed", help="Of the surfaces.")] = 2016,
-    workers: Annotated[
-        int | None, typer.Option("--workers", "-w", min=1, help="Threads.", show_default="one for each core")
-    ] = None,
+    points: Annotated[int, typer.Option("--points", metavar="N", min=16, help="Along each side.")] = 256,
+    repetitions: Annotated[int, typer.Option("--repetitions", metavar="N", min=1, help="Pairs of surfaces.")] = 12,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the surfaces.")] = 2016,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
         "table"
     ),
@@ -69,12 +66,12 @@ def table_command(
     Pairs of surfaces are pressed as elastic half-spaces. An interrupted table goes on where it stopped, and further mu0
     and tau0 cost nothing.
     """
+    from stiction.cli.running import executor_of, fill_folder
     from stiction.studies import export as exports
     from stiction.studies.friction_table import friction_table, table_study
-    from stiction.studies.runner import run
-    from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
+    from stiction.views.laws import friction_table_csv, friction_table_text, laws_csv
 
-    modulus, _ = elasticity(context, effective_modulus, young, poisson, "hertz-sphere")
+    modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
     shortest, longest = _two_lengths(wavelengths)
     materials: dict[str, Any] = {
         "mu0": numbers("--mu0", mu0),
@@ -92,15 +89,14 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    check_directory(output, output / TABLE, replace=True)
-    with threads(workers) as executor:
-        dataset = run(study, executor=executor, store=output / RESULT, progress=True)
-    table = friction_table(dataset, **materials)
+    with executor_of(workers, scheduler) as executor:
+        stored = fill_folder(study, output, executor)
+    table = friction_table(stored.dataset(), **materials)
     tell(friction_table_text(table))
     exports.export(table, output / TABLE, replace=(output / TABLE).exists())
     for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):
         (output / name).write_text(text, encoding="utf-8")
-    for name in (RESULT, TABLE, NUMBERS, LAWS):
+    for name in (TABLE, NUMBERS, LAWS):
         tell(f"wrote {output / name}")
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, number, read_only
-from stiction.mechanics.model import Curvature, check_pair
+from stiction.mechanics.model import Curvature, check_pair, measured_source
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -18,7 +18,7 @@ _GROOVED = 1e-9
 """Of its depth: a gap that changes by less along x or y is one of grooves."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
     """The local minima of the splined gap between two bodies, in the order of the grid; all arrays are read-only.
 
@@ -40,14 +40,29 @@ class Candidates:
         Approach up to which they were looked for.
     curvature : {"convex", "signed"}
         By which they were chosen.
+    sources : tuple of str
+        Files that the bodies were read from, if any.
+
+    Examples
+    --------
+    >>> from stiction import candidates, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> candidates(upper, lower, deepest=0.02)
+    Candidates: 10 up to an approach of 0.02 µm, signed curvature
     """
 
     core: stiction._core.Candidates | stiction._core.ArealCandidates
     curvature: Curvature
+    sources: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of candidates."""
         return len(self.core)
+
+    def __repr__(self) -> str:
+        """Show how many there are, and by what they were found."""
+        return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
     def deepest(self) -> float:  # noqa: D102
@@ -119,7 +134,7 @@ def candidates(
     )
     if isinstance(upper, Surface) and len(core) == 0:
         _refuse_grooves(upper.heights - lower.heights)
-    return Candidates(core, curvature)
+    return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))
 
 
 def _refuse_grooves(gap: Floats) -> None:

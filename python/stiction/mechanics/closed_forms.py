@@ -5,13 +5,14 @@ Plain NumPy, independent of the core. Every argument broadcasts.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array
 from stiction.mechanics.friction import check_shear_strength, friction_parameter
+from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
 _BISECTIONS = 64
@@ -24,7 +25,8 @@ _GENTLE = 1e-3
 """Deviation of slopes below which two terms of a series are exact to the last bit."""
 
 
-def _positive(**arguments: ArrayLike) -> list[Floats]:
+def positive(**arguments: ArrayLike) -> list[Floats]:
+    """Arrays of numbers above 0, by their names."""
     arrays = []
     for name, values in arguments.items():
         array = float_array(name, values)
@@ -34,18 +36,43 @@ def _positive(**arguments: ArrayLike) -> list[Floats]:
     return arrays
 
 
+@overload
+def effective_modulus(upper: Material, lower: Material, /) -> float: ...
+@overload
 def effective_modulus(
     young_upper: ArrayLike, poisson_upper: ArrayLike, young_lower: ArrayLike, poisson_lower: ArrayLike
-) -> Floats:
-    """E* in the unit of the Young's moduli: 1/E* = (1 - ν_u²)/E_u + (1 - ν_l²)/E_l.
+) -> Floats: ...
+def effective_modulus(
+    young_upper: Any, poisson_upper: Any, young_lower: Any = None, poisson_lower: Any = None
+) -> Floats | float:
+    """E* of two bodies: 1/E* = (1 - ν_u²)/E_u + (1 - ν_l²)/E_l.
+
+    Parameters
+    ----------
+    young_upper, poisson_upper, young_lower, poisson_lower : array_like of float
+        Young's moduli in one unit, which is that of E*, and Poisson's ratios; or two of `Material`, upper and lower,
+        in place of the four: then E* is a float in GPa, of the middle of their ranges.
+
+    Raises
+    ------
+    ValueError
+        If a modulus is not above 0 or a ratio is not above -1 and at most 0.5.
 
     Examples
     --------
-    >>> from stiction import effective_modulus
+    >>> from stiction import effective_modulus, material
     >>> float(effective_modulus(200.0, 0.0, 200.0, 0.0))
     100.0
+    >>> round(effective_modulus(material("gold"), material("silicon")), 1)
+    59.5
     """
-    upper, lower = _positive(young_upper=young_upper, young_lower=young_lower)
+    if isinstance(young_upper, Material) or isinstance(poisson_upper, Material):
+        if not (isinstance(young_upper, Material) and isinstance(poisson_upper, Material)):
+            raise ValueError("effective_modulus takes two materials, or two moduli and two ratios, not some of each")
+        if young_lower is not None or poisson_lower is not None:
+            raise ValueError("effective_modulus takes two materials alone")
+        return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
+    upper, lower = positive(young_upper=young_upper, young_lower=young_lower)
     ratios = []
     for name, values in (("poisson_upper", poisson_upper), ("poisson_lower", poisson_lower)):
         ratio = float_array(name, values)
@@ -75,7 +102,7 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
     >>> float(force)
     0.5
     """
-    d, r, e = _positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
+    d, r, e = positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
     return np.asarray(4 / 3 * e * r**0.5 * d**1.5), np.asarray(np.pi * r * d)
 
 
@@ -93,8 +120,15 @@ def hertz_cylinder(
     Notes
     -----
     Johnson, Contact Mechanics (1985), eq. 4.45: a² = 4 F R / (π E* w).
+
+    Examples
+    --------
+    >>> from stiction import hertz_cylinder
+    >>> force, area = hertz_cylinder(0.01, 1.0, 10.0)  # π/4 E* overlap, 2 (R overlap)^(1/2)
+    >>> round(float(force), 6), round(float(area), 6)
+    (0.07854, 0.2)
     """
-    d, r, e, w = _positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus, width=width)
+    d, r, e, w = positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus, width=width)
     half_width = np.sqrt(r * d)
     return np.asarray(np.pi * e * w * half_width**2 / (4 * r)), np.asarray(2 * half_width * w)
 
@@ -122,7 +156,7 @@ def hertz_line(
     >>> half_width.round(4), peak.round(4)
     (np.float64(0.3568), np.float64(1.7841))
     """
-    f, r, e, w = _positive(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
+    f, r, e, w = positive(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
     half_width = np.sqrt(4 * f * r / (np.pi * e * w))
     return np.asarray(half_width), np.asarray(2 * f / (np.pi * half_width * w))
 
@@ -155,7 +189,7 @@ def hertz_ellipse(
     from scipy import special
 
     d, r1, r2, e = np.broadcast_arrays(
-        *_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
+        *positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller / larger  # of the curvatures, the smaller over the larger
@@ -206,102 +240,11 @@ def slope_friction(
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
         raise ValueError(f"slope_angle must be from 0 to below pi/2 rad, got {slope_angle!r}")
     if mean_pressure is not None:
-        mu = mu + tau / _positive(mean_pressure=mean_pressure)[0]
+        mu = mu + tau / positive(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
         raise ValueError("mean_pressure must be given with a tau0 other than 0")
     locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
     return np.where(locked, np.nan, np.tan(theta + np.arctan(mu)))
-
-
-def westergaard_contact_fraction(
-    mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
-) -> Floats:
-    """Fraction of a flat that an elastic sinusoid touches: 2/π arcsin (p̄/p*)^(1/2), p* = π E* Δ / λ; 1 from p* on.
-
-    Parameters
-    ----------
-    mean_pressure : array_like of float, GPa
-        p̄, load per nominal area.
-    amplitude : array_like of float, µm
-        Δ of heights Δ cos(2πx/λ): half the total height.
-    wavelength : array_like of float, µm
-        λ.
-    effective_modulus : array_like of float, GPa
-
-    Notes
-    -----
-    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8. Exact for a half-space in plane strain; the
-    crests interact.
-    """
-    p, d, wave, e = _positive(
-        mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
-    )
-    return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / (np.pi * e * d / wave), 1))))
-
-
-def westergaard_pressure(
-    x: ArrayLike,
-    mean_pressure: ArrayLike,
-    *,
-    amplitude: ArrayLike,
-    wavelength: ArrayLike,
-    effective_modulus: ArrayLike,
-) -> Floats:
-    """Pressure (GPa) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 out of contact.
-
-    Parameters
-    ----------
-    x : array_like of float, µm
-    mean_pressure, amplitude, wavelength, effective_modulus
-        As for `westergaard_contact_fraction`.
-
-    Notes
-    -----
-    2 p̄ cos ψ / sin² ψ_a (sin² ψ_a - sin² ψ)^(1/2) with ψ = πx/λ and sin² ψ_a = p̄/p*; p̄ + p* cos 2ψ from p* on.
-    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8.
-    """
-    sine, cosine, p, full, _ = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
-    share = np.minimum(p / full, 1)
-    partial = 2 * full * np.abs(cosine) * np.sqrt(np.maximum(share - sine**2, 0))
-    return np.asarray(np.where(p < full, partial, p + full * (1 - 2 * sine**2)))
-
-
-def westergaard_gap(
-    x: ArrayLike,
-    mean_pressure: ArrayLike,
-    *,
-    amplitude: ArrayLike,
-    wavelength: ArrayLike,
-    effective_modulus: ArrayLike,
-) -> Floats:
-    """Gap (µm) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 in contact.
-
-    Parameters
-    ----------
-    x : array_like of float, µm
-    mean_pressure, amplitude, wavelength, effective_modulus
-        As for `westergaard_contact_fraction`.
-
-    Notes
-    -----
-    With s the magnitude of sin(πx/λ) and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its slope,
-    4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
-    """
-    sine, _, p, full, d = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
-    edge = np.sqrt(np.minimum(p / full, 1))
-    s = np.maximum(np.abs(sine), edge)
-    return np.asarray(2 * d * (s * np.sqrt(s**2 - edge**2) - edge**2 * np.arccosh(s / edge)))
-
-
-def _wave(
-    x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
-) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Sine and cosine of πx/λ, mean pressure, pressure of full contact, amplitude."""
-    p, d, wave, e = _positive(
-        mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
-    )
-    phase = np.pi * float_array("x", x) / wave
-    return np.asarray(np.sin(phase)), np.asarray(np.cos(phase)), p, np.asarray(np.pi * e * d / wave), d
 
 
 def gentle_friction(
@@ -378,8 +321,8 @@ def gentle_friction(
     array([0.206, 0.266])
     """
     mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
-    gradient, modulus, factor = _positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
-    slope = gradient / np.sqrt(2) if rms_slope is None else _positive(rms_slope=rms_slope)[0]
+    gradient, modulus, factor = positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
+    slope = gradient / np.sqrt(2) if rms_slope is None else positive(rms_slope=rms_slope)[0]
     ratio = float_array("slope_ratio", slope_ratio)
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")

@@ -11,16 +11,26 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
 from stiction._checks import Floats, float_array, number, read_only
+from stiction._shown import Readable
+from stiction._units import in_core_units
+from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.candidates import Candidates, candidates
-from stiction.mechanics.friction import Curve, Sums, Validity
-from stiction.mechanics.model import ContactKeywords, ContactModel, Sliding, model_for_pair, model_of
+from stiction.mechanics.load_curve import LoadCurve, PressedBodies, SurfaceLoadCurve
+from stiction.mechanics.model import (
+    ContactKeywords,
+    ContactModel,
+    model_for_pair,
+    model_of,
+    refuse_no_modulus,
+    shows_model,
+)
 from stiction.mechanics.quantities import DIRECTED
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 
-@dataclass(frozen=True, eq=False)
-class Contacts:
+@dataclass(frozen=True, eq=False, repr=False)
+class Contacts(Readable):
     """Every contact of a pair at one approach, one row each, in the order of the grid; all arrays are read-only.
 
     Vectors are (x, y, z), z being height; y is 0 on profiles. Positions are in the frame of the lower body.
@@ -40,7 +50,10 @@ class Contacts:
     radii : (c, 2) ndarray, µm
         Principal radii of the relative curvature, the larger first; of two spheres both are the effective radius.
     axes : (c, 2) ndarray, µm
-        Semi-axes of the patch of contact, the larger first; of Hertz spheres both are (R overlap)^(1/2).
+        Semi-axes of the patch of contact, the larger first; of Hertz spheres both are (R overlap)^(1/2). Of a patch
+        that the edge of a map cuts, those of the like ellipse with the area that lies inside.
+    along : (c, 3) ndarray
+        Unit vector of the larger semi-axis; on profiles that of y.
     overlap : (c,) ndarray, µm
     force : (c,) ndarray, mN
         Normal force of the contact law.
@@ -48,6 +61,15 @@ class Contacts:
     opposing : (c,) ndarray of bool
         Whether the normal force on the upper body points against the motion: only these carry friction, unless
         ``sliding="all"``.
+
+    Examples
+    --------
+    >>> from stiction import contacts, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> found = contacts(upper, lower, "20 nm")
+    >>> len(found), int(found.opposing.sum())
+    (10, 5)
     """
 
     index: NDArray[np.int64]
@@ -57,6 +79,7 @@ class Contacts:
     radius: Floats
     radii: Floats
     axes: Floats
+    along: Floats
     overlap: Floats
     force: Floats
     area: Floats
@@ -67,129 +90,17 @@ class Contacts:
         return self.index.size
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LoadCurve(Curve, Sums):
-    """Load and area of a pair against approach, for every mu0 and tau0 at once; all arrays are read-only.
-
-    Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
-    tau0, so six sums over the contacts hold them all. n is the contact normal, t the tangent, s the direction in which
-    the upper body is about to move; "opposing" contacts are those whose normal force opposes the motion, s·n < 0.
-
-    Attributes
-    ----------
-    approach : (k,) ndarray, µm
-        Displacement of the upper body since first touch.
-    contact_count : (k,) ndarray of int
-    contact_area : (k,) ndarray, µm²
-    normal_elastic, tangential_elastic : (k,) ndarray, mN
-        Σ F n_z over all, -Σ F s·n over sliding contacts: opposing ones, or all with ``sliding="all"``.
-    normal_frictional, tangential_frictional : (k,) ndarray, mN per unit mu0
-        Σ F t_z, -Σ F s·t over sliding contacts.
-    normal_adhesive, tangential_adhesive : (k,) ndarray, mN per GPa of tau0
-        Σ A t_z, -Σ A s·t over sliding contacts.
-    overlap_load, load_beyond_hertz, load_below_grid : (k,) ndarray, mN
-        Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
-        `validity`.
-    crossed_count : (k,) ndarray of int
-        Would-be contacts that were refused because their sphere centres had crossed.
-    effective_modulus : float, GPa
-    sliding : {"opposing", "all"}
-        Which contacts the sums of friction are over.
-    """
-
-    approach: Floats
-    effective_modulus: float
-    sliding: Sliding = "opposing"
-
-    @property
-    def validity(self) -> Validity:
-        """How far the model is to be trusted at each approach, (k,) each."""
-        return Validity.of(self)
-
-
-@dataclass(frozen=True, eq=False)
-class SurfaceValidity(Validity):
-    """How far the model is to be trusted on surfaces: the figures of `Validity`, and two more.
-
-    R is the geometric mean of the two radii, and the refused contacts of `share_crossed` are those whose ellipse leaves
-    the map.
-
-    Attributes
-    ----------
-    share_overlapping : ndarray
-        Share of the load on ellipses that overlap another one, seen from above: contacts that would merge.
-    share_unanswered : ndarray
-        Share of the grid points lower than their eight neighbours, within the approach, beside which the spline has no
-        minimum; NaN where there are no such points.
-    """
-
-    share_overlapping: Floats
-    share_unanswered: Floats
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SurfaceLoadCurve(LoadCurve):
-    """Load and area of two surfaces against approach, for every mu0 and tau0 and for some directions at once.
-
-    All that a LoadCurve has. What depends on the direction, the tangential and lateral sums and the normal ones per
-    mu0 and tau0, has the shape (m, k) if directions are a sequence; loads and coefficients have the shape of
-    (mu0, tau0) + (m, k).
-
-    Attributes
-    ----------
-    direction : () or (m,) ndarray, degrees
-        From +x towards +y, where the upper body is about to move.
-    lateral_elastic : (k,) or (m, k) ndarray, mN
-        -Σ F c·n over sliding contacts, c being the horizontal unit vector on the left of the motion.
-    lateral_frictional, lateral_adhesive : (k,) or (m, k) ndarray, mN per unit mu0, mN per GPa of tau0
-        -Σ F c·t and -Σ A c·t over sliding contacts.
-    load_overlapping : (k,) ndarray, mN
-        Σ F n_z of contacts whose ellipse overlaps another one.
-    grid_minimum_count, unanswered_count : (k,) ndarray of int
-        Grid points lower than their eight neighbours, and those of them beside which the spline has no minimum.
-    """
-
-    direction: Floats
-    lateral_elastic: Floats
-    lateral_frictional: Floats
-    lateral_adhesive: Floats
-    load_overlapping: Floats
-    grid_minimum_count: NDArray[np.int64]
-    unanswered_count: NDArray[np.int64]
-
-    @property
-    def validity(self) -> SurfaceValidity:
-        """How far the model is to be trusted at each approach, (k,) each."""
-        lines = Validity.of(self)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return SurfaceValidity(
-                relative_overlap=lines.relative_overlap,
-                share_beyond_hertz=lines.share_beyond_hertz,
-                share_below_grid=lines.share_below_grid,
-                share_crossed=lines.share_crossed,
-                share_overlapping=self.load_overlapping / self.normal_elastic,
-                share_unanswered=self.unanswered_count / self.grid_minimum_count,
-            )
-
-    def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Horizontal force in mN towards the left of the motion that keeps the upper body on its way.
-
-        Its shape and arguments are as for `normal_load`; negative values are towards the right.
-        """
-        mu0, tau0 = self._parameters(mu0, tau0)
-        return np.asarray(self.lateral_elastic + mu0 * self.lateral_frictional + tau0 * self.lateral_adhesive)
-
-
 @overload
 def contacts(
-    upper: Profile | Surface, lower: Profile | Surface, approach: float, **contact: Unpack[ContactKeywords]
+    upper: Profile | Surface, lower: Profile | Surface, approach: float | str, **contact: Unpack[ContactKeywords]
 ) -> Contacts: ...
 
 
 @overload
-def contacts(found: Candidates, approach: float, /, **contact: Unpack[ContactKeywords]) -> Contacts: ...
+def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[ContactKeywords]) -> Contacts: ...
 
 
+@shows_model
 def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
     """Every contact at one approach: ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
 
@@ -199,10 +110,11 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
         Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
         round-off, is a straight body.
     approach : float, µm
-        Displacement of the upper body since first touch of the grid points, at least 0.
+        Displacement of the upper body since first touch of the grid points, at least 0; or text, "5 nm".
     **contact
         effective_modulus, law, detection, curvature, shear or direction, and sliding, as `ContactModel` has them, or
-        `model`, a whole one; candidates have a detection and a curvature of their own. One direction only.
+        `model`, a whole one; bodies that were read from files need an effective_modulus (GPa). Candidates have a
+        detection and a curvature of their own. One direction only.
 
     Raises
     ------
@@ -238,7 +150,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     else:
         found = None
         model = model_for_pair(upper, lower, contact)
-    approach = number("approach", approach, unit="µm")
+    approach = number("approach", in_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be one, because a contact has one tangent, got {model.direction!r}")
     if isinstance(upper, Surface):
@@ -249,6 +161,8 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
         columns = stiction._core.contacts(
             upper.heights, lower.heights, spacing=upper.spacing, approach=approach, model=model.core()
         )
+    if not isinstance(upper, Candidates):
+        warn_of_one_body(upper, lower)
     columns["opposing"] = columns["opposing"].astype(np.bool_)
     return Contacts(**{name: read_only(column) for name, column in columns.items()})
 
@@ -267,6 +181,7 @@ def press(
 def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
 
 
+@shows_model
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
     """Load and true area against approach: ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 
@@ -276,7 +191,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
         round-off, is a straight body.
     approaches : (k,) array_like of float, µm
-        At least 0 and strictly increasing.
+        At least 0 and strictly increasing; or text, "5 nm" or a list of such.
     **contact
         As for `contacts`. On surfaces there may be many directions, which cost little more than one.
 
@@ -321,12 +236,16 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     else:
         found = None
         model = model_for_pair(upper, lower, contact)
-    steps = float_array("approaches", approaches, ndim=1)
+    wanted = [approaches] if isinstance(approaches, str) else approaches
+    steps = float_array("approaches", in_core_units("approaches", wanted, "length"), ndim=1)
     if isinstance(upper, Surface):
         found = candidates(upper, lower, deepest=_not_negative(steps.max(initial=0.0)), curvature=model.curvature)
     core = None if found is None else found.core
+    pressed = PressedBodies((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
+    if not isinstance(upper, Candidates):
+        warn_of_one_body(upper, lower)
     if isinstance(core, stiction._core.ArealCandidates):
-        return _pressed_surfaces(core, steps, model)
+        return _pressed_surfaces(core, steps, model, pressed)
     if core is not None:
         columns = stiction._core.press(core, approaches=steps, model=model.core())
     else:
@@ -339,10 +258,13 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         approach=read_only(steps.copy()),
         effective_modulus=float(model.effective_modulus),
         sliding=model.sliding,
+        _pressed=pressed,
     )
 
 
-def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, model: ContactModel) -> SurfaceLoadCurve:
+def _pressed_surfaces(
+    found: stiction._core.ArealCandidates, steps: Floats, model: ContactModel, pressed: PressedBodies
+) -> SurfaceLoadCurve:
     angles, directions = model.angles(), model.directions()
     columns = stiction._core.press(found, approaches=steps, model=model.core(), directions=directions)
     arrays = {}
@@ -355,6 +277,7 @@ def _pressed_surfaces(found: stiction._core.ArealCandidates, steps: Floats, mode
         effective_modulus=float(model.effective_modulus),
         sliding=model.sliding,
         direction=read_only(angles),
+        _pressed=pressed,
     )
 
 
@@ -365,6 +288,8 @@ def _not_negative(approach: float) -> float:
 
 def _model_for(found: Candidates, contact: Mapping[str, object]) -> ContactModel:
     """A model for candidates; a detection or curvature that is given must be theirs."""
+    if "effective_modulus" not in contact and "model" not in contact:
+        refuse_no_modulus(*found.sources)
     model = model_of(contact)
     for name, own in (("detection", "gap-minimum"), ("curvature", found.curvature)):
         if getattr(model, name) not in (None, own):

@@ -1,4 +1,4 @@
-"""Pressure between a rigid gap and an elastic half-space: kernels, and the solver from coarse grids to fine ones.
+"""Pressure between a rigid gap and an elastic half-space: the solver, from coarse grids to fine ones.
 
 Polonsky & Keer, Wear 231 (1999) 206, for projected conjugate gradients; here preconditioned by E*|k|/2 on the points
 that are free to move, and begun from the solution on every second point.
@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats
-
-Singles = NDArray[np.float32]
+from stiction.mechanics.elastic_kernel import Grids, Kernel
 
 COARSE_TOLERANCE = 3e-3
 """Of the solutions on coarser grids, whose own distance from the finest is larger."""
@@ -29,23 +27,14 @@ NEAR = 1.3
 SPARSE = 0.3
 """Share of the points of an area under pressure, up to which a stencil stands for the inverse of the kernel."""
 
-ROWS = 1024
-"""Of a line that is folded: as many measure fastest."""
-
-STENCIL_SUM = 0.04
-"""Of the weights of the stencil, over the one of the point itself: patches are many points wide."""
-
-FEWEST_POINTS = 16
-"""Along an axis of the coarsest grid."""
-
 MOST_ITERATIONS = 2000
 """On the finest grid; a hundred are many."""
 
 MOST_COARSE_ITERATIONS = 100
 """A coarse solution is only a start."""
 
-COMPLIANCE_TOLERANCE = 1e-4
-"""Of displacements that should be equal, relative to the compliance."""
+COMPLIANCE_TOLERANCE = 1e-3
+"""Of displacements that should be equal, relative to the compliance, which is then right to 1e-7."""
 
 MOST_LOADS = 60
 """That are tried for one approach; six are many."""
@@ -53,156 +42,14 @@ MOST_LOADS = 60
 FARTHEST_LOAD = 30.0
 """Ratio of two loads that are tried one after the other."""
 
+EVEN = 1e-9
+"""Of the displacement of a cell, below which deviations of displacements are those of an even load: round-off."""
+
+LEAST_PART = 1e-3
+"""Of the way between two loads, at which another one is tried."""
+
 MOST_CERTIFICATES = 20
 """New evaluations in double precision before a solution is given up: round-off is the reason."""
-
-
-class Kernel:
-    """Displacement of a half-space under pressures on a grid, and what resembles its inverse.
-
-    Periodic: 2/(E*|k|), 0 for k = 0. Free: a uniformly loaded cell (Love 1929; on a line the logarithm), on a grid of
-    twice the size. Inner iterations work on small steps in single precision; `displacement` is in double. The near
-    inverse is periodic for both: that is half the transform, and ends that feel each other do no harm there.
-    """
-
-    def __init__(
-        self, shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
-    ) -> None:
-        self.shape, self.periodic = shape, periodic
-        if periodic:
-            self.padded = shape
-        else:
-            self.padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
-        stiffness = 0.5 * effective_modulus * _wave_numbers(shape, spacing)
-        if periodic:
-            with np.errstate(divide="ignore"):
-                self.compliance = np.divide(1.0, stiffness)
-            self.compliance.flat[0] = 0.0
-        else:
-            influence = _influence(self.padded, shape, spacing, effective_modulus)
-            self.compliance = np.ascontiguousarray(scipy.fft.rfftn(influence).real)
-        self.stencil = _stencil(spacing, effective_modulus) if len(shape) == 2 else None
-        filter_of = _Filter if len(shape) == 2 else _FoldedFilter
-        self._response = filter_of(self.compliance, shape, self.padded)
-        self._near_inverse = filter_of(stiffness, shape, shape)
-
-    def displacement(self, pressure: Floats) -> Floats:
-        """µm, of a pressure in GPa."""
-        return _filtered(pressure, self.compliance, self.padded)
-
-    def response(self, step: Singles) -> Singles:
-        """The same of a step of pressure, in single precision."""
-        return self._response(step)
-
-    def preconditioned(self, residual: Singles) -> Singles:
-        """E*|k|/2 times a residual of displacement."""
-        return self._near_inverse(residual)
-
-
-def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ...]) -> NDArray[Any]:
-    """Values times factors of their waves, on a grid that zeros fill up."""
-    shape = values.shape
-    axes = range(len(shape) - 1)
-    waves = scipy.fft.rfft(values, padded[-1], axis=-1)
-    for axis in axes:
-        waves = scipy.fft.fft(waves, padded[axis], axis=axis, overwrite_x=True)
-    waves *= factors
-    for axis in axes:
-        waves = scipy.fft.ifft(waves, axis=axis, overwrite_x=True)
-        if padded[axis] != shape[axis]:
-            waves = waves[tuple([slice(None)] * axis + [slice(shape[axis])])]
-    result: NDArray[Any] = scipy.fft.irfft(waves, padded[-1], axis=-1, overwrite_x=True)
-    if padded[-1] != shape[-1]:
-        result = np.ascontiguousarray(result[..., : shape[-1]])
-    return result
-
-
-class _Filter:
-    """Factors of the waves of an area, in single precision."""
-
-    def __init__(self, factors: Floats, shape: tuple[int, ...], padded: tuple[int, ...]) -> None:
-        self.factors, self.padded = factors.astype(np.float32), padded
-
-    def __call__(self, values: Singles) -> Singles:
-        return _filtered(values, self.factors, self.padded)
-
-
-class _FoldedFilter:
-    """The same of the waves of a line, folded to an area, of which several rows are transformed at once.
-
-    Bailey, Journal of Supercomputing 4 (1990) 23: point columns*i + j, wave rows*b + a; transforms along i to a, turned
-    by exp(-2πi a j/points), then along j to b.
-    """
-
-    def __init__(self, factors: Floats, shape: tuple[int, ...], padded: tuple[int, ...]) -> None:
-        (self.used,), (self.points,) = shape, padded
-        self.rows = _divisor_near(self.points, ROWS)
-        columns = self.points // self.rows
-        first = np.arange(self.rows // 2 + 1)[:, np.newaxis]
-        wave = first + self.rows * np.arange(columns)
-        self.factors = factors[np.minimum(wave, self.points - wave)].astype(np.float32)
-        self.turn = np.exp(-2j * np.pi / self.points * (first * np.arange(columns))).astype(np.complex64)
-        self.turn_back = self.turn.conj()
-
-    def __call__(self, values: Singles) -> Singles:
-        if self.used != self.points:
-            values = np.concatenate((values, np.zeros(self.points - self.used, np.float32)))
-        waves = scipy.fft.rfft(values.reshape(self.rows, -1), axis=0)
-        waves *= self.turn
-        waves = scipy.fft.fft(waves, axis=1, overwrite_x=True)
-        waves *= self.factors
-        waves = scipy.fft.ifft(waves, axis=1, overwrite_x=True)
-        waves *= self.turn_back
-        result: Singles = scipy.fft.irfft(waves, self.rows, axis=0, overwrite_x=True).ravel()
-        return result[: self.used]
-
-
-def _divisor_near(number: int, wanted: int) -> int:
-    """The divisor of a number that is nearest to another by ratio."""
-    small = [n for n in range(1, int(number**0.5) + 1) if number % n == 0]
-    return min([*small, *(number // n for n in small)], key=lambda n: max(n / wanted, wanted / n))
-
-
-def _wave_numbers(shape: tuple[int, ...], spacing: tuple[float, ...]) -> Floats:
-    squares = np.square(2 * np.pi * scipy.fft.rfftfreq(shape[-1], spacing[-1]))
-    for axis in range(len(shape) - 2, -1, -1):
-        other = np.square(2 * np.pi * scipy.fft.fftfreq(shape[axis], spacing[axis]))
-        squares = other.reshape(-1, *[1] * squares.ndim) + squares
-    return np.asarray(np.sqrt(squares))
-
-
-def _stencil(spacing: tuple[float, ...], effective_modulus: float) -> Floats:
-    """E*|k|/2 of a point on the points around it, (9,), whose sum is small."""
-    shape = (2 * FEWEST_POINTS, 2 * FEWEST_POINTS)
-    near = np.roll(scipy.fft.irfft2(0.5 * effective_modulus * _wave_numbers(shape, spacing), shape), (1, 1), (0, 1))
-    stencil: Floats = np.minimum(near[:3, :3].ravel(), 0.0)
-    stencil[4] = stencil.sum() / (STENCIL_SUM - 1)
-    return stencil
-
-
-def _influence(
-    padded: tuple[int, ...], shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float
-) -> Floats:
-    """Displacement of every point under 1 GPa on the cell at the origin, negative distances wrapped around."""
-    distances = []
-    for n, used, step in zip(padded, shape, spacing, strict=True):
-        index = np.minimum(np.arange(n), n - np.arange(n))
-        distances.append(np.minimum(index, used) * step)
-    if len(shape) == 1:
-        (a,) = spacing
-        x = distances[0]
-        # The integral of -2/(π E*) ln|x - s| over the cell; the unit of the logarithm shifts all alike.
-        ends = [x + 0.5 * a, x - 0.5 * a]
-        integral = [end * (np.log(np.abs(end)) - 1.0) for end in ends]
-        return np.asarray(-2 / (np.pi * effective_modulus) * (integral[0] - integral[1]))
-    b, a = (0.5 * step for step in spacing)
-    y, x = distances[0][:, np.newaxis], distances[1][np.newaxis, :]
-    total = np.zeros((distances[0].size, distances[1].size))
-    # Johnson, Contact Mechanics (1985), eq. 3.25.
-    for first, second, third, fourth in ((x + a, y + b, y - b, x - a), (y + b, x + a, x - a, y - b)):
-        for at, sign in ((first, 1.0), (fourth, -1.0)):
-            total += sign * at * (np.arcsinh(second / np.abs(at)) - np.arcsinh(third / np.abs(at)))
-    return total / (np.pi * effective_modulus)
 
 
 @dataclass(frozen=True)
@@ -216,41 +63,51 @@ class Solution:
 
 
 class Solver:
-    """The pressures of one gap at one load after the other."""
+    """The pressures of one gap at one load after the other: the least energy with a given sum, 0 <= p <= bound.
+
+    gap : ndarray, µm
+        On the grid; 0 everywhere where it is not a contact that is sought but a traction.
+    grids : Grids
+        Of the gap's shape.
+    bound : float, ndarray of the gap's shape or None, GPa
+        The most that the pressure can be, everywhere or at each point; where it is 0 nothing is borne and nothing is
+        asked of the gap. None: there is none.
+    tolerance : float
+        Of `Solution.error`.
+    """
 
     def __init__(
         self,
         gap: Floats,
-        spacing: tuple[float, ...],
-        effective_modulus: float,
+        grids: Grids,
         *,
-        periodic: bool,
-        hardness: float | None,
+        bound: float | Floats | None = None,
         tolerance: float,
         progress: Callable[[int, float], object] | None = None,
     ) -> None:
-        self.periodic, self.tolerance, self.spacing, self.progress = periodic, tolerance, spacing, progress
-        self.hardness = np.inf if hardness is None else hardness
-        self.modulus = effective_modulus
-        self.gaps, self.kernels = [], []
-        while True:
-            self.gaps.append(gap)
-            self.kernels.append(Kernel(gap.shape, spacing, effective_modulus, periodic=periodic))
-            shape = tuple(_halved(n, periodic) for n in gap.shape)
-            if shape == gap.shape:
-                break
-            if periodic:
-                spacing = tuple(s * n / m for s, n, m in zip(spacing, gap.shape, shape, strict=True))
-            else:
-                spacing = tuple(s * (1 if n == m else 2) for s, n, m in zip(spacing, gap.shape, shape, strict=True))
-            gap = _resampled(gap, shape, periodic=periodic)
-        # The unit of the error: heights, and displacements under an even pressure where those say nothing or less.
-        self.heights_scale = float(self.gaps[0].std())
-        self.pressure_scale = 0.0
-        if not periodic:
-            self.pressure_scale = float(np.std(self.kernels[0].displacement(np.ones(self.gaps[0].shape))))
-        elif self.heights_scale == 0:
-            self.pressure_scale = max(self.spacing) / effective_modulus
+        self.grids, self.tolerance, self.progress = grids, tolerance, progress
+        self.bound = np.ravel(np.inf if bound is None else bound).astype(np.float64)
+        self.gaps = [gap]
+        # Bounds that differ from point to point cannot be told from those of a coarser grid.
+        for shape, _ in grids.levels[1:] if self.bound.size == 1 else []:
+            self.gaps.append(_resampled(self.gaps[-1], shape, periodic=grids.periodic))
+        # The unit of the error: heights, and displacements under a load where those say nothing or less.
+        self.heights_scale = float(gap.std())
+        self.pressure_scale = self._displacement_of_load()
+
+    def _displacement_of_load(self) -> float:
+        """µm/GPa, root-mean-square deviation under an even pressure, or one in proportion to bounds of points."""
+        _, spacing = self.grids.levels[0]
+        of_a_cell = max(spacing) / self.grids.effective_modulus
+        if self.bound.size > 1:
+            load = (self.bound / self.bound.mean()).reshape(self.gaps[0].shape)
+            deviation = float(np.std(self.grids.kernel().displacement(load)))
+            if not self.grids.periodic:  # bounds under which all points of a flat move alike, to a tolerance
+                return max(deviation, self.grids.even_deviation)
+            return deviation if deviation > EVEN * of_a_cell else of_a_cell
+        if not self.grids.periodic:
+            return self.grids.even_deviation
+        return of_a_cell if self.heights_scale == 0 else 0.0
 
     def scale(self, mean_pressure: float) -> float:
         """µm, in which errors are measured."""
@@ -262,65 +119,60 @@ class Solver:
             solution = self._finest(near.pressure, mean_pressure)
             if solution.error <= self.tolerance:
                 return solution
+        if self.bound.size > 1:
+            return self._finest(self.bound.reshape(self.gaps[0].shape), mean_pressure)
         start = np.full(self.gaps[-1].shape, mean_pressure)
         coarse = max(COARSE_TOLERANCE, self.tolerance) * self.scale(mean_pressure)
         for level in range(len(self.gaps) - 1, 0, -1):
-            solution = self._solve(level, start, mean_pressure * start.size, coarse, MOST_COARSE_ITERATIONS)
-            start = _resampled(solution.pressure, self.gaps[level - 1].shape, periodic=self.periodic)
+            start = self._solve(level, start, mean_pressure, coarse, MOST_COARSE_ITERATIONS).pressure
         return self._finest(start, mean_pressure)
 
     def at_approach(self, approach: float, *, near: Solution | None = None) -> Solution:
-        """The pressure at an approach (µm), which grows with the load: by secants over the logarithms of both."""
+        """The pressure at an approach (µm), which grows with the load: by secants (Illinois) over the load's logarithm.
+
+        What they bring to 0 is the logarithm of approaches; on periodic bodies, where all points touch at the mean gap,
+        less that of what is left to it.
+        """
+        full = float(self.gaps[0].mean()) if self.grids.periodic else math.inf
         # Of two bodies as far apart as the grid is long, less than which any load is.
-        longest = max(step * n for step, n in zip(self.spacing, self.gaps[0].shape, strict=True))
-        pressure = 0.1 * self.modulus * approach / longest if near is None else float(near.pressure.mean())
-        below: tuple[float, float] | None = None
-        above: tuple[float, float] | None = None
+        longest = max(step * n for n, step in zip(*self.grids.levels[0], strict=True))
+        pressure = 0.1 * self.grids.effective_modulus * approach / longest
+        if near is not None:
+            pressure = float(near.pressure.mean())
+        ends: dict[bool, tuple[float, float]] = {}
+        was_above: bool | None = None
         for _ in range(MOST_LOADS):
             solution = near = self.at(pressure, near=near)
             miss = abs(solution.approach - approach) / self.scale(pressure)
             if miss <= self.tolerance or not solution.error <= self.tolerance:
                 break
-            here = math.log(pressure), math.log(solution.approach / approach)
-            other = above if here[1] < 0 else below
-            if here[1] < 0:
-                below = here
-            else:
-                above = here
-            if below is None or above is None or other is None:
-                step = max(-math.log(FARTHEST_LOAD), min(math.log(FARTHEST_LOAD), -2 * here[1]))
-                pressure *= math.exp(step)
+            excess = _excess(solution.approach, approach, full)
+            above = excess > 0
+            if above is was_above and (not above) in ends:  # the other end has stayed twice
+                ends[not above] = ends[not above][0], 0.5 * ends[not above][1]
+            ends[above], was_above = (math.log(pressure), excess), above
+            if len(ends) == 1:
+                pressure *= math.exp(max(-math.log(FARTHEST_LOAD), min(math.log(FARTHEST_LOAD), -2 * excess)))
                 continue
-            # Kept from the ends of the bracket, so that both of them move.
-            width = above[0] - below[0]
-            secant = below[0] - below[1] * width / (above[1] - below[1])
-            pressure = math.exp(min(max(secant, below[0] + 0.05 * width), above[0] - 0.05 * width))
+            (left, below), (right, over) = ends[False], ends[True]
+            part = below / (below - over) if math.isfinite(over) else 0.5
+            pressure = math.exp(left + min(max(part, LEAST_PART), 1 - LEAST_PART) * (right - left))
         return Solution(solution.pressure, solution.approach, max(solution.error, miss), solution.iterations)
 
-    def _is_near(self, solution: Solution, mean_pressure: float) -> bool:
-        """Whether a solution at another load is a better start than one from coarse grids; on lines it never is."""
-        ratio = mean_pressure / solution.pressure.mean()
-        return len(self.spacing) == 2 and 1 / NEAR <= ratio <= NEAR
+    def _is_near(self, near: Solution, mean_pressure: float) -> bool:
+        """Whether a solution at another load is the better start; on lines that of coarse grids is."""
+        ratio = mean_pressure / near.pressure.mean()
+        return self.bound.size > 1 or (self.gaps[0].ndim == 2 and bool(1 / NEAR <= ratio <= NEAR))
 
     def _finest(self, start: Floats, mean_pressure: float) -> Solution:
         scale = self.scale(mean_pressure)
-        total = mean_pressure * start.size
-        solution = self._solve(0, start, total, self.tolerance * scale, MOST_ITERATIONS)
-        error = max(solution.error / scale, abs(float(solution.pressure.sum()) / total - 1.0))
+        solution = self._solve(0, start, mean_pressure, self.tolerance * scale, MOST_ITERATIONS)
+        error = max(solution.error / scale, abs(float(solution.pressure.mean()) / mean_pressure - 1.0))
         return Solution(solution.pressure, solution.approach, error, solution.iterations)
 
-    def _solve(self, level: int, start: Floats, total: float, tolerance: float, most: int) -> Solution:
-        gap, kernel = self.gaps[level], self.kernels[level]
-        search = _core.PressureSearch(
-            (start * (total / start.sum())).ravel(),
-            total=total,
-            hardness=self.hardness,
-            line=gap.ndim == 1,
-        )
-        search.restart((kernel.displacement(search.pressure.reshape(gap.shape)) + gap).ravel())
-        near = kernel.stencil if np.count_nonzero(search.pressure) < SPARSE * gap.size else None
-        nothing = np.empty(0, np.float32)
-        response = nothing
+    def _solve(self, level: int, start: Floats, mean: float, tolerance: float, most: int) -> Solution:
+        descent = _Descent(self.grids.kernel(level), self.gaps[level], self.bound, start, mean)
+        search = descent.search
         exact, certificates, iterations = True, 0, 0
         while True:
             error = search.balance()
@@ -329,63 +181,78 @@ class Solver:
                 if exact or level > 0 or certificates > MOST_CERTIFICATES:
                     break
                 search.settle()
-                search.restart((kernel.displacement(search.pressure.reshape(gap.shape)) + gap).ravel())
+                descent.renew()
                 exact = True
                 continue
             if iterations == most:
                 break
-            residual = search.residual()
-            if near is not None and not search.plain:
-                residual = search.sharpened(near, gap.shape[-1])
-            elif not search.plain:
-                residual = kernel.preconditioned(residual.reshape(gap.shape)).ravel()
-            step = search.step(residual, response)
-            response = kernel.response(step.reshape(gap.shape)).ravel()
-            if not search.advance(response):
-                response = nothing
+            descent.iterate()
             exact = False
             iterations += 1
             if level == 0 and self.progress is not None:
                 self.progress(iterations, error / (tolerance / self.tolerance))
-        return Solution(search.pressure.reshape(gap.shape), search.approach, error, iterations)
+        # A copy, because what the search shows keeps all of it.
+        return Solution(search.pressure.reshape(descent.gap.shape).copy(), search.approach, error, iterations)
+
+
+class _Descent:
+    """A search and the kernel that it asks, begun from pressures on some grid that are brought to a mean (GPa)."""
+
+    def __init__(self, kernel: Kernel, gap: Floats, bound: Floats, start: Floats, mean: float) -> None:
+        self.kernel, self.gap = kernel, gap
+        pressure = _resampled(start, gap.shape, periodic=kernel.periodic)
+        pressure = pressure * (mean / pressure.mean())
+        self.search = _core.PressureSearch(pressure.ravel(), total=mean * gap.size, bound=bound, line=gap.ndim == 1)
+        del pressure  # of large grids memory is short from here on
+        # On areas with little contact a stencil stands for the inverse of the kernel, and takes no transform.
+        sparse = np.count_nonzero(self.search.pressure) < SPARSE * gap.size
+        self.near = kernel.stencil if sparse else None
+        self.renew()
+
+    def renew(self) -> None:
+        """Computes the potential in double precision."""
+        potential = self.kernel.displacement(self.search.pressure.reshape(self.gap.shape))
+        potential += self.gap
+        self.search.restart(potential.ravel())
+        self.response = np.empty(0, np.float32)
+
+    def iterate(self) -> None:
+        """One step, after a balance."""
+        search, shape = self.search, self.gap.shape
+        residual = search.residual()
+        if self.near is not None and not search.plain:
+            residual = search.sharpened(self.near, shape[-1])
+        elif not search.plain:
+            residual = self.kernel.preconditioned(residual.reshape(shape)).ravel()
+        self.response = self.kernel.response(search.step(residual, self.response).reshape(shape)).ravel()
+        if not search.advance(self.response):
+            self.response = np.empty(0, np.float32)
+
+
+def _excess(approach: float, wanted: float, full: float) -> float:
+    """The logarithm of an approach over the one wanted, less that of what is left to the one at which all touch."""
+    if approach >= full:
+        return math.inf
+    left = 0.0 if math.isinf(full) else math.log((full - approach) / (full - wanted))
+    return math.log(approach / wanted) - left
 
 
 def linear_compliance(kernel: Kernel, free: NDArray[np.bool_]) -> float:
     """dδ/dp (µm/GPa) for the sum of pressures over free points under which all of them move alike; 0 at full contact.
 
-    Conjugate gradients on pressures of sum 1. The compliance is an energy, so its error is the square of theirs.
+    Pressures of sum 1 on these points alone, without a gap: their energy, whose error is the square of theirs. They are
+    above 0 everywhere, as charges are on a conductor. An even start is as good as any that the pressures at hand give:
+    at the edges, where those vanish, these are highest.
     """
-    count = int(free.sum())
-    if kernel.periodic and count == free.size:
+    if kernel.periodic and free.all():
         return 0.0
-    pressure = np.where(free, 1.0 / count, 0.0)
-    potential = kernel.displacement(pressure)
-    step, response = np.zeros(0), np.zeros(0)
-    compliance = float((pressure * potential).sum())
+    bound = np.where(free, np.inf, 0.0).ravel()
+    descent = _Descent(kernel, np.zeros(free.shape), bound, free.astype(np.float64), 1.0 / free.size)
     for _ in range(MOST_ITERATIONS):
-        residual = np.where(free, potential[free].mean() - potential, 0.0)
-        if np.abs(residual).max() <= COMPLIANCE_TOLERANCE * abs(compliance):
+        if descent.search.balance() <= COMPLIANCE_TOLERANCE * abs(descent.search.approach):
             break
-        better = np.where(free, kernel.preconditioned(residual.astype(np.float32)), 0.0)
-        better -= np.where(free, better.sum() / count, 0.0)
-        if step.size:
-            better -= np.vdot(better, response) / np.vdot(step, response) * step
-        step = better
-        response = kernel.response(step.astype(np.float32)).astype(np.float64)
-        length = np.vdot(step, residual) / np.vdot(step, response)
-        pressure = pressure + length * step
-        potential = potential + length * response
-        compliance = float((pressure * potential).sum())
-    return compliance
-
-
-def _halved(n: int, periodic: bool) -> int:
-    """Points of the next coarser grid along an axis."""
-    if n < 2 * FEWEST_POINTS:
-        return n
-    if n % 2 == 0 or not periodic:
-        return (n + 1) // 2
-    return int(scipy.fft.next_fast_len((n + 1) // 2, real=True))
+        descent.iterate()
+    return descent.search.work()
 
 
 def _resampled(values: Floats, shape: tuple[int, ...], *, periodic: bool) -> Floats:
@@ -399,11 +266,24 @@ def _resampled(values: Floats, shape: tuple[int, ...], *, periodic: bool) -> Flo
         before: list[Any] = [slice(None)] * axis
         if have == 2 * want or (not periodic and have > want):
             values = values[(*before, slice(None, None, 2))]
-            continue
-        ratio = have / want if periodic else 0.5
-        position = np.arange(want) * ratio
-        left = np.minimum(position.astype(np.int64), have - 1)
-        right = (left + 1) % have if periodic else np.minimum(left + 1, have - 1)
-        weight = (position - left).reshape(-1, *[1] * (values.ndim - axis - 1))
-        values = np.take(values, left, axis) * (1 - weight) + np.take(values, right, axis) * weight
+        elif want == 2 * have or not periodic:
+            values = _doubled(values, axis, want, periodic=periodic)
+        else:
+            position = np.arange(want) * (have / want)
+            left = np.minimum(position.astype(np.int64), have - 1)
+            weight = (position - left).reshape(-1, *[1] * (values.ndim - axis - 1))
+            values = np.take(values, left, axis) * (1 - weight) + np.take(values, (left + 1) % have, axis) * weight
     return np.ascontiguousarray(values)
+
+
+def _doubled(values: Floats, axis: int, want: int, *, periodic: bool) -> Floats:
+    """Values and between each two of them their mean, as many as are wanted; after the last one that, or the first."""
+    have = values.shape[axis]
+    result = np.empty((*values.shape[:axis], want, *values.shape[axis + 1 :]))
+    to, of = np.moveaxis(result, axis, 0), np.moveaxis(values, axis, 0)
+    to[::2] = of[: (want + 1) // 2]
+    np.add(of[:-1], of[1:], out=to[1 : 2 * have - 2 : 2])
+    to[1 : 2 * have - 2 : 2] *= 0.5
+    if want == 2 * have:
+        to[-1] = 0.5 * (of[-1] + of[0]) if periodic else of[-1]
+    return result

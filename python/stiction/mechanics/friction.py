@@ -8,16 +8,23 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, get_args
+from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number
+from stiction._shown import Readable, Shown, axes_for
 from stiction.mechanics.quantities import SUMS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved"]
 """Whether a point has a coefficient of friction, or why not."""
+
+STATUSES: tuple[Status, ...] = get_args(Status)
+"""In this order their numbers stand in files."""
 
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -26,7 +33,7 @@ STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
 
-STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in get_args(Status))}")
+STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")
 """Of arrays of them."""
 
 SHEAR_STRENGTH_LIMIT = 0.1
@@ -97,8 +104,8 @@ class Sums:
         return Sums(**{name: function(getattr(self, name)) for name in SUMS})
 
 
-@dataclass(frozen=True, eq=False)
-class Validity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Validity(Readable):
     """How far the model is to be trusted; NaN where there is no contact. Shares are of the normal load Σ F n_z.
 
     Attributes
@@ -111,6 +118,14 @@ class Validity:
         Share carried by contacts whose radius is below the grid spacing: of the grid rather than of the surface.
     share_crossed : ndarray
         Share of would-be contacts that were refused because their sphere centres had crossed.
+
+    Examples
+    --------
+    >>> from stiction import press, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> press(upper.row(0), lower.row(0), "20 nm").validity.share_beyond_hertz
+    array([0.])
     """
 
     relative_overlap: Floats
@@ -130,6 +145,36 @@ class Validity:
             )
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class SurfaceValidity(Validity):
+    """How far the model is to be trusted on surfaces: the figures of `Validity`, and three more.
+
+    R is the geometric mean of the two radii. No contact is refused, so that `share_crossed` is 0.
+
+    Attributes
+    ----------
+    share_overlapping : ndarray
+        Share of the load on ellipses that overlap another one, seen from above: contacts that would merge.
+    share_at_edge : ndarray
+        Share of the load on ellipses that the edge of the map cuts; of these, what lies inside counts.
+    share_unanswered : ndarray
+        Share of the grid points within the approach of which no neighbour is lower and beside which the spline has no
+        minimum, as on level floors; NaN where there are no such points.
+
+    Examples
+    --------
+    >>> from stiction import press, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> press(upper, lower, "20 nm").validity.share_at_edge.round(2)
+    array([0.])
+    """
+
+    share_overlapping: Floats
+    share_at_edge: Floats
+    share_unanswered: Floats
+
+
 def normal_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -> Floats:
     """F_N in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
     return np.asarray(sums.normal_elastic + mu0 * sums.normal_frictional + tau0 * sums.normal_adhesive)
@@ -140,7 +185,7 @@ def tangential_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -
     return np.asarray(sums.tangential_elastic + mu0 * sums.tangential_frictional + tau0 * sums.tangential_adhesive)
 
 
-class Curve:
+class Curve(Shown):
     """Loads of a pair at each step, approaches or loads, of which there are sums."""
 
     contact_count: NDArray[Any]
@@ -176,6 +221,20 @@ class Curve:
         """Either "ok", "self-locked" (F_N <= 0) or "no-contact"; shape and arguments as for `normal_load`."""
         normal = normal_load(self, *self._parameters(mu0, tau0))
         return status_at(self.contact_count, normal)
+
+    def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
+        """Draw the true area over the load or, where a mu0 is given, the friction coefficient.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            New ones by default, which are returned.
+        mu0, tau0 : float or array_like of float, GPa for tau0
+            As for `normal_load`; a line for each, and for each direction.
+        """
+        from stiction.mechanics.drawing import draw_curve
+
+        return draw_curve(axes_for(ax), self, mu0, tau0)
 
     def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
         strengths = friction_parameter("tau0", tau0)

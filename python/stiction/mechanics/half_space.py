@@ -14,14 +14,21 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, number, part_of_one, read_only
+from stiction._checks import Floats, choice, number, part_of_one, read_only
+from stiction._shown import Shown, axes_for
+from stiction._units import in_core_units, loads_in_core_units
+from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.friction import Curve
-from stiction.mechanics.model import EFFECTIVE_MODULUS, ContactModel, Direction, Sliding, check_pair
+from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for
+from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
-    from stiction.mechanics.elastic_pressure import Kernel, Solution
+    from matplotlib.axes import Axes
+
+    from stiction.mechanics.half_space_problem import Pressed, Problem
+    from stiction.mechanics.patches import PatchSums
 
 # The solver brings SciPy along, which takes longer to import than all else: where it is used.
 
@@ -31,8 +38,8 @@ WIDTH = 1.0
 """µm, of a profile."""
 
 
-@dataclass(frozen=True, eq=False)
-class HalfSpaceContact:
+@dataclass(frozen=True, eq=False, repr=False)
+class HalfSpaceContact(Shown):
     """The contact at one load, over the grid; all arrays are read-only.
 
     Attributes
@@ -45,38 +52,46 @@ class HalfSpaceContact:
         are connected with all their neighbours, on areas eight, and over the edges where periodic.
     opposing : ndarray of bool
         Where a point's patch opposes the motion; a first axis of d directions where they were given.
+    share : ndarray
+        Of a point's cell that is in contact: 0 where there is no pressure, below 1 at the edges of patches. With the
+        area of a cell its sum is the true area on the ground plan.
+    heights : ndarray, µm
+        Of the lower body, before it is deformed.
+    spacing : tuple of float, µm
+        Of the points along y and x, or x.
+
+    Examples
+    --------
+    >>> from stiction import half_space, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> contact = half_space(upper, lower, "1 mN").contact(0)
+    >>> float((contact.pressure * 0.1**2).sum().round(6))  # GPa times µm² of each point: the load
+    1.0
     """
 
     pressure: Floats
     gap: Floats
-    patches: NDArray[np.int64]
+    patches: NDArray[np.int32]
     opposing: NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """Gap (µm, its least is 0), kernel, slopes of the deformed interface and what else belongs to the pair."""
-
-    gap: Floats
-    kernel: Kernel
+    share: Floats
+    heights: Floats
     spacing: tuple[float, ...]
-    periodic: bool
-    hardness: float | None
-    slope: list[Floats]
-    model: ContactModel
 
-    @property
-    def cell(self) -> float:
-        """µm², of a grid point."""
-        return float(np.prod(self.spacing)) * (WIDTH if len(self.spacing) == 1 else 1.0)
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the pressure over the heights of the lower body: a map with a bar for its scale, or both over x.
 
-    @property
-    def has_approach(self) -> bool:
-        """Whether far points stay: not on a free half-plane."""
-        return self.periodic or len(self.spacing) == 2
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            New ones by default, which are returned.
+        """
+        from stiction.mechanics.drawing import draw_contact
+
+        return draw_contact(axes_for(ax), self)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(Curve):
     """Contact of two bodies as an elastic half-space at each load, for every mu0 and tau0; all arrays are read-only.
 
@@ -100,7 +115,7 @@ class HalfSpaceCurve(Curve):
     contact_count : (k,) ndarray of int
         Patches of connected points.
     contact_area : (k,) ndarray, µm²
-        True area along the interface, less what a grid's edges add.
+        True area along the interface, less what a grid's edges add; never below load over hardness.
     normal_elastic : (k,) ndarray, mN
         Σ F n_z.
     tangential_elastic : (k,) or (d, k) ndarray, mN
@@ -112,6 +127,16 @@ class HalfSpaceCurve(Curve):
     load_share_at_hardness, area_share_at_hardness : (k,) ndarray
         Of the load and of the points under pressure where the pressure is the hardness.
     effective_modulus : float, GPa
+
+    Examples
+    --------
+    >>> from stiction import half_space, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> curve = half_space(upper, lower, ["1 mN", "2 mN"], direction=[0, 90], sliding="all")
+    >>> curve.friction_coefficient(mu0=0.3).round(2)
+    array([[0.3 , 0.3 ],
+           [0.31, 0.31]])
     """
 
     load: Floats
@@ -129,8 +154,10 @@ class HalfSpaceCurve(Curve):
     load_share_at_hardness: Floats
     area_share_at_hardness: Floats
     effective_modulus: float
-    _problem: _Problem = field(repr=False)
-    _pressed: tuple[tuple[NDArray[np.int64], Floats], ...] = field(repr=False)
+    _problem: Problem = field(repr=False)
+    _model: ContactModel = field(repr=False)
+    _pressed: tuple[Pressed, ...] = field(repr=False)
+    _sums: tuple[PatchSums, ...] = field(repr=False)
 
     @cached_property
     def stiffness(self) -> Floats:
@@ -138,55 +165,34 @@ class HalfSpaceCurve(Curve):
 
         NaN on a free half-plane, and where all pressure is at the hardness. Computed when first asked for.
         """
-        from stiction.mechanics.elastic_pressure import linear_compliance
-
-        problem = self._problem
-        stiffness = np.full(self.load.size, np.nan)
-        for i in range(self.load.size if problem.has_approach else 0):
-            pressure = self._pressure(i)
-            free = pressure > 0
-            if problem.hardness is not None:
-                free &= pressure < problem.hardness
-            if free.any():
-                compliance = linear_compliance(problem.kernel, free)
-                with np.errstate(divide="ignore"):
-                    stiffness[i] = problem.cell / np.float64(compliance)
-        return read_only(stiffness)
+        return read_only(np.array([one.stiffness for one in self._pressed]))
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Pressure, gap and patches at `load[index]`."""
-        from stiction.mechanics.patches import labelled, opposes
-
         if not -self.load.size <= index < self.load.size:
             raise ValueError(f"index must be one of the {self.load.size} loads, got {index!r}")
-        problem = self._problem
-        pressure = self._pressure(index)
-        potential = problem.kernel.displacement(pressure) + problem.gap
-        free = pressure > 0
-        if problem.hardness is not None:
-            free &= pressure < problem.hardness
-        patches, _ = labelled(pressure > 0, periodic=problem.periodic)
-        # Where all pressure is at the hardness, the last point to yield just touches.
-        zero = potential[free].mean() if free.any() else potential[pressure > 0].max()
-        gap = potential - zero
-        slope = [along.ravel() for along in problem.slope]
-        each = [opposes(pressure.ravel(), slope, patches.ravel(), way) for way in problem.model.directions()]
-        opposing = np.array(each).reshape(*problem.model.angles().shape, *pressure.shape)
-        return HalfSpaceContact(read_only(pressure), read_only(gap), read_only(patches), read_only(opposing))
+        problem, one = self._problem, self._pressed[index]
+        pressure = one.on_grid(one.values)
+        gap = problem.grids.kernel().displacement(pressure) + problem.gap - one.approach
+        each = [one.on_grid(opposes[one.patch - 1]) for opposes in self._sums[index].opposing]
+        opposing = np.array(each).reshape(*self._model.angles().shape, *pressure.shape)
+        values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share()))
+        pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))
+        return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
 
     @property
     def direction(self) -> Floats:
         """Degrees from +x towards +y, () or (d,): where the upper body is about to move."""
-        return self._problem.model.angles()
+        return self._model.angles()
 
     @property
     def sliding(self) -> Sliding:
         """Which patches rub: "opposing" or "all"."""
-        return self._problem.model.sliding
+        return self._model.sliding
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
         """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""
-        return self._by(replace(self._problem.model, sliding=sliding))
+        return self._by(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
         """The same contacts where the upper body is about to move elsewhere; nothing is solved again.
@@ -201,19 +207,55 @@ class HalfSpaceCurve(Curve):
         ValueError
             If it is no direction, or not one along x on profiles.
         """
-        model = replace(self._problem.model, direction=direction)
-        return self._by(model.for_profiles() if self._problem.gap.ndim == 1 else model)
+        model = replace(self._model, direction=direction)
+        if self._problem.gap.ndim == 1:
+            model = model.for_profiles()
+        return self._by(model, tuple(one.sums(model.directions()) for one in self._pressed))
 
-    def _by(self, model: ContactModel) -> HalfSpaceCurve:
-        problem = replace(self._problem, model=model)
-        rows = [_sums(problem, self._pressure(i)) for i in range(self.load.size)]
-        return replace(self, **_columns(rows, problem.model), _problem=problem)
+    def onset(
+        self,
+        index: int,
+        *,
+        mu0: float,
+        tau0: float = 0.0,
+        direction: Direction = 0.0,
+        steps: int | Sequence[float] = 20,
+        displacements: ArrayLike | None = None,
+        poisson: float | Sequence[float] = 0.3,
+        tolerance: float = 1e-6,
+    ) -> Onset:
+        """How the bodies begin to slide at `load[index]`, see `Onset`.
 
-    def _pressure(self, index: int) -> Floats:
-        points, values = self._pressed[index]
-        pressure = np.zeros(self._problem.gap.size)
-        pressure[points] = values
-        return pressure.reshape(self._problem.gap.shape)
+        Parameters
+        ----------
+        index, mu0, tau0, steps, displacements
+            As for `Onset`.
+        direction : {"+x", "-x"} or float, degrees
+            Where the upper body is pushed, which changes nothing: the kernel is the same for all directions.
+        poisson : float or two of them
+            Of both bodies, or of the upper and the lower. On profiles nothing depends on it.
+        tolerance : float
+            Of points that stick: how far they are from the upper body's displacement, in root-mean-square deviations
+            of the displacements at sliding, in proportion to the load.
+
+        Raises
+        ------
+        ValueError
+            If an argument is outside its range, or mu0 and tau0 are both 0.
+        RuntimeError
+            If a step's error does not reach the tolerance.
+        """
+        from stiction.mechanics.tangential import HalfSpace
+
+        mu0, tau0 = strengths(mu0, tau0, self.effective_modulus)
+        angle = heading(direction, line=self._problem.gap.ndim == 1)
+        pressed = self._pressed[place_of(index, self.load.size, "loads")]
+        held = HalfSpace(pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance)
+        return onset_of(held, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements)
+
+    def _by(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
+        rows = [one.total(model.sliding) for one in sums]
+        return replace(self, **_columns(rows, model), _model=model, _sums=sums)
 
 
 def half_space(
@@ -222,7 +264,7 @@ def half_space(
     loads: ArrayLike | None = None,
     *,
     approaches: ArrayLike | None = None,
-    effective_modulus: float = EFFECTIVE_MODULUS,
+    effective_modulus: float | None = None,
     boundary: Boundary = "free",
     compliance_share: float = 0.5,
     hardness: float | None = None,
@@ -238,12 +280,15 @@ def half_space(
     upper, lower : Profile or Surface
         Two of a kind on the same grid.
     loads : (k,) array_like of float, mN
-        Above 0 and strictly increasing. A profile is 1 µm thick.
+        Above 0 and strictly increasing; or text, "10 mN" or on the whole area "10 MPa", or a list of such. A profile
+        is 1 µm thick.
     approaches : (k,) array_like of float, µm
         In place of loads: displacements of the upper body since first touch, of its far points, or of its mean plane
-        where periodic. Above 0 and strictly increasing. Each takes some five solutions, in search of its load.
+        where periodic. Above 0 and strictly increasing; or text, "5 nm". Each takes some six solutions, in search of
+        its load.
     effective_modulus : float, GPa
-        E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
+        E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2. By default 10 GPa of generated bodies; of those that were read from
+        files it must be given.
     boundary : {"free", "periodic"}
         Whether nothing lies beyond the edges, or the bodies again and again.
     compliance_share : float
@@ -286,72 +331,43 @@ def half_space(
     >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
     array([0.38])
     """
-    from stiction.mechanics.elastic_pressure import Solver
-    from stiction.mechanics.patches import slopes
+    from stiction.mechanics.half_space_problem import pressed, problem_of, steps_of
 
     check_pair(upper, lower)
-    if upper.heights.shape != lower.heights.shape:
-        raise ValueError(
-            f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
-        )
-    name, unit, asked = ("loads", "mN", loads) if approaches is None else ("approaches", "µm", approaches)
-    if asked is None or (loads is not None and approaches is not None):
-        raise ValueError("half_space takes loads or approaches, one of them")
-    steps = float_array(name, asked, ndim=1)
-    if not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
-        raise ValueError(f"{name} must be above 0 {unit} and strictly increasing, got {asked!r}")
-    model = ContactModel(effective_modulus=effective_modulus, direction=direction, sliding=sliding)
-    modulus = float(model.effective_modulus)
+    model = ContactModel(
+        effective_modulus=modulus_for(effective_modulus, upper, lower), direction=direction, sliding=sliding
+    )
     if isinstance(upper, Profile):
         model.for_profiles()
     choice("boundary", boundary, Boundary)
-    share = part_of_one("compliance_share", compliance_share)
     tolerance = number("tolerance", tolerance, above=0, below=1)
-    periodic = boundary == "periodic"
-    spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing
-    gap = upper.heights - lower.heights
-    gap -= gap.min()
-    if hardness is not None:
-        hardness = number("hardness", hardness, unit="GPa", above=0)
-    cell = float(np.prod(spacing)) * (WIDTH if gap.ndim == 1 else 1.0)
-    if approaches is None:
-        most = np.inf if hardness is None else hardness * cell * gap.size
-        if not steps[-1] < most:
-            raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
-    else:
-        if hardness is not None:
-            raise ValueError(f"approaches are for bodies without hardness; give loads, got hardness={hardness!r}")
-        if not periodic and gap.ndim == 1:
-            raise ValueError("approaches: a free half-plane has none; give loads, or boundary='periodic'")
-        if periodic and not steps[-1] < gap.mean():
-            raise ValueError(f"approaches must be below {gap.mean():g} µm, where all points touch, got {approaches!r}")
-    rows: list[dict[str, Any]] = []
-    report = None if progress is None else lambda iteration, error: progress(len(rows), iteration, error)
-    solver = Solver(gap, spacing, modulus, periodic=periodic, hardness=hardness, tolerance=tolerance, progress=report)
-    slope = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
-    problem = _Problem(gap, solver.kernels[0], spacing, periodic, hardness, slope, model)
-    pressed = []
-    solution = None
-    for step in steps.tolist():
-        if approaches is None:
-            solution = solver.at(step / (cell * gap.size), near=solution)
-        else:
-            solution = solver.at_approach(step, near=solution)
-        if not solution.error <= tolerance:
-            raise RuntimeError(
-                f"no solution at {step:g} {unit}: error {solution.error:.2g} after {solution.iterations} iterations, "
-                f"above the tolerance {tolerance:g}"
-            )
-        rows.append(_row(problem, solution) | _sums(problem, solution.pressure))
-        points = np.flatnonzero(solution.pressure)
-        pressed.append((read_only(points), read_only(solution.pressure.ravel()[points])))
-    reached = steps if approaches is None else np.array([values.sum() * cell for _, values in pressed])
+    if not (progress is None or callable(progress)):
+        raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
+    problem = problem_of(
+        upper,
+        lower,
+        float(model.effective_modulus),
+        periodic=boundary == "periodic",
+        compliance_share=part_of_one("compliance_share", compliance_share),
+        hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
+    )
+    loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
+    loads = loads_in_core_units("loads", loads, problem.cell * problem.gap.size)
+    name, steps = steps_of(problem, loads, in_core_units("approaches", approaches, "length"))
+    warn_of_one_body(upper, lower)
+    return _curve(problem, model, pressed(problem, name, steps, tolerance=tolerance, progress=progress))
+
+
+def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed]) -> HalfSpaceCurve:
+    sums = tuple(one.sums(model.directions()) for one in contacts)
+    rows = [one.row() | of_patches.total(model.sliding) for one, of_patches in zip(contacts, sums, strict=True)]
     return HalfSpaceCurve(
-        load=read_only(reached.copy()),
         **_columns(rows, model),
-        effective_modulus=modulus,
+        effective_modulus=float(model.effective_modulus),
         _problem=problem,
-        _pressed=tuple(pressed),
+        _model=model,
+        _pressed=tuple(contacts),
+        _sums=sums,
     )
 
 
@@ -364,36 +380,3 @@ def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
             column = np.ascontiguousarray(column.T) if model.angles().ndim > 0 else column[:, 0].copy()
         columns[name] = read_only(column)
     return columns
-
-
-def _row(problem: _Problem, solution: Solution) -> dict[str, Any]:
-    """What one load's solution says without friction."""
-    from stiction.mechanics.patches import labelled
-
-    touching = solution.pressure > 0
-    pressure = solution.pressure[touching]
-    capped = pressure == problem.hardness
-    return {
-        "approach": solution.approach if problem.has_approach else np.nan,
-        "error": solution.error,
-        "iterations": solution.iterations,
-        "contact_count": labelled(touching, periodic=problem.periodic)[1],
-        "load_share_at_hardness": float(pressure[capped].sum() / pressure.sum()),
-        "area_share_at_hardness": float(capped.mean()),
-    }
-
-
-def _sums(problem: _Problem, pressure: Floats) -> dict[str, Any]:
-    """The sums of `HalfSpaceCurve` at one load."""
-    from stiction.mechanics.patches import labelled, sums, true_share
-
-    touching = pressure > 0
-    patches, _ = labelled(touching, periodic=problem.periodic)
-    return sums(
-        pressure[touching] * problem.cell,
-        true_share(touching, periodic=problem.periodic) * problem.cell,
-        [along[touching] for along in problem.slope],
-        patches[touching],
-        problem.model.directions(),
-        problem.model.sliding,
-    )

@@ -68,6 +68,13 @@ class HertzCylinder(Law):
     -----
     Johnson, Contact Mechanics (1985), eq. 4.45. The overlap is that of the undeformed circles, a²/R; the approach of
     distant points of a line contact depends on the size of the bodies and has no value of its own.
+
+    Examples
+    --------
+    >>> from stiction import HertzCylinder, force_and_area
+    >>> force, area = force_and_area(HertzCylinder(), overlap=0.01, radius=1.0)
+    >>> round(force, 6), round(area, 6)
+    (0.07854, 0.2)
     """
 
     width: float = parameter("µm", default=1.0)
@@ -91,6 +98,13 @@ class JacksonGreen(Law):
     -----
     Jackson & Green, Journal of Tribology 127 (2005) 343. Fitted up to a = 0.41 R; at the transition the load jumps by
     less than 1 %. Loading only.
+
+    Examples
+    --------
+    >>> from stiction import JacksonGreen, force_and_area
+    >>> force, area = force_and_area(JacksonGreen(yield_strength=0.1, poisson_ratio=0.3), overlap=0.01, radius=1.0)
+    >>> round(force, 6), round(area, 6)  # less than 0.0133 mN and more than 0.0314 µm² of elastic spheres
+    (0.009971, 0.045495)
     """
 
     yield_strength: float = parameter("GPa")
@@ -134,6 +148,13 @@ def force_and_area(
     ------
     ValueError
         If an argument or a parameter of the law is outside its range.
+
+    Examples
+    --------
+    >>> from stiction import force_and_area
+    >>> force, area = force_and_area("hertz-sphere", overlap=0.01, radius=1.0)
+    >>> round(force, 6), round(area, 6)
+    (0.013333, 0.031416)
     """
     chosen = law_of(law)
     return stiction._core.force_and_area(

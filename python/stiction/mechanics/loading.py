@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
 from stiction._checks import Floats, float_array
+from stiction._units import in_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums
-from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair
+from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair, shows_model
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -29,6 +30,7 @@ _FURTHER = 5.0
 """How much further than they are asked for candidates are looked for."""
 
 
+@shows_model
 def approach_at_load(
     upper: Profile | Surface,
     lower: Profile | Surface,
@@ -45,7 +47,7 @@ def approach_at_load(
     upper, lower : Profile or Surface
         Both of one kind, on the same grid.
     loads : array_like of float, mN
-        Above 0, of any shape.
+        Above 0, of any shape; or text, "10 mN" or a list of such.
     mu0 : float
         Molecular friction coefficient; friction on slopes carries a part of the normal load.
     tau0 : float, GPa
@@ -81,7 +83,7 @@ def approach_at_load(
     >>> float(approach_at_load(flat, ball, load, mu0=0.3, detection="gap-minimum").round(4))
     0.01
     """
-    wanted = float_array("loads", loads)
+    wanted = float_array("loads", in_core_units("loads", loads, "force"))
     if not (wanted > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     model = model_for_pair(upper, lower, contact)

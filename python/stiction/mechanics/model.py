@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any, Literal, TypedDict
+from typing import Any, Literal, TypedDict, TypeVar
 
 import numpy as np
 
@@ -212,9 +213,54 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
 def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
     """The contact model that keywords give for two bodies, which are checked; nothing is left open."""
     check_pair(upper, lower)
+    check_modulus(keywords, upper, lower)
     if isinstance(upper, Surface):
         return model_of(keywords, _OF_SURFACES).for_surfaces()
     return model_of(keywords, _OF_PROFILES).for_profiles()
+
+
+def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
+    """The modulus (GPa) that is given, or that of the paper; bodies that were measured must have one of their own."""
+    if effective_modulus is None:
+        check_modulus({}, *bodies)
+        return EFFECTIVE_MODULUS
+    return number("effective_modulus", effective_modulus, unit="GPa", above=0)
+
+
+def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
+    """Ask for a modulus, or a model that has one, where a body was measured."""
+    if "effective_modulus" not in keywords and "model" not in keywords:
+        refuse_no_modulus(*map(measured_source, bodies))
+
+
+def refuse_no_modulus(*sources: str) -> None:
+    """Ask for a modulus where there is a file that a body was read from."""
+    for source in filter(None, sources):
+        raise ValueError(
+            f"effective_modulus (GPa) must be given, because a body was {source}: only of generated ones it is "
+            f"{EFFECTIVE_MODULUS:g} GPa"
+        )
+
+
+def measured_source(body: Profile | Surface) -> str:
+    """What the history of a body says of the file that it was read from; nothing of bodies that were generated."""
+    return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
+
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def shows_model(function: _Function) -> _Function:
+    """Let the signature of a function name the keywords of a contact model, as tooltips show it."""
+    signature = inspect.signature(function)
+    own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
+    model = [inspect.Parameter("model", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="ContactModel | None")]
+    model += [
+        inspect.Parameter(each.name, inspect.Parameter.KEYWORD_ONLY, default=each.default, annotation=each.type)
+        for each in fields(ContactModel)
+    ]
+    function.__signature__ = signature.replace(parameters=[*own, *model])  # type: ignore[attr-defined]
+    return function
 
 
 def check_pair(upper: Any, lower: Any) -> None:

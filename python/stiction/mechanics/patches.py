@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import scipy.fft
 import scipy.linalg
 import scipy.ndimage
 import scipy.sparse
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
@@ -26,13 +27,12 @@ for each contact, measured on Westergaard's sinusoid.
 """
 
 
-def labelled(touching: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np.int64], int]:
+def labelled(touching: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np.int32], int]:
     """Patches of connected points, from 1 on, 0 elsewhere, and how many; eight neighbours, over edges if periodic."""
     labels, count = scipy.ndimage.label(touching, np.ones([3] * touching.ndim, int))
-    labels = labels.astype(np.int64)
     if not periodic or not count:
         return labels, count
-    pairs: list[NDArray[np.int64]] = []
+    pairs: list[NDArray[np.int32]] = []
     for axis in range(labels.ndim):
         first, last = np.take(labels, 0, axis), np.take(labels, -1, axis)
         moves = (-1, 0, 1) if labels.ndim > 1 else (0,)
@@ -42,24 +42,26 @@ def labelled(touching: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np
     graph = scipy.sparse.coo_array((np.ones(int(both.sum())), (left[both], right[both])), shape=(count + 1, count + 1))
     together, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
     # The group of label 0, which is nobody else's, becomes 0.
-    order = np.empty(together, np.int64)
+    order = np.empty(together, np.int32)
     order[group[0]] = 0
     order[np.delete(np.arange(together), group[0])] = np.arange(1, together)
     return order[group][labels], together - 1
 
 
-def true_share(touching: NDArray[np.bool_], *, periodic: bool) -> Floats:
+def true_share(touching: NDArray[np.bool_], *, periodic: bool, least: ArrayLike = 0.0) -> Floats:
     """The share of each touching cell that is in contact, less than 1 where it has open sides. The grid's edge is none.
 
-    In the order of `numpy.nonzero`.
+    In the order of `numpy.nonzero`, as `least` is, which no cell has less than: what it bears over the most that it
+    could bear if all of it were in contact. So no cell's pressure in contact is above the hardness.
     """
     padded = np.pad(touching, 1, mode="wrap") if periodic else np.pad(touching, 1, mode="edge")
-    inner = tuple([slice(1, -1)] * touching.ndim)
-    sides = np.zeros(touching.shape, np.int8)
+    inner = [slice(1, -1)] * touching.ndim
+    closed = np.zeros(touching.shape, np.int8)
     for axis in range(touching.ndim):
-        for move in (-1, 1):
-            sides += ~np.roll(padded, move, axis)[inner]
-    return np.asarray(1 - AREA_BEYOND_EDGE[touching.ndim] * sides[touching])
+        for beside in (slice(None, -2), slice(2, None)):
+            closed += padded[(*inner[:axis], beside, *inner[axis + 1 :])]
+    sides = 2 * touching.ndim - closed[touching]
+    return np.asarray(np.maximum(1 - AREA_BEYOND_EDGE[touching.ndim] * sides, least))
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
@@ -92,15 +94,59 @@ def _spline_slope(heights: Floats, axis: int, step: float) -> Floats:
     return np.moveaxis(slope.reshape(np.moveaxis(heights, axis, 0).shape), 0, axis)
 
 
-def sums(
-    force: Floats,
-    area: Floats,
-    slope: list[Floats],
-    patch: NDArray[np.int64],
-    directions: Floats,
-    sliding: Sliding,
-) -> dict[str, Any]:
-    """What F_N and F_T need for every mu0 and tau0; those that depend on the direction as (directions,).
+@dataclass(frozen=True, eq=False)
+class PatchSums:
+    """What F_N and F_T need for every mu0 and tau0, of each patch: (patches,), or (directions, patches).
+
+    Attributes
+    ----------
+    force, area : ndarray, mN and µm²
+        Σ F n_z, and the area along the deformed interface.
+    leaning : ndarray, mN
+        -Σ F s·n.
+    upward, forward : ndarray, mN
+        Σ F t_z and -Σ F s·t, for friction.
+    upward_area, forward_area : ndarray, µm²
+        Σ A t_z and -Σ A s·t, for adhesion.
+    steepness : float
+        Root-mean-square slope in contact, weighted with the force.
+    """
+
+    force: Floats
+    area: Floats
+    leaning: Floats
+    upward: Floats
+    forward: Floats
+    upward_area: Floats
+    forward_area: Floats
+    steepness: float
+
+    @property
+    def opposing(self) -> NDArray[np.bool_]:
+        """(directions, patches): whether a patch pushes the upper body back."""
+        return np.asarray(self.leaning > LEVEL * self.steepness * self.force)
+
+    def total(self, sliding: Sliding) -> dict[str, Any]:
+        """The sums of a `HalfSpaceCurve` by a sliding rule; those that depend on the direction as (directions,)."""
+        rubs = True if sliding == "all" else self.opposing
+        each = {
+            "tangential_elastic": self.leaning,
+            "normal_frictional": self.upward,
+            "tangential_frictional": self.forward,
+            "normal_adhesive": self.upward_area,
+            "tangential_adhesive": self.forward_area,
+        }
+        return {
+            "contact_area": float(self.area.sum()),
+            "normal_elastic": float(self.force.sum()),
+            **{name: values.sum(axis=1, where=rubs) for name, values in each.items()},
+        }
+
+
+def patch_sums(
+    force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.integer[Any]], directions: Floats
+) -> PatchSums:
+    """Sums over the points of each patch.
 
     Of each point under pressure: its force on the ground plan (mN), its share of the ground plan (µm²), slopes along y
     and x (or x alone) of the deformed interface, and its patch, from 1 on. Directions are (m, 2) horizontal unit
@@ -108,41 +154,44 @@ def sums(
     """
     along_x = slope[-1]
     along_y = slope[0] if len(slope) == 2 else np.zeros_like(along_x)
-    square = 1 + along_x**2 + along_y**2  # q²
-    pushing, rubbing = force * np.sqrt(square), area * np.sqrt(square)
+    steep = along_x**2 + along_y**2
+    stretch = np.sqrt(1 + steep)  # q
 
-    def along(way: Floats) -> dict[str, float]:
-        rise = _rise(slope, way)  # -q s·n
-        share = 1.0 if sliding == "all" else opposes(force, slope, patch, way)
-        # n·s = -rise/q, and t = -s + (s·n) n over its length, sqrt(1 - (s·n)²).
-        forward = np.sqrt(1 - rise**2 / square)
-        upward = -rise / (square * forward)
-        rubbed, stuck = pushing * share, rubbing * share
-        return {
-            "tangential_elastic": float((rise * force * share).sum()),
-            "normal_frictional": float((rubbed * upward).sum()),
-            "tangential_frictional": float((rubbed * forward).sum()),
-            "normal_adhesive": float((stuck * upward).sum()),
-            "tangential_adhesive": float((stuck * forward).sum()),
-        }
+    def over_patches(values: Floats) -> Floats:
+        return np.asarray(np.bincount(patch, weights=values)[1:], np.float64)
 
-    each = [along(way) for way in directions]
-    return {
-        "contact_area": float(rubbing.sum()),
-        "normal_elastic": float(force.sum()),
-        **{name: np.array([one[name] for one in each]) for name in each[0]},
-    }
+    def along(way: Floats) -> list[Floats]:
+        rise = along_x * way[0] + along_y * way[1]  # -q s·n
+        across = along_x * way[1] - along_y * way[0]
+        # t = -s + (s·n) n over its length, sqrt(1 - (s·n)²), which is level/q: F q t_z is -F rise/level.
+        level = np.sqrt(1 + across**2)
+        upward = -rise / level
+        return [
+            over_patches(values)
+            for values in (rise * force, upward * force, level * force, upward * area, level * area)
+        ]
 
-
-def opposes(force: Floats, slope: list[Floats], patch: NDArray[np.int64], way: Floats) -> NDArray[np.bool_]:
-    """Whether the patch of each point pushes the upper body back; arguments as for `sums`, the direction (x, y)."""
-    pushed = np.bincount(patch, weights=_rise(slope, way) * force)
-    steepness = np.sqrt(sum(np.square(along) @ force for along in slope) / force.sum())
-    opposing = pushed > LEVEL * steepness * np.bincount(patch, weights=force)
-    return np.asarray(opposing[patch])
+    leaning, *rubbing = (np.array(columns) for columns in zip(*map(along, directions), strict=True))
+    upward, forward, upward_area, forward_area = rubbing
+    return PatchSums(
+        force=over_patches(force),
+        area=over_patches(area * stretch),
+        leaning=leaning,
+        upward=upward,
+        forward=forward,
+        upward_area=upward_area,
+        forward_area=forward_area,
+        steepness=float(np.sqrt((steep * force).sum() / force.sum())),
+    )
 
 
-def _rise(slope: list[Floats], way: Floats) -> Floats:
-    """Slope along a direction (x, y)."""
-    along_y = slope[0] * way[1] if len(slope) == 2 else 0.0
-    return np.asarray(slope[-1] * way[0] + along_y)
+def sums(
+    force: Floats,
+    area: Floats,
+    slope: list[Floats],
+    patch: NDArray[np.integer[Any]],
+    directions: Floats,
+    sliding: Sliding,
+) -> dict[str, Any]:
+    """The sums of a `HalfSpaceCurve` by a sliding rule; other arguments as for `patch_sums`."""
+    return patch_sums(force, area, slope, patch, directions).total(sliding)

@@ -8,10 +8,16 @@ import stiction._core
 
 
 class Quantity(NamedTuple):
-    """How a result speaks of a number."""
+    """How a result speaks of a number: its unit, a phrase for axes and datasets, and a few words for tables."""
 
     unit: str
     words: str
+    brief: str = ""
+
+    @property
+    def short(self) -> str:
+        """What tables say."""
+        return self.brief or self.words
 
 
 _OF_THE_CORE = {name: Quantity(unit, words) for name, unit, words in stiction._core.quantities()}
@@ -37,8 +43,20 @@ HALF_SPACE_SUMS: tuple[str, ...] = (
 )
 """What a result by the half-space holds of each pair at each load."""
 
-AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_unanswered")
+AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_at_edge", "share_unanswered")
 """The members that `SurfaceValidity` has besides those of `Validity`."""
+
+STATISTICS: tuple[str, ...] = (
+    "normal_stiffness", "error", "share_on_largest", "share_at_edge", "share_on_steepest_upper",
+    "share_on_steepest_lower", "fraction_on_small",
+)  # fmt: skip
+"""What a result of measured bodies holds of each member at each load, besides its sums."""
+
+DISTRIBUTIONS: tuple[str, ...] = ("patch_area", "pressure")
+"""What it holds quantiles of."""
+
+GAP: tuple[str, ...] = ("rms_gradient", "rms_slope")
+"""What it holds of the gap of each member, whatever the load; the second along each direction."""
 
 VALIDITY: tuple[str, ...] = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
 """The members of `Validity`."""
@@ -49,18 +67,52 @@ QUANTITIES: dict[str, Quantity] = (
     | {
         "friction_coefficient": Quantity("1", "coefficient of static friction"),
         "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
+        "normal_load": Quantity("mN", "normal load while sliding starts, friction on slopes included"),
         "normal_stiffness": Quantity("mN/um", "normal stiffness"),
-        "share_opposing": Quantity("1", "share of the load on contacts that oppose the motion"),
+        "contact_area_fraction": Quantity("1", "true over nominal contact area", "true area A/A0"),
+        "mean_pressure": Quantity("GPa", "mean pressure in contact"),
+        "share_opposing": Quantity("1", "fraction of the load on contacts that oppose the motion", "load that opposes"),
+        "error": Quantity("1", "error of the half-space, in deviations of the gap", "error of the solution"),
+        "share_on_largest": Quantity(
+            "1", "fraction of the load on the contact that carries most", "load on the largest contact"
+        ),
+        "share_at_edge": Quantity(
+            "1", "fraction of the load on contacts that reach the edge of the overlap", "load on contacts at the edge"
+        ),
+        "share_on_steepest_upper": Quantity(
+            "1", "fraction of the load on the steepest tenth of the upper body", "load on the upper's steepest tenth"
+        ),
+        "share_on_steepest_lower": Quantity(
+            "1", "fraction of the load on the steepest tenth of the lower body", "load on the lower's steepest tenth"
+        ),
+        "fraction_on_small": Quantity(
+            "1", "fraction of the load on contacts of at most four grid cells", "load on contacts of 4 points or fewer"
+        ),
+        "patch_area": Quantity("um^2", "areas of contacts on the ground plan", "area of a contact"),
+        "pressure": Quantity("GPa", "pressures over the true area", "pressure"),
+        "rms_gradient": Quantity("1", "root-mean-square gradient of the gap", "rms gradient of the gap"),
+        "rms_slope": Quantity("1", "root-mean-square slope of the gap along the motion", "rms slope of the gap"),
+        "gentle_friction": Quantity("1", "friction coefficient by the slope of the gap alone", "by the slopes alone"),
+        "cut_off": Quantity("um", "wavelength below which waves are taken off; 0 is the scan itself", "cut-off"),
+        "quantile": Quantity("1", "fraction that is smaller"),
+        "axis": Quantity("degree", "axis of the motion, both senses together, from +x towards +y"),
+        "x": Quantity("um", "how far the upper body is moved along +x"),
+        "y": Quantity("um", "how far the upper body is moved along +y"),
+        "line": Quantity("1", "pair of lines"),
+        "surrogate": Quantity("", "whether the member is a pair of surrogates"),
+        "nominal_area": Quantity("um^2", "nominal area of a member"),
         "relative_overlap": Quantity("1", "load-weighted mean of overlap / radius"),
         "share_beyond_hertz": Quantity(
-            "1", "share of the load on contacts with an overlap above a tenth of their radius"
+            "1", "fraction of the load on contacts with an overlap above a tenth of their radius"
         ),
-        "share_below_grid": Quantity("1", "share of the load on contacts with a radius below the grid spacing"),
-        "share_crossed": Quantity("1", "share of would-be contacts refused because their sphere centres had crossed"),
-        "share_overlapping": Quantity("1", "share of the load on contacts whose ellipse overlaps another one"),
-        "share_unanswered": Quantity("1", "share of the grid's minima beside which the spline has none"),
-        "load_share_at_hardness": Quantity("1", "share of the load where the pressure is the hardness"),
-        "area_share_at_hardness": Quantity("1", "share of the points under pressure where that is the hardness"),
+        "share_below_grid": Quantity("1", "fraction of the load on contacts with a radius below the grid spacing"),
+        "share_crossed": Quantity(
+            "1", "fraction of would-be contacts refused because their sphere centres had crossed"
+        ),
+        "share_overlapping": Quantity("1", "fraction of the load on contacts whose ellipse overlaps another one"),
+        "share_unanswered": Quantity("1", "fraction of the grid's minima beside which the spline has none"),
+        "load_share_at_hardness": Quantity("1", "fraction of the load where the pressure is the hardness"),
+        "area_share_at_hardness": Quantity("1", "fraction of the points under pressure where that is the hardness"),
         "lateral_load": Quantity("mN", "lateral load that keeps the upper body on its way"),
         "direction": Quantity("degree", "where the upper body is about to move, from +x towards +y"),
         "sliding": Quantity("", "which contacts rub and push: those that oppose the motion, or all"),
@@ -80,5 +132,5 @@ QUANTITIES: dict[str, Quantity] = (
 
 def attributes_of(name: str) -> dict[str, str]:
     """The attributes of a variable of that name in a dataset."""
-    unit, words = QUANTITIES[name]
+    unit, words = QUANTITIES[name][:2]
     return {"units": unit, "long_name": words} if unit else {"long_name": words}

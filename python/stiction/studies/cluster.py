@@ -1,4 +1,4 @@
-"""Many machines, by Dask: an executor for `run`, and its failures as errors of ours."""
+"""The workers of a Dask scheduler as an executor, with its failures as errors that a user can act on."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stiction._text import LONGEST_NAME, printable
 from stiction._units import shortened
 
 PATIENCE = "15s"
-"""For a scheduler to answer."""
+"""How long a scheduler may take to answer."""
 
 
 class ClusterError(ValueError):
@@ -21,7 +21,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def connected(address: str) -> Iterator[Executor]:
-    """The workers of a scheduler that runs already, such as "tcp://host:8786".
+    """Connect to the workers of a scheduler that runs already, by an address such as "tcp://host:8786".
 
     Raises
     ------
@@ -54,6 +54,6 @@ def _failures(distributed: Any) -> Iterator[None]:
     try:
         yield
     except distributed.scheduler.KilledWorker as error:
-        raise ClusterError(f"a repetition was given up, because every worker that computed it died: {error}") from None
+        raise ClusterError(f"a block was given up, because every worker that computed it died: {error}") from None
     except CancelledError:
         raise ClusterError("the scheduler is gone; what was finished is kept, and the same command goes on") from None

@@ -1,4 +1,4 @@
-"""Where tasks are computed, in which order they come back, and how far they are."""
+"""Executors of tasks, results in the order of their arguments, and how the progress of a run is shown."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import TypeVar
 
 MOST_AHEAD = 16
-"""Tasks that wait on an executor at a time, where their arguments are whole profiles."""
+"""Tasks of `in_order` that wait on an executor at a time, because their arguments may be whole profiles."""
 
 _Argument = TypeVar("_Argument")
 _Result = TypeVar("_Result")
@@ -28,7 +28,7 @@ def in_order(
     executor: Executor | None,
     progress: bool,
 ) -> Generator[_Result]:
-    """The results of a function, in the order of its arguments, of which some are submitted at a time."""
+    """Compute a function of many arguments on an executor; its results come in the order of the arguments."""
     with given_or_threads(executor) as pool, progress_bar(what, total, 0, progress) as advance:
         rest = iter(arguments)
         waiting = collections.deque(pool.submit(function, each) for each in itertools.islice(rest, MOST_AHEAD))
@@ -45,7 +45,7 @@ def in_order(
 
 @contextlib.contextmanager
 def given_or_threads(given: Executor | None) -> Iterator[Executor]:
-    """An executor that somebody else shuts down, or a thread for each core."""
+    """Enter an executor that the caller shuts down, or where there is none, one with a thread for each core."""
     if given is not None:
         yield given
     else:
@@ -54,12 +54,12 @@ def given_or_threads(given: Executor | None) -> Iterator[Executor]:
 
 
 def threads(workers: int | None = None) -> Executor:
-    """So many threads, or one for each core.
+    """Make an executor of so many threads, or of one for each core.
 
     Raises
     ------
     RuntimeError
-        If not even one can be started: said before anything is begun.
+        If no thread can be started; this is found out before anything is begun.
     """
     pool = ThreadPoolExecutor(workers or available_cores())
     pool.submit(int).result()
@@ -67,13 +67,13 @@ def threads(workers: int | None = None) -> Executor:
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
+    """Count the cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextlib.contextmanager
 def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[..., None]]:
-    """A bar on the terminal if it is wanted, or lines where there is none; what is called with how many more are."""
+    """Show progress as a bar, or as lines where there is no terminal; enter a function that is told how many more."""
     if not wanted:
         yield lambda count=1: None
         return
@@ -110,7 +110,7 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
 
 
 def _progress_lines(what: str, total: int, finished: int) -> Callable[..., None]:
-    """A line for every tenth, unless less than a second has gone by since the last."""
+    """Print a line for every tenth, unless less than a second has gone by since the last one."""
     started = said = time.monotonic()
     number = finished
 
@@ -127,4 +127,4 @@ def _progress_lines(what: str, total: int, finished: int) -> Callable[..., None]
 
 
 LINES_APART = 1.0
-"""Seconds: what is quick says nothing."""
+"""Least seconds between lines of progress, so that a short run prints none."""

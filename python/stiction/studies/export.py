@@ -1,35 +1,37 @@
-"""Results as one file, for other programs."""
+"""Results as one netCDF file, for other programs."""
 
 from __future__ import annotations
 
 import errno
 import io
+import itertools
 import os
 import shutil
-from collections.abc import Hashable
 from pathlib import Path
-from typing import Any
-
-import xarray
+from typing import TYPE_CHECKING
 
 from stiction._files import new_file, replaced_file
-from stiction.studies.streams import pieces, repetitions_of_piece
+from stiction.studies.netcdf import write
+from stiction.studies.store import Stored, pieces
+
+if TYPE_CHECKING:
+    import xarray
 
 MOST_IN_MEMORY = 2**27
-"""Bytes of a file that is made in memory first: HDF5 itself crashes where a disk is full."""
+"""Bytes of a file that is made in memory first, because HDF5 may crash where a disk is full."""
 
 
 class ExportError(ValueError):
     """A file that cannot be written."""
 
 
-def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
+def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool = False) -> None:
     """Write a result to a netCDF file, with every variable, coordinate and attribute; its numbers keep every bit.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        What `run` returns.
+    result : xarray.Dataset or Stored
+        What `run` returns, or a folder that it was written to, which is read piece by piece.
     path : path
         Must not exist yet. It appears when it is whole.
     replace : bool
@@ -41,40 +43,38 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         If it exists or cannot be written.
     """
     path = Path(path)
+    if isinstance(result, Stored) and result.nbytes <= MOST_IN_MEMORY:
+        result = result.dataset()
     with replaced_file(path, b"\x89HDF", ExportError) if replace else new_file(path, ExportError) as partial:
-        if dataset.nbytes <= MOST_IN_MEMORY:
+        if result.nbytes <= MOST_IN_MEMORY:
             whole = io.BytesIO()
-            _write(dataset, whole)
+            _write(result, whole)
             partial.write_bytes(whole.getvalue())
-        elif dataset.nbytes <= shutil.disk_usage(partial.parent).free:
-            _write(dataset, partial)
+        elif result.nbytes <= shutil.disk_usage(partial.parent).free:
+            _write(result, partial)
         else:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def _write(dataset: xarray.Dataset, file: Path | io.BytesIO) -> None:
-    """All but the repetitions at once; then these, by as many as are in memory at a time."""
+def _write(result: xarray.Dataset | Stored, file: Path | io.BytesIO) -> None:
+    """Write all but the members at once, and then these piece by piece."""
+    if not isinstance(result, Stored) and "repetition" not in result.dims:
+        write(result, file)
+        return
     import h5netcdf
 
-    # Nothing is missing, so no number means that.
-    encoding: dict[Hashable, dict[str, Any]] = {name: {"_FillValue": None} for name in dataset.variables}
-    if "repetition" not in dataset.dims:
-        dataset.to_netcdf(file, engine="h5netcdf", encoding=encoding)
-        return
-    streamed = [name for name, variable in dataset.variables.items() if "repetition" in variable.dims]
-    in_chunk = min(repetitions_of_piece(dataset), max(1, dataset.sizes["repetition"]))
-    for name in streamed:
-        sizes = dataset[name].sizes
-        encoding[name]["chunksizes"] = tuple(in_chunk if dim == "repetition" else max(1, sizes[dim]) for dim in sizes)
-    none = dataset.isel(repetition=slice(0))
-    none.to_netcdf(file, engine="h5netcdf", encoding=encoding, unlimited_dims=["repetition"])
+    parts = pieces(result)
+    first = next(parts)
+    along = [str(name) for name, variable in first.variables.items() if "repetition" in variable.dims]
+    chunks = {name: tuple(max(1, size) for size in first[name].sizes.values()) for name in along}
+    write(first.isel(repetition=slice(0)), file, growing="repetition", chunks=chunks)
+    total = result.finished.size if isinstance(result, Stored) else result.sizes["repetition"]
     with h5netcdf.File(file, "a") as written:
-        written.resize_dimension("repetition", dataset.sizes["repetition"])
-        first = 0
-        for piece in pieces(dataset, [name for name in dataset.data_vars if name in streamed]):
-            here = slice(first, first + piece.sizes["repetition"])
-            for name in (*piece.data_vars, "repetition"):
-                if name in piece.variables:
-                    index = tuple(here if dim == "repetition" else slice(None) for dim in piece[name].dims)
-                    written[str(name)][index] = piece[name].values
-            first = here.stop
+        written.resize_dimension("repetition", total)
+        begin = 0
+        for piece in itertools.chain([first], parts):
+            here = slice(begin, begin + piece.sizes["repetition"])
+            for name in along:
+                index = tuple(here if dim == "repetition" else slice(None) for dim in piece[name].dims)
+                written[name][index] = piece[name].values
+            begin = here.stop

@@ -12,7 +12,7 @@ from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
-from stiction.studies.streams import pieces
+from stiction.studies.store import pieces
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:

@@ -9,13 +9,20 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._core import student_probability, student_quantile
 from stiction.studies.crossing import Crossing
 
 CONFIDENCE = 0.95
+
+
+def student_quantile(freedom: ArrayLike) -> Floats:
+    """What Student's t is below in all but half of what is not covered, for so many degrees of freedom."""
+    from scipy.special import stdtrit
+
+    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
+
 
 # ---- Over repetitions ------------------------------------------------------------------------------------------------
 
@@ -172,7 +179,7 @@ class Powers:
             kurtosis = count * np.divide(fourths, squares**2, out=np.full_like(squares, 3.0 / count), where=squares > 0)
             freedom = np.clip(2 * count / np.maximum(kurtosis - 1, 1e-9), 1, max(count - 1, 1))
             error = np.sqrt((count - 1) / count * squares)
-        return np.asarray(student_quantile(freedom, 0.5 + CONFIDENCE / 2) * error)
+        return np.asarray(student_quantile(freedom) * error)
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
@@ -233,7 +240,7 @@ class Sample:
         mean = np.where(count > 0, self._mean, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             error = np.sqrt(self._squares / (count - 1) / count)
-        quantile = student_quantile(np.maximum(count - 1, 1), 0.5 + CONFIDENCE / 2)
+        quantile = student_quantile(np.maximum(count - 1, 1))
         half_width = np.where(count >= FEWEST_OF_SAMPLE, quantile * error, np.nan)
         lower = np.maximum(mean - half_width, np.where(self._negative, -np.inf, 0.0))
         return mean, np.asarray(lower), np.asarray(mean + half_width)
@@ -260,7 +267,7 @@ def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
-    return ones, inflation, float(student_quantile(count - 1, 0.5 + CONFIDENCE / 2)), density
+    return ones, inflation, float(student_quantile(count - 1)), density
 
 
 def of_neighbours(values: Floats) -> tuple[float, float, float]:
@@ -274,6 +281,8 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
 
     NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal, because their spread is then not known.
     """
+    from scipy.special import stdtr
+
     count = values.size
     mean = float(values.mean()) if count else math.nan
     if count < FEWEST_NEIGHBOURS or (values == values[0]).all():
@@ -300,7 +309,7 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
     for _ in range(_MOST_STEPS):
         t = high / errors
         slope = density * float(weights @ ((1 + t * t / (count - 1)) ** (-count / 2) / errors))
-        step = (0.5 + CONFIDENCE / 2 - float(weights @ student_probability(count - 1, t))) / slope
+        step = (0.5 + CONFIDENCE / 2 - float(weights @ stdtr(count - 1, t))) / slope
         high += step
         if step <= 1e-15 * high:
             break
@@ -313,3 +322,28 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
 
 _STRAIGHT = 1e-9
 """Skewness below which a scale is straight to round-off."""
+
+
+def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[float, float, float]:
+    """Mean of values (r,) at positions on lines (r,), in the order in which these are neighbours, and its interval.
+
+    Positions on one line are neighbours of each other. Of several lines the values are their means, weighted with the
+    number of their positions, because positions on one line are alike however far apart. The interval does not go
+    beyond the values themselves.
+    """
+    if not values.size:
+        return math.nan, math.nan, math.nan
+    mean, lower, upper = of_neighbours(_one_of_each_line(values, lines))
+    least, most = float(values.min()), float(values.max())
+    return mean, lower if math.isnan(lower) else max(lower, least), upper if math.isnan(upper) else min(upper, most)
+
+
+def _one_of_each_line(values: Floats, lines: NDArray[np.intp]) -> Floats:
+    """One value for each line, in the order of the lines, whose mean is that of all; of one line all of its values."""
+    _, first, index = np.unique(lines, return_index=True, return_inverse=True)
+    if first.size < 2:
+        return values
+    sums, counts = np.bincount(index, weights=values), np.bincount(index)
+    mean = sums.sum() / counts.sum()
+    each = mean + (sums - counts * mean) / counts.mean()
+    return np.asarray(each[np.argsort(first)])

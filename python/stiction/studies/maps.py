@@ -1,13 +1,15 @@
-"""Ensemble means at a load: read off along approaches or elastic loads, with an interval from the repetitions.
+"""Ensemble means at a load: read off where the ensemble's mean normal load reaches it, with intervals.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios; repetitions without contact
 count as zeros. The load is reached where mean(F_N), linear between the steps, first crosses it upwards; nothing is
-extrapolated.
+extrapolated. Members of which a load has no solution are left out.
 """
 
 from __future__ import annotations
 
 import operator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,25 +21,27 @@ from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import threads
-from stiction.studies.streams import pieces, repetitions_last
-from stiction.studies.study import step_of
+from stiction.studies.store import Stored, pieces
+from stiction.studies.study import Study, step_of, study_of
 
 if TYPE_CHECKING:
     import xarray
 
+    Result = xarray.Dataset | Stored
+    Change = Callable[[xarray.Dataset], xarray.Dataset]
 
 AT_ONCE = 2**20
 """Numbers of curves of a fractal dimension and amplitude that are in memory at a time, however many mu0 and tau0."""
 
-_DIMS = ("fractal_dimension", "amplitude", "repetition")
-"""And the steps of `step_of`."""
+CELLS = ("fractal_dimension", "amplitude", "cut_off")
+"""Dimensions of results that come before their members."""
 
 _MOTIONS = ("sliding", "direction")
 """Dimensions of results for several sliding rules and directions."""
 
 
 def friction_map(
-    dataset: xarray.Dataset,
+    dataset: Result,
     loads: ArrayLike,
     *,
     mu0: ArrayLike | None = None,
@@ -47,8 +51,8 @@ def friction_map(
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        What `run` returns.
+    dataset : xarray.Dataset or Stored
+        What `run` returns, or a stored result, of which one block is in memory at a time.
     loads : (l,) array_like of float, mN
         Above 0.
     mu0 : (m,) array_like of float, optional
@@ -70,23 +74,38 @@ def friction_map(
     ------
     ValueError
         If loads, mu0 or tau0 are not positive (zero is allowed for mu0 and tau0).
+
+    Examples
+    --------
+    >>> from stiction import Study, friction_map, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> friction_map(run(Study.named("quick").with_changes(small)), [1e-3], mu0=0.4)["friction_coefficient"].dims
+    ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return _map(dataset, loads, mu0, tau0, "friction_coefficient")
+    return ensemble_map(dataset, loads, mu0, tau0, "friction_coefficient")
 
 
 def area_map(
-    dataset: xarray.Dataset,
+    dataset: Result,
     loads: ArrayLike,
     *,
     mu0: ArrayLike | None = None,
     tau0: ArrayLike | None = None,
 ) -> xarray.Dataset:
-    """Mean true contact area of the ensemble (µm²) at given normal loads; otherwise as `friction_map`."""
-    return _map(dataset, loads, mu0, tau0, "contact_area")
+    """Mean true contact area of the ensemble (µm²) at given normal loads; otherwise as `friction_map`.
+
+    Examples
+    --------
+    >>> from stiction import Study, area_map, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> area_map(run(Study.named("quick").with_changes(small)), [1e-3])["contact_area"].dims
+    ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
+    """
+    return ensemble_map(dataset, loads, mu0, tau0, "contact_area")
 
 
 def stiffness_map(
-    dataset: xarray.Dataset,
+    dataset: Result,
     loads: ArrayLike,
     *,
     mu0: ArrayLike | None = None,
@@ -102,106 +121,233 @@ def stiffness_map(
     ------
     ValueError
         As `friction_map`, with fewer than three approaches or loads, and of free half-planes, which have no approach.
+
+    Examples
+    --------
+    >>> from stiction import Study, run, stiffness_map
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> stiffness_map(run(Study.named("quick").with_changes(small)), [1e-3])["normal_stiffness"].dims
+    ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    step = step_of(dataset)
-    if dataset.sizes.get(step, 0) < 3:
+    head = head_of(dataset)
+    step = step_of(head)
+    if head.sizes.get(step, 0) < 3:
         kind = "approaches" if step == "approach" else "loads"
-        raise ValueError(f"a stiffness needs at least 3 {kind}, got {dataset.sizes.get(step, 0)}")
-    if step == "load" and "approach" in dataset and dataset["approach"].isnull().any():
+        raise ValueError(f"a stiffness needs at least 3 {kind}, got {head.sizes.get(step, 0)}")
+    if step == "load" and any(piece["approach"].isnull().any() for piece in pieces(dataset, ["approach"])):
         raise ValueError("a free half-plane has no approach, so there is no stiffness of it")
-    return _map(dataset, loads, mu0, tau0, "normal_stiffness")
+    return ensemble_map(dataset, loads, mu0, tau0, "normal_stiffness")
 
 
-def _map(
-    dataset: xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str
-) -> xarray.Dataset:
+def head_of(result: Result) -> xarray.Dataset:
+    """A dataset that has the coordinates and attributes of a result."""
+    return next(result.pieces()) if isinstance(result, Stored) else result
+
+
+def study_of_result(result: Result) -> Study:
+    """The study that a result is of."""
+    return result.study if isinstance(result, Stored) else study_of(result)
+
+
+def cells_of(dataset: xarray.Dataset) -> list[str]:
+    """The dimensions of a dataset that come before its members."""
+    return [name for name in CELLS if name in dataset.dims]
+
+
+def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
+    """Values over some dimensions, and over repetitions as neighbours in memory, where they are summed faster."""
+    return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
+
+
+def means(result: Result, names: Iterable[str] | None = None) -> xarray.Dataset:
+    """Means over the members of some variables of a result, or of all that are over members."""
     import xarray
 
+    total: dict[str, xarray.Variable] = {}
+    count = 0
+    head = head_of(result)
+    kept = [str(name) for name in (head.data_vars if names is None else names) if "repetition" in head[name].dims]
+    for piece in pieces(result, kept):
+        count += piece.sizes["repetition"]
+        for name in kept:
+            dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
+            added = xarray.Variable(dims, repetitions_last(piece[name], dims).sum(axis=-1))
+            total[name] = added if name not in total else total[name] + added
+    coordinates = {name: each for name, each in head.coords.items() if "repetition" not in each.dims}
+    variables = {name: (each.dims, each.values / count, head[name].attrs) for name, each in total.items()}
+    return xarray.Dataset(variables, coordinates, head.attrs)
+
+
+def _solved_pieces(result: Result, names: Iterable[str], change: Change | None) -> Iterator[xarray.Dataset]:
+    """Pieces of a result without the members of which a load has no solution."""
+    for piece in pieces(result, names):
+        known = np.isfinite(repetitions_last(piece["normal_elastic"], _other_dims(piece["normal_elastic"])))
+        known = known.reshape(-1, known.shape[-1]).all(axis=0)
+        some = piece if known.all() else piece.isel(repetition=np.flatnonzero(known))
+        yield some if change is None else change(some)
+
+
+def _other_dims(array: xarray.DataArray) -> list[str]:
+    return [str(dim) for dim in array.dims if dim != "repetition"]
+
+
+def ensemble_map(
+    result: Result,
+    loads: ArrayLike,
+    mu0: ArrayLike | None,
+    tau0: ArrayLike | None,
+    what: str,
+    change: Change | None = None,
+) -> xarray.Dataset:
+    """One quantity of the ensemble at given normal loads, as `friction_map` returns it.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored
+    loads, mu0, tau0
+        As for `friction_map`.
+    what : {"friction_coefficient", "contact_area", "normal_stiffness"}
+    change : callable, optional
+        Applied to each piece of the result, as to put directions together.
+    """
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    mu0_values, tau0_values = _parameters(dataset, mu0, tau0)
-    step = step_of(dataset)
-    missing = [name for name in (*_DIMS, step) if not dataset.sizes.get(name)]
-    if missing:
-        raise ValueError(f"the dataset has nothing along {missing[0]!r}")
-    for name in _NEEDED[what]:
-        if name not in dataset:
-            raise ValueError(f"the dataset has no variable {name!r}")
-    sizes = dataset.sizes
-    motions = [motion for motion in _MOTIONS if motion in dataset.dims]
-    cells = tuple(sizes[dim] for dim in (*motions, "fractal_dimension", "amplitude"))
-    shape = (*cells, load_values.size, mu0_values.size, tau0_values.size)
-    mean, lower, upper = (np.full(shape, np.nan) for _ in range(3))
-    validity = {name: np.full(shape, np.nan) for name in VALIDITY}
-    status = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    judged = all(name in dataset for name in SUMS)  # a dataset of loads alone still has a friction coefficient
-    material = mu0_values[:, np.newaxis, np.newaxis, np.newaxis], tau0_values[:, np.newaxis, np.newaxis]
-
-    def curves(cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)) -> tuple[Floats, Floats]:
-        """Normal loads and values of every mu0 and tau0, one after the other, and of some repetitions: (c, k, r)."""
-        pair, other = (each.each(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
-        normal = friction.normal_load(pair, *material)
-        values = np.broadcast_to(_values(other, what, *material), normal.shape)
-        return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
-
-    # Two passes over the repetitions: the means say where loads are reached, and intervals are of what each has there.
-    means, others = _means(dataset, what, step)
+    dataset = head_of(result)
+    material = material_of(dataset, mu0, tau0)
+    _check_is_there(dataset, what)
+    asked = _Asked(dataset if change is None else change(dataset), what, load_values, *material)
+    # Two passes over the members: the means say where loads are reached, and intervals are of what each has there.
+    averages, others, count = _means(lambda: _solved_pieces(result, asked.names(), change), what, asked.step)
+    if not count:
+        raise ValueError("no member of the result has a solution at every load")
     at = {}
-    for cell in np.ndindex(cells):
-        normal, values = (each[..., 0] for each in curves(cell, means, others))
-        at[cell] = intervals.AtLoads(normal, values, sizes["repetition"], load_values)
-    at_a_time = max(1, AT_ONCE // max(1, mu0_values.size * tau0_values.size * sizes[step]))
+    for cell in np.ndindex(asked.cells):
+        normal, values = (each[..., 0] for each in asked.curves(cell, averages, others))
+        at[cell] = intervals.AtLoads(normal, values, count, load_values)
+    at_a_time = asked.members_at_a_time()
     with threads() as pool:
-        for piece in pieces(dataset, (*_NEEDED[what], *_of_step(what, step))):
-            both = [_sums_of(piece, what, step)] * len(at)
+        for piece in _solved_pieces(result, asked.names(), change):
+            both = [_sums_of(piece, what, asked.step)] * len(at)
 
             def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
-                    at[cell].add(*curves(cell, *sums, slice(first, first + at_a_time)))
+                    at[cell].add(*asked.curves(cell, *sums, slice(first, first + at_a_time)))
 
             list(pool.map(add, at, both))
-    for cell, each in at.items():
-        for array, found in zip((mean, lower, upper), (each.mean, *each.interval()), strict=True):
-            array[cell] = _by_load(found, shape)
-        pair = means.each(operator.itemgetter((*cell, slice(None), 0)))
-        normal = curves(cell, means, others)[0][..., 0]
-        locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # friction holds them at the largest approach
-        status[cell] = _by_load(
-            friction.status_of(
-                touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
-                locked=locked,
-            ),
-            shape,
-        )  # fmt: skip
-        if judged:
-            there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
-            for name, figure in vars(Validity.of(Sums(**there))).items():
-                validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), shape)
-    if what == "friction_coefficient":
-        for array in (mean, lower, upper):
-            array /= load_values[:, np.newaxis, np.newaxis]
-    coordinates: dict[str, Any] = {
-        **{motion: dataset[motion].variable for motion in motions},
-        "fractal_dimension": dataset["fractal_dimension"].variable,
-        "amplitude": dataset["amplitude"].variable,
-        "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
-        "mu0": ("mu0", mu0_values, {"units": "1", "long_name": "molecular friction coefficient"}),
-        "tau0": ("tau0", tau0_values, {"units": "GPa", "long_name": "adhesive shear strength"}),
-    }
-    dims = tuple(coordinates)
-    coordinates |= {motion: dataset[motion].variable for motion in _MOTIONS if motion in dataset.coords}  # of one
-    units, long_name = QUANTITIES[what]
-    return xarray.Dataset(
-        {
-            what: (dims, mean, {"units": units, "long_name": long_name}),
-            "lower": (dims, lower, {"units": units, "long_name": f"lower end of the 95 % interval of the {long_name}"}),
-            "upper": (dims, upper, {"units": units, "long_name": f"upper end of the 95 % interval of the {long_name}"}),
+    return asked.dataset_of(at, averages, others)
+
+
+def _check_is_there(dataset: xarray.Dataset, what: str) -> None:
+    """That a dataset has what a quantity is made of."""
+    missing = [name for name in ("repetition", step_of(dataset)) if not dataset.sizes.get(name)]
+    missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
+    if missing or not cells_of(dataset):
+        raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
+    for name in _NEEDED[what]:
+        if name not in dataset:
+            raise ValueError(f"the dataset has no variable {name!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """One quantity of an ensemble at loads (mN), for every mu0 and tau0 (GPa)."""
+
+    head: xarray.Dataset
+    what: str
+    loads: Floats
+    mu0: Floats
+    tau0: Floats
+
+    @property
+    def step(self) -> str:
+        """What members are pressed to."""
+        return step_of(self.head)
+
+    @property
+    def dims(self) -> list[str]:
+        """Dimensions of the cells, motions first."""
+        return [*(motion for motion in _MOTIONS if motion in self.head.dims), *cells_of(self.head)]
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """How many cells there are along each of them."""
+        return tuple(self.head.sizes[dim] for dim in self.dims)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of what comes out."""
+        return (*self.cells, self.loads.size, self.mu0.size, self.tau0.size)
+
+    @property
+    def judged(self) -> bool:
+        """Whether there are figures of validity: a dataset of loads alone still has a friction coefficient."""
+        return all(name in self.head for name in SUMS)
+
+    def names(self) -> tuple[str, ...]:
+        """Variables that are read."""
+        own = (*_NEEDED[self.what], *_of_step(self.what, self.step))
+        return (*own, *(name for name in SUMS if self.judged and name not in own))
+
+    def members_at_a_time(self) -> int:
+        """Members of which all curves are in memory together."""
+        return max(1, AT_ONCE // max(1, self.mu0.size * self.tau0.size * self.head.sizes[self.step]))
+
+    def curves(
+        self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
+    ) -> tuple[Floats, Floats]:
+        """Normal loads and values of every mu0 and tau0, one after the other, and of some members: (c, k, r)."""
+        pair, other = (each.each(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
+        material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
+        normal = friction.normal_load(pair, *material)
+        values = np.broadcast_to(_values(other, self.what, *material), normal.shape)
+        return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
+
+    def dataset_of(self, at: dict[tuple[int, ...], intervals.AtLoads], averages: Sums, others: Sums) -> xarray.Dataset:
+        """What was found of each cell, as a dataset."""
+        import xarray
+
+        mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
+        validity = {name: np.full(self.shape, np.nan) for name in VALIDITY}
+        status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
+        for cell, each in at.items():
+            for array, found in zip((mean, lower, upper), (each.mean, *each.interval()), strict=True):
+                array[cell] = _by_load(found, self.shape)
+            pair = averages.each(operator.itemgetter((*cell, slice(None), 0)))
+            normal = self.curves(cell, averages, others)[0][..., 0]
+            status[cell] = _by_load(_status_of(pair, normal, each), self.shape)
+            if self.judged:
+                there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
+                for name, figure in vars(Validity.of(Sums(**there))).items():
+                    validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), self.shape)
+        if self.what == "friction_coefficient":
+            for array in (mean, lower, upper):
+                array /= self.loads[:, np.newaxis, np.newaxis]
+        coordinates: dict[str, Any] = {
+            **{name: self.head[name].variable for name in self.dims},
+            "load": ("load", self.loads, {"units": "mN", "long_name": "normal load"}),
+            "mu0": ("mu0", self.mu0, attributes_of("mu0")),
+            "tau0": ("tau0", self.tau0, attributes_of("tau0")),
+        }
+        dims = tuple(coordinates)
+        of_one = [motion for motion in _MOTIONS if motion in self.head.coords]
+        unit, words = QUANTITIES[self.what][:2]
+        variables: dict[str, Any] = {
+            self.what: (dims, mean, {"units": unit, "long_name": words}),
+            "lower": (dims, lower, {"units": unit, "long_name": f"lower end of the 95 % interval of the {words}"}),
+            "upper": (dims, upper, {"units": unit, "long_name": f"upper end of the 95 % interval of the {words}"}),
             "status": (dims, status, attributes_of("status")),
             **{name: (dims, values, attributes_of(name)) for name, values in validity.items()},
-        },
-        coordinates,
-        dict(dataset.attrs),
+        }
+        coordinates |= {motion: self.head[motion].variable for motion in of_one}
+        return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
+
+
+def _status_of(pair: Sums, normal: Floats, at: intervals.AtLoads) -> NDArray[Any]:
+    """Whether loads are reached by the mean curves (c, k), or why not."""
+    locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # friction holds them at the largest approach
+    return friction.status_of(
+        touched=bool(pair.contact_count.any()), reached=at.crossing.reached, below=at.crossing.below, locked=locked
     )
 
 
@@ -229,13 +375,7 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
     Over motions, fractal dimension, amplitude, step and repetition. Those that the result has not are NaN.
     """
-    dims = [
-        *(motion for motion in _MOTIONS if motion in data.dims),
-        "fractal_dimension",
-        "amplitude",
-        step,
-        "repetition",
-    ]
+    dims = [*(motion for motion in _MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
     def values_of(name: str) -> NDArray[Any]:
@@ -267,25 +407,25 @@ def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
             return friction.tangential_load(sums, mu0, tau0)
 
 
-def _means(dataset: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
-    """Means over the repetitions of what `_sums_of` gives, as of one repetition."""
-    names = [name for name in (*SUMS, *_of_step(what, step)) if name in dataset]
+def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:
+    """Means over the members of what `_sums_of` gives, as of one member, and of how many members."""
     total: list[Sums] = []
-    for piece in pieces(dataset, names):
+    count = 0
+    for piece in solved():
+        count += piece.sizes["repetition"]
         added = [sums.each(lambda values: values.sum(axis=-1, keepdims=True)) for sums in _sums_of(piece, what, step)]
         total = [_sum(*each) for each in zip(total, added, strict=True)] if total else added
-    sums, others = (each.each(lambda values: values / dataset.sizes["repetition"]) for each in total)
-    return sums, others
+    sums, others = (each.each(lambda values: values / max(count, 1)) for each in total)
+    return sums, others, count
 
 
 def _sum(one: Sums, other: Sums) -> Sums:
     return Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
 
 
-def _parameters(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+def material_of(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+    """Values of mu0 and tau0 (GPa): those that are given, or the study's."""
     if mu0 is None or tau0 is None or "study" in dataset.attrs:
-        from stiction.studies.study import study_of
-
         study = study_of(dataset)
         mu0 = study.friction.mu0 if mu0 is None else mu0
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0

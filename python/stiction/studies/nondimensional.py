@@ -61,10 +61,12 @@ def nondimensional(
     import xarray
 
     if "study" in result.attrs:
+        from stiction.studies.generated_surfaces import Generated
         from stiction.studies.study import study_of
 
         study = study_of(result)
-        length = study.surfaces.longest() if length is None else length
+        if length is None and isinstance(study.surfaces, Generated):
+            length = study.surfaces.longest()
         own_modulus: Any = float(study.contact.effective_modulus)
     else:
         own_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None

@@ -1,45 +1,139 @@
-"""One pair of a study pressed together, to every approach or load, along every direction, by every sliding rule."""
+"""One member of a study pressed together: sums and statistics at every step, along every direction, by every rule."""
 
 from __future__ import annotations
 
 import functools
+import math
+import threading
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
-from stiction.mechanics.contact import LoadCurve, press
+from stiction.mechanics.contact import press
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
+from stiction.mechanics.load_curve import LoadCurve
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.quantities import DIRECTED
+from stiction.studies.contact_tables import HalfSpace
+from stiction.studies.members import (
+    FAMILY_MEMORY,
+    SIDES,
+    ProfileGenerator,
+    bodies_of,
+    scaled_surface,
+    unscaled_surface,
+)
+from stiction.studies.pressing import Pressing, nothing, solved
+from stiction.studies.result import Arrays, areas, generated, is_measured, measured, names_of, profiles, variables_of
 from stiction.studies.study import Study
-from stiction.studies.study_tables import Contact
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, scaled_profile
 from stiction.surfaces.surface import Surface
 
+CACHE_LINE = 64
+"""Bytes."""
 
-def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> dict[str, NDArray[Any]]:
-    """Each sum of a study as an array (steps,), or of those that depend on the motion ([rules], [directions], steps).
+
+def member_sums(study: Study, index: int) -> Arrays:
+    """Every variable of a result as an array without the dimension of members, of one member of its study.
+
+    Of measured bodies also what the member is, as `OF_MEMBERS` lists it. A load that has no solution is NaN.
 
     Raises
     ------
     ValueError
-        If a load has no solution by the half-space.
+        If the bodies cannot be made.
     """
-    curves = list(_curves(study, upper, lower))
+    arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in arrays_of(study).items()}
+    for place, part in _measured(study, index, arrays) if is_measured(study) else _generated(study, index):
+        for name, values in part.items():
+            arrays[name][place] = values.reshape(arrays[name][place].shape)
+    return arrays
+
+
+@functools.lru_cache(maxsize=4)
+def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+    """Shape and kind of each variable of a member."""
+    cells = len(study.surfaces.cells())
+    return {
+        name: ((*each.shape[:cells], *each.shape[cells + 1 :]), each.dtype)
+        for name, each in variables_of(study, [0]).items()
+    }
+
+
+COSTS = {"profile": 1.1e-8, "asperities": 3e-8, "half-space": 3e-6, "line": 2e-4}
+"""Seconds of one core, roughly: of a point of a generated and pressed profile, of a point of an area pressed as
+asperities, of a point and load of a half-space, and of a load on a line. They decide how many members are a block."""
+
+
+def cost_of_member(study: Study) -> float:
+    """A rough estimate of the seconds that a member takes on one core, whatever the number of members."""
+    cells = math.prod(values.size for values in study.surfaces.cells().values())
+    loads = study.contact.steps().size
+    if is_measured(study):
+        if measured(study).press == "lines":
+            each = loads * (COSTS["line"] if study.contact.mechanics == "asperities" else 30 * COSTS["line"])
+        else:
+            each = COSTS["half-space"] * 400**2 * loads if study.contact.mechanics == "half-space" else 0.3
+        return cells * each
+    on_profiles = study.surfaces.kind == "profile"
+    points = profiles(study).points if on_profiles else math.prod(areas(study).shape)
+    if study.contact.mechanics == "half-space":
+        return cells * points * loads * COSTS["half-space"]
+    return cells * points * COSTS["profile" if on_profiles else "asperities"] + 1e-4
+
+
+# ---- Generated bodies ------------------------------------------------------------------------------------------------
+
+
+def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
+    """Parts of a repetition with their places among the cells."""
+    if study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+        for place, uppers, lowers, scratch in _families(study, repetition):
+            yield place, pressed_families(study, uppers, lowers, scratch)
+        return
+    pairs = _profiles(study, repetition) if study.surfaces.kind == "profile" else _surfaces(study, repetition)
+    for cell, upper, lower in pairs:
+        yield cell, pressed(study, upper, lower)
+
+
+def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
+    """Each sum of a study as an array (steps,), or of those that depend on the motion ([rules], [directions], steps).
+
+    A load that the half-space has no solution of is NaN, with no contacts.
+    """
+    names, contact = study.sums(), study.contact
+    if contact.mechanics == "asperities":
+        curves: list[Any] = list(_asperity_curves(study, upper, lower))
+        return _table(names, curves)
+    steps = _steps(contact)
+    result: Arrays = {}
+    for at, curve in solved(functools.partial(_half_space, study, upper, lower), steps):
+        part = _table(names, [curve, *(curve.with_sliding(rule) for rule in contact.rules()[1:])])
+        if at.size == steps.size:
+            return part
+        for name, values in part.items():
+            result.setdefault(name, nothing((*values.shape[:-1], steps.size), name))[..., at] = values
+    if not result:  # none of the loads has a solution
+        shapes = {name: shape for name, (shape, _) in arrays_of(study).items()}
+        cells = len(study.surfaces.cells())
+        return {name: nothing(shapes[name][cells:], name) for name in names}
+    return result
+
+
+def _table(names: tuple[str, ...], curves: list[Any]) -> Arrays:
     return {
         name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
-        for name in study.sums()
+        for name in names
     }
 
 
 def pressed_families(
     study: Study, upper: tuple[Floats, Floats], lower: tuple[Floats, Floats], scratch: Floats
-) -> dict[str, NDArray[Any]]:
+) -> Arrays:
     """What `pressed` has of each pair of two families of profiles, in one call.
 
     Parameters
@@ -55,7 +149,7 @@ def pressed_families(
     dict of ndarray
         Each sum as an array (k, amplitudes, rules, steps); of those that do not depend on the motion there is one rule.
     """
-    surfaces, models, steps = study.surfaces, _models(study.contact), _steps(study.contact)
+    surfaces, models, steps = profiles(study), _models(study.contact), _steps(study.contact)
     amplitudes = surfaces.amplitudes()
     columns = _core.press_families(
         *upper,
@@ -72,50 +166,111 @@ def pressed_families(
     return {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()}
 
 
-def _curves(
-    study: Study, upper: Profile | Surface, lower: Profile | Surface
-) -> Iterator[LoadCurve] | Iterator[HalfSpaceCurve]:
-    """One for each sliding rule."""
+def _asperity_curves(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Iterator[LoadCurve]:
     contact = study.contact
-    if contact.mechanics == "half-space":
-        return _half_spaces(study, upper, lower)
-    models, steps = _models(contact), _steps(contact)
-    if isinstance(upper, Surface) or isinstance(lower, Surface):
-        found = candidates(upper, lower, deepest=float(steps[-1]), curvature=contact.curvature)
-        return (press(found, steps, model=model) for model in models)
-    return (press(upper, lower, steps, model=model) for model in models)
+    steps, models = _steps(contact), _models(contact)
+    if isinstance(upper, Surface):
+        models = tuple(model.for_surfaces() for model in models)
+        found = candidates(upper, lower, deepest=float(steps[-1]), curvature=models[0].curvature)
+        for model in models:
+            yield press(found, steps, model=model)
+        return
+    assert isinstance(lower, Profile)
+    for model in models:
+        yield press(upper, lower, steps, model=model)
 
 
-# A study presses thousands of pairs alike, and to make these takes as long as a tenth of a pair.
+def _half_space(study: Study, upper: Profile | Surface, lower: Profile | Surface, loads: Floats) -> HalfSpaceCurve:
+    contact = study.contact
+    assert isinstance(contact, HalfSpace)
+    return half_space(
+        upper,
+        lower,
+        loads,
+        effective_modulus=float(contact.effective_modulus),
+        boundary=contact.boundary,
+        compliance_share=contact.compliance_share,
+        hardness=None if contact.hardness is None else float(contact.hardness),
+        direction=contact.ways() if isinstance(contact.direction, tuple) else contact.ways()[0],
+        sliding=contact.rules()[0],
+    )
 
 
 @functools.lru_cache(maxsize=4)
-def _models(contact: Contact) -> tuple[ContactModel, ...]:
+def _models(contact: Any) -> tuple[ContactModel, ...]:
     return tuple(contact.model(rule) for rule in contact.rules())
 
 
 @functools.lru_cache(maxsize=4)
-def _steps(contact: Contact) -> Floats:
+def _steps(contact: Any) -> Floats:
     return read_only(contact.steps())
 
 
-def _half_spaces(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Iterator[HalfSpaceCurve]:
-    contact = study.contact
-    rules = contact.rules()
-    try:
-        curve = half_space(
-            upper,
-            lower,
-            contact.steps(),
-            effective_modulus=float(contact.effective_modulus),
-            boundary=contact.boundary,
-            compliance_share=contact.compliance_share,
-            hardness=None if contact.hardness is None else float(contact.hardness),
-            direction=contact.ways() if isinstance(contact.direction, tuple) else contact.ways()[0],
-            sliding=rules[0],
+def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Surface, Surface]]:
+    """Each pair with its place (fractal dimension, amplitude)."""
+    for d, dimension in enumerate(generated(study).fractal_dimensions()):
+        upper, lower = (unscaled_surface(study, repetition, side, dimension) for side in SIDES)
+        for a, amplitude in enumerate(generated(study).amplitudes()):
+            yield (d, a), scaled_surface(study, upper, amplitude), scaled_surface(study, lower, amplitude)
+
+
+def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Profile, Profile]]:
+    """Each pair with its place (fractal dimension, amplitude); it is gone when the next one comes."""
+    spacing = ProfileGenerator.of(study).spacing
+    measure = profiles(study).amplitude_measure
+    for place, (uppers, _), (lowers, _), scratch in _families(study, repetition):
+        for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=place.start):
+            for a, amplitude in enumerate(generated(study).amplitudes()):
+                yield (
+                    (d, a),
+                    scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
+                    scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
+                )
+
+
+def _families(
+    study: Study, repetition: int
+) -> Iterator[tuple[slice, tuple[Floats, Floats], tuple[Floats, Floats], Floats]]:
+    """Unscaled profiles and their levels at some fractal dimensions at a time, and memory for a scaled pair."""
+    dimensions, points = profiles(study).fractal_dimensions(), profiles(study).points
+    generator = ProfileGenerator.of(study)
+    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * points)))
+    memory = _memory((2 * members + 2, points))
+    for first in range(0, dimensions.size, members):
+        family = dimensions[first : first + members]
+        uppers, lowers = memory[: family.size], memory[members : members + family.size]
+        yield (
+            slice(first, first + family.size),
+            (uppers, generator.fill(uppers, family, repetition, "upper")),
+            (lowers, generator.fill(lowers, family, repetition, "lower")),
+            memory[-2:],
         )
-    except RuntimeError as error:
-        raise ValueError(f"the half-space has {error}") from None
-    yield curve
-    for rule in rules[1:]:
-        yield curve.with_sliding(rule)
+
+
+_kept = threading.local()
+
+
+def _memory(shape: tuple[int, ...]) -> Floats:
+    """An uninitialised array; a thread's tasks use the same again, because new pages are slow to come by.
+
+    It begins on a line of the cache: wide writes across two lines cost two.
+    """
+    memory: Floats | None = getattr(_kept, "memory", None)
+    if memory is None or memory.shape != shape:
+        whole = np.empty(math.prod(shape) + CACHE_LINE // 8)
+        begin = -whole.__array_interface__["data"][0] % CACHE_LINE // 8
+        _kept.memory = memory = whole[begin : begin + math.prod(shape)].reshape(shape)
+    return memory
+
+
+# ---- Measured bodies -------------------------------------------------------------------------------------------------
+
+
+def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
+    """A member at each cut-off; what the member is goes to `arrays` at once."""
+    pressing = Pressing.of(study)
+    for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
+        member = bodies_of(study).member(index, float(wavelength))
+        arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
+        columns = pressing.pressed(*member.pair)
+        yield place, {name: columns[name] for name in names_of(study)}

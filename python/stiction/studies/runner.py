@@ -1,193 +1,149 @@
-"""Running a study: blocks of repetitions, a task each, on any executor."""
+"""Running a study: blocks of members, a task each, on any executor."""
 
 from __future__ import annotations
 
 import contextlib
 import functools
 import itertools
-import math
 import queue
 import shutil
 import socket
-import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import Executor, Future
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Executor, Future, wait
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stiction._checks import Floats
 from stiction._core import __version__
-from stiction._text import named
-from stiction.studies.dataset import empty_dataset, variables_of
+from stiction._files import half_written
+from stiction._text import bytes_text, duration_text, named
 from stiction.studies.executors import given_or_threads, progress_bar
-from stiction.studies.pairs import FAMILY_MEMORY, ProfileGenerator, scaled_surface, unscaled_surface
-from stiction.studies.pressed import pressed, pressed_families
+from stiction.studies.members import about
+from stiction.studies.pressed import cost_of_member, member_sums
+from stiction.studies.result import OF_MEMBERS, Arrays, dataset_of, stacked
+from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, bytes_of_member, open_stored, put
 from stiction.studies.study import Study, study_from_text
-from stiction.studies.study_text import StudyError
-from stiction.surfaces.profile import AmplitudeMeasure, Profile, Side, scaled_profile
-from stiction.surfaces.surface import Surface
+from stiction.studies.text import StudyError
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.blocks import Writing
-    from stiction.studies.store import Store
+BLOCK_TIME = 1.5
+"""Seconds of work in a block, of which a kill loses those in hand, and of which writing the file is a few per cent."""
 
-Sums = dict[str, NDArray[Any]]
+MOST_MEMBERS = 4096
+MOST_BYTES = 2**24
+"""Largest block."""
 
-SIDES: tuple[Side, Side] = ("upper", "lower")
+FEWEST_BLOCKS = 16
+"""Blocks of a study that has so many members: workers should not wait long for the last one."""
 
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time, if their results are small."""
 
 MOST_WAITING = 2**28
-"""Bytes of results that may wait to be stored here, where workers do not store them."""
+"""Bytes of results that may wait here, where workers do not write them."""
 
-SLOW = 1.0
-"""Seconds of a pair above which nothing else matters."""
+LOOK = 0.2
+"""Seconds after which a task looks again whether anybody waits for it."""
 
-TASK = 2.0
-"""Seconds after which a task begins no further repetition, but has those stored that it has: the most that is lost."""
+PATIENCE = 1.0
+"""Seconds that an interrupted run waits for its workers to write what they have."""
 
-MOST_PACKED = 10
-"""Times that numbers may take more room than on the disk."""
-
-MOST_MEMORY = 16 * 2**30
+MOST_IN_MEMORY = 2**34
 """Bytes of a result that is not stored."""
 
-CACHE_LINE = 64
-"""Bytes."""
+
+def block_size(study: Study) -> int:
+    """Members in a block."""
+    by_time = int(min(BLOCK_TIME / max(cost_of_member(study), 1e-9), MOST_MEMBERS))
+    by_size = MOST_BYTES // bytes_of_member(study)
+    return max(1, min(by_time, by_size, study.ensemble.repetitions // FEWEST_BLOCKS))
 
 
-def repetition_sums(study: Study, repetition: int) -> Sums:
-    """The sums of one repetition: each variable of a result as an array, without the dimension of repetitions."""
-    sums: Sums = {name: np.empty(shape, dtype) for name, (shape, dtype) in _arrays(study).items()}
-    is_profile, asperities = study.surfaces.kind == "profile", study.contact.mechanics == "asperities"
-    if is_profile and asperities:
-        parts: Iterator[tuple[Any, Sums]] = _families(study, repetition)
-    else:
-        pairs = _profiles(study, repetition) if is_profile else _surfaces(study, repetition)
-        parts = ((place, pressed(study, upper, lower)) for place, upper, lower in pairs)
-    for place, part in parts:
-        for name, values in part.items():
-            sums[name][place] = values.reshape(sums[name][place].shape)
-    return sums
+# ---- Tasks ----------------------------------------------------------------------------------------------------------
 
 
-@functools.lru_cache(maxsize=4)
-def _arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Shape and kind of each variable of a repetition."""
-    variables = variables_of(study, [0]).items()
-    return {name: ((*each.shape[:2], *each.shape[3:]), each.dtype) for name, each in variables}
+@dataclass(frozen=True)
+class Folder:
+    """Where a task writes its block, if the worker sees it."""
+
+    path: Path
+    token: str  # name of a file among the blocks, which is there as long as the run that hands out the tasks
+
+    def is_seen(self) -> bool:
+        """Whether this process sees the folder, and the run still waits for its tasks."""
+        return (self.path / BLOCKS / self.token).exists()
 
 
-def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Surface, Surface]]:
-    """Each pair with its place (fractal dimension, amplitude)."""
-    for d, dimension in enumerate(study.surfaces.fractal_dimensions()):
-        upper, lower = (unscaled_surface(study, repetition, side, dimension) for side in SIDES)
-        for a, amplitude in enumerate(study.surfaces.amplitudes()):
-            yield (d, a), scaled_surface(study, upper, amplitude), scaled_surface(study, lower, amplitude)
+def block_task(version: str, text: str, members: range, folder: Folder) -> tuple[int, bytes | None]:
+    """Compute a block and write its file, wherever this runs.
 
-
-def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Sums]]:
-    """Pairs of some fractal dimensions at a time, pressed together."""
-    for place, uppers, lowers, scratch in _generated(study, repetition):
-        yield place, pressed_families(study, uppers, lowers, scratch)
-
-
-def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Profile, Profile]]:
-    """Each pair with its place (fractal dimension, amplitude); it is gone when the next one comes."""
-    spacing = ProfileGenerator.of(study).spacing
-    measure = cast("AmplitudeMeasure", study.surfaces.amplitude_measure)
-    for place, (uppers, _), (lowers, _), scratch in _generated(study, repetition):
-        for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=place.start):
-            for a, amplitude in enumerate(study.surfaces.amplitudes()):
-                yield (
-                    (d, a),
-                    scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
-                    scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
-                )
-
-
-def _generated(
-    study: Study, repetition: int
-) -> Iterator[tuple[slice, tuple[Floats, Floats], tuple[Floats, Floats], Floats]]:
-    """Unscaled profiles and their levels at some fractal dimensions at a time, and memory for a scaled pair."""
-    dimensions = study.surfaces.fractal_dimensions()
-    generator = ProfileGenerator.of(study)
-    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * study.surfaces.points)))
-    memory = _memory((2 * members + 2, study.surfaces.points))
-    for first in range(0, dimensions.size, members):
-        family = dimensions[first : first + members]
-        uppers, lowers = memory[: family.size], memory[members : members + family.size]
-        yield (
-            slice(first, first + family.size),
-            (uppers, generator.fill(uppers, family, repetition, "upper")),
-            (lowers, generator.fill(lowers, family, repetition, "lower")),
-            memory[-2:],
-        )
-
-
-def task(version: str, study: str, repetitions: Sequence[int], writing: Writing | None) -> tuple[int, Sums | None]:
-    """Some repetitions of a block, wherever they are computed: as many of the first as there is time for.
+    If the run has ended before the block is complete, or a member fails, what was computed is written.
 
     Parameters
     ----------
     version : str
-        Of the stiction that asks for them.
-    study : str
-        As text.
-    repetitions : sequence of int
-    writing : Writing, optional
-        The store that they go to.
+        Of the stiction that asks for it.
+    text : str
+        The study.
+    members : range
+    folder : Folder
 
     Returns
     -------
     count : int
-        How many were computed.
-    sums : dict, optional
-        What `repetition_sums` has of each, stacked as the third dimension; None if they are stored already, because the
-        store is seen from here.
+        How many of the members were computed, from the first on.
+    content : bytes, optional
+        The file of the block, if it could not be written because the folder is not seen from here.
 
     Raises
     ------
     StudyError
         If another version of stiction is to compute it, whose results may differ.
-    StoreError, NotWrittenError
-        If they cannot be stored.
+    StoreError
+        If it cannot be written.
     """
+    from stiction.studies.netcdf import encoded
+
+    study = _study(version, text)
+    is_seen = folder.is_seen()
+    done: list[Arrays] = []
+    looked = time.monotonic()
+    for member in members:
+        try:
+            done.append(member_sums(study, member))
+        except Exception:
+            if not done:
+                raise
+            break  # it will be the first of what is left
+        if is_seen and time.monotonic() - looked > LOOK:
+            if not folder.is_seen():
+                break
+            looked = time.monotonic()
+    content = encoded(study, members[: len(done)], stacked(study, done))
+    if not is_seen:
+        return len(done), content
+    put(folder.path, members[0], content, len(done))
+    return len(done), None
+
+
+def arrays_task(version: str, text: str, members: range, _: None) -> tuple[int, Arrays]:
+    """Compute some members that are not stored; see `block_task`."""
+    study = _study(version, text)
+    return len(members), stacked(study, [member_sums(study, member) for member in members])
+
+
+def _study(version: str, text: str) -> Study:
     if version != __version__:
         raise StudyError(
             f"the worker on {socket.gethostname()} has stiction {__version__}, and {version} asks for the study; "
             "install the same version everywhere"
         )
-    parsed, until = _parsed(study), time.monotonic() + TASK
-    shared = writing is not None and writing.is_shared()
-    # Somebody who was killed before they said so may have stored some.
-    stored = writing.stored(repetitions) if writing is not None and shared else frozenset()
-    done: dict[int, Sums] = {}
-    count = 0
-    for repetition in repetitions:
-        if repetition not in stored:
-            try:
-                done[repetition] = repetition_sums(parsed, repetition)
-            except ValueError:
-                if not count:
-                    raise
-                break  # it will be the first of what is left
-        count += 1
-        if time.monotonic() > until:
-            break
-    if not done:
-        return count, None
-    sums = {name: np.stack([each[name] for each in done.values()], axis=2) for name in _arrays(parsed)}
-    if writing is not None and shared and writing.save(list(done), sums):
-        return count, None
-    return count, sums
+    return _parsed(text)
 
 
 @functools.lru_cache(maxsize=4)
@@ -195,20 +151,7 @@ def _parsed(text: str) -> Study:
     return study_from_text(text, "the study")
 
 
-_kept = threading.local()
-
-
-def _memory(shape: tuple[int, ...]) -> Floats:
-    """An uninitialised array; a thread's tasks use the same again, because new pages are slow to come by.
-
-    It begins on a line of the cache: wide writes across two lines cost two.
-    """
-    memory: Floats | None = getattr(_kept, "memory", None)
-    if memory is None or memory.shape != shape:
-        whole = np.empty(math.prod(shape) + CACHE_LINE // 8)
-        begin = -whole.__array_interface__["data"][0] % CACHE_LINE // 8
-        _kept.memory = memory = whole[begin : begin + math.prod(shape)].reshape(shape)
-    return memory
+# ---- Runs -----------------------------------------------------------------------------------------------------------
 
 
 def run(
@@ -226,9 +169,9 @@ def run(
     executor : concurrent.futures.Executor, optional
         Where repetitions are computed; a thread for each core by default. Any executor gives the same bits.
     store : path, optional
-        Zarr store that repetitions are written to as they are computed, by the workers themselves where they see it.
-        One that holds repetitions of the same study already is continued: what it holds is not computed again, and more
-        repetitions may be asked for. Without a store the result is held in memory.
+        Folder that blocks of repetitions are written to as they are computed, by the workers themselves where they see
+        it. One that holds repetitions of the same study already is continued: what it holds is not computed again, and
+        more repetitions may be asked for. Without a store the result is held in memory.
     progress : bool
         Whether to draw a progress bar on the terminal.
 
@@ -238,250 +181,277 @@ def run(
         The variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach (µm), with their
         units, the study's text and the version of stiction as attributes. Of surfaces those of `SurfaceLoadCurve`; by
         the half-space those of `HalfSpaceCurve` over load (mN) in place of approach. A list of sliding rules or of
-        directions is one more dimension, sliding or direction (degrees), of what depends on it. Of a stored result that
-        is larger than 256 MiB, variables are read from there when something of them is asked for.
+        directions is one more dimension, sliding or direction (degrees), of what depends on it. Of measured bodies the
+        cut-off (µm) stands in place of fractal_dimension and amplitude, and there are statistics of the contacts.
 
     Raises
     ------
     ValueError
-        If the study cannot be computed, or the store cannot be written, is another study's, is damaged, is being
-        written by somebody else, or lacks repetitions and was begun by another version of stiction.
+        If the study cannot be computed, its result takes more than 16 GiB of memory, or 2 GiB if it is stored, or the
+        store cannot be written, is another study's, is damaged, or lacks repetitions and was begun by another version
+        of stiction.
+
+    Examples
+    --------
+    >>> from stiction import Study, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> run(Study.named("quick").with_changes(small))["contact_area"].dims
+    ('fractal_dimension', 'amplitude', 'repetition', 'approach')
     """
+    size = study.ensemble.repetitions * bytes_of_member(study)
+    if size > (most := MOST_IN_MEMORY if store is None else MOST_MEMORY):
+        advice = "give it a store" if store is None else "stiction.studies.runner.fill computes it without reading it"
+        raise StudyError(
+            f"the result would take {size / 2**30:.0f} GiB of memory, more than {most / 2**30:.0f}: {advice}, or take "
+            "fewer ensemble.repetitions"
+        )
     if store is None:
-        return _in_memory(study, executor, progress)
-    return computed(study, store, executor=executor, progress=progress)
-
-
-def computed(
-    study: Study,
-    store: str | Path,
-    *,
-    part: tuple[int, int] | None = None,
-    executor: Executor | None = None,
-    progress: bool = False,
-    say: Callable[[str], None] | None = None,
-) -> xarray.Dataset:
-    """`run` into a store; or one of so many parts, such as (3, 16): every 16th block from the third on.
-
-    Processes with different parts share a store, which any file system will do for that all see and that locks. What
-    they leave is computed by whoever comes without a part.
-
-    Parameters
-    ----------
-    say : function, optional
-        Is told what lies ahead once the first tasks are handed out: bytes, files, hours, and who writes.
-
-    Returns
-    -------
-    xarray.Dataset
-        Of the whole study, or of the part.
-
-    Raises
-    ------
-    ValueError
-        As `run`; and if the same part is being computed by somebody else, or there is no such part.
-    """
-    with _filled(study, store, part, executor, progress, say) as (kept, repetitions):
-        return kept.dataset(repetitions)
+        return _in_memory(study.with_known_files(), executor, progress)
+    return _filled(study, Path(store), None, executor, progress, None).dataset()
 
 
 def fill(
     study: Study,
-    store: str | Path,
+    folder: str | Path,
     *,
     part: tuple[int, int] | None = None,
     executor: Executor | None = None,
     progress: bool = False,
     say: Callable[[str], None] | None = None,
 ) -> int:
-    """`computed` for whoever reads the store afterwards: how many repetitions of the study, or the part, it holds."""
-    with _filled(study, store, part, executor, progress, say) as (_, repetitions):
-        return int(repetitions.size)
+    """Compute what a folder lacks of a study, or of a part of it: of (3, 16) every 16th block from the third on.
+
+    Processes with different parts share a folder, on any file system that all of them see. What they leave is computed
+    by whoever comes without a part.
+
+    Parameters
+    ----------
+    study : Study
+    folder : path
+    part : tuple of int, optional
+    executor : concurrent.futures.Executor, optional
+    progress : bool
+    say : function, optional
+        Is told what lies ahead once the first tasks are handed out: bytes, files, hours, and who writes.
+
+    Returns
+    -------
+    int
+        How many repetitions of the study, or of the part, the folder holds.
+
+    Raises
+    ------
+    ValueError
+        As `run`; and if there is no such part.
+    """
+    stored = _filled(study, Path(folder), part, executor, progress, say)
+    own = _Missing(stored, part)
+    return own.total - own.count
 
 
-@contextlib.contextmanager
 def _filled(
     study: Study,
-    store: str | Path,
+    path: Path,
     part: tuple[int, int] | None,
     executor: Executor | None,
     progress: bool,
     say: Callable[[str], None] | None,
-) -> Iterator[tuple[Store, NDArray[np.intp]]]:
-    """A store that holds all repetitions of a study, or of a part of it, and which these are."""
-    from stiction.studies.store import opened
-
+) -> Stored:
+    """A folder that holds all members of a study, or of a part of it."""
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be one of so many, as in 3/16, got {part[0]}/{part[1]}")
-    _check_disk(study, Path(store))
+    study = study.with_known_files()
+    _check_disk(study, path)
+    stored = begin(path, study)
+    missing = _Missing(stored, part)
     with contextlib.ExitStack() as stack:
-        kept = stack.enter_context(opened(store, study, part))
-        missing = _Missing(study.ensemble.repetitions, kept.block, kept.finished, part)
         pool = stack.enter_context(given_or_threads(executor))
-        most = MOST_SUBMITTED
+        advance = stack.enter_context(
+            progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
+        )
         if missing.count:
-            shared = pool.submit(_is_shared, kept.writing).result()
-            if not shared:
-                most = max(32, min(most, MOST_WAITING // (kept.block * _size(study))))
-        here = missing.total - missing.count
-        advance = stack.enter_context(progress_bar("repetitions", missing.total, here, progress))
-        stack.enter_context(kept.refusals())
+            stack.enter_context(_kept(path, study))
+            _compute(stored, missing, pool, advance, say)
+    filled = Stored(path, study, open_stored(path).blocks)
+    if _Missing(filled, part).count:
+        raise StoreError(f"{named(path)}: was removed or replaced while it was being written")
+    return filled
+
+
+def _compute(
+    stored: Stored, missing: _Missing, pool: Executor, advance: Callable[[int], None], say: Callable[[str], None] | None
+) -> None:
+    """Compute what is missing."""
+    waiting: dict[Future[tuple[int, Any]], range] = {}
+    with contextlib.ExitStack() as stack:
+        stack.callback(wait, waiting, PATIENCE)  # after the token is gone, and workers write what they have
+        folder = stack.enter_context(_token(stored.path))
+        is_seen = pool.submit(folder.is_seen).result()
+        most = MOST_SUBMITTED
+        if not is_seen:
+            most = max(32, min(most, MOST_WAITING // (missing.block * bytes_of_member(stored.study))))
         # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
-        results = stack.enter_context(contextlib.closing(_results(study, missing, pool, kept.writing, most)))
+        results = stack.enter_context(
+            contextlib.closing(_results(stored.study, missing, pool, block_task, folder, most, waiting))
+        )
         next(results)
-        if missing.count and say is not None:
-            say(_ahead(study, missing, kept.block, Path(store), shared))
-        for repetitions, sums in results:
-            if sums is not None:
-                kept.save(repetitions, sums)
-            advance(len(repetitions))
-        yield kept, missing.all()
+        if say is not None:
+            say(_ahead(stored, missing, is_seen))
+        for members, content in results:
+            if content is not None:
+                put(stored.path, members[0], content, len(members))
+            advance(len(members))
 
 
-def _check_disk(study: Study, store: Path) -> None:
-    """Refuse what cannot be: numbers pack to a tenth at best."""
-    size = study.ensemble.repetitions * _size(study)
-    with contextlib.suppress(OSError, RuntimeError):  # which opening the store says better
-        disk = shutil.disk_usage(next(each for each in store.resolve().parents if each.exists())).total
-        if size > MOST_PACKED * disk > 0:
+@contextlib.contextmanager
+def _token(path: Path) -> Iterator[Folder]:
+    """A file by which workers know that they see the folder, and that somebody waits for them."""
+    folder = Folder(path.resolve(), half_written())
+    token = folder.path / BLOCKS / folder.token
+    try:
+        token.touch(exist_ok=False)
+    except OSError as error:
+        raise StoreError(f"{named(path)}: cannot be written: {error.strerror}") from None
+    try:
+        yield folder
+    finally:
+        with contextlib.suppress(OSError):
+            token.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _kept(path: Path, study: Study) -> Iterator[None]:
+    """Say in a StoreError how many members are finished."""
+    try:
+        yield
+    except StoreError as error:
+        try:
+            kept = Stored(path, study, open_stored(path).blocks).finished.size
+        except StoreError:
+            raise error from None
+        raise StoreError(
+            f"{error}\n{kept} of {study.ensemble.repetitions} repetitions are finished and kept; running the study on "
+            "it again continues from there"
+        ) from None
+
+
+def _check_disk(study: Study, path: Path) -> None:
+    """Refuse what no disk of that size can hold."""
+    size = study.ensemble.repetitions * bytes_of_member(study)
+    with contextlib.suppress(OSError, RuntimeError):  # which beginning the folder says better
+        disk = shutil.disk_usage(next(each for each in path.resolve().parents if each.exists())).total
+        if size > disk > 0:
             raise StudyError(
-                f"the result would take up to {_bytes(size)}, and the disk of {named(store)} has {_bytes(disk)} in "
+                f"the result would take {bytes_text(size)}, and the disk of {named(path)} has {bytes_text(disk)} in "
                 "all: take fewer ensemble.repetitions"
             )
 
 
 def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
-    total = study.ensemble.repetitions
-    size = total * _size(study)
-    if size > MOST_MEMORY:
-        raise StudyError(
-            f"the result would take {size / 2**30:.0f} GiB of memory, more than {MOST_MEMORY / 2**30:.0f}: give it a "
-            "store, or take fewer ensemble.repetitions"
-        )
-    result = empty_dataset(study)
-    arrays = {str(name): each.values for name, each in result.data_vars.items()}
-    missing = _Missing(total, 1, np.empty(0, np.intp), None)
+    nothing = Stored(Path(), study, ())
+    missing = _Missing(nothing, None)
+    axis = len(study.surfaces.cells())
+    arrays: Arrays = {}
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(given_or_threads(executor))
-        advance = stack.enter_context(progress_bar("repetitions", total, 0, progress))
-        for repetitions, sums in stack.enter_context(
-            contextlib.closing(_results(study, missing, pool, None, MOST_SUBMITTED))
-        ):
+        advance = stack.enter_context(progress_bar("repetitions", missing.total, 0, progress))
+        results = _results(study, missing, pool, arrays_task, None, MOST_SUBMITTED, {})
+        for members, sums in stack.enter_context(contextlib.closing(results)):
             for name, values in (sums or {}).items():
-                arrays[name][:, :, repetitions] = values
-            advance(len(repetitions))
-    return result
+                at = 0 if name in OF_MEMBERS else axis
+                if name not in arrays:
+                    shape = (*values.shape[:at], missing.total, *values.shape[at + 1 :])
+                    arrays[name] = np.empty(shape, values.dtype)
+                arrays[name][(*(slice(None),) * at, slice(members.start, members.stop))] = values
+            advance(len(members))
+    return dataset_of(study, range(missing.total), arrays, about(study))
 
 
-def _ahead(study: Study, missing: _Missing, block: int, store: Path, shared: bool) -> str:
-    """What lies ahead: bytes before they are packed, files, time by fractal dimensions in the middle, who writes."""
-    dimensions = study.surfaces.fractal_dimensions().tolist()
-
-    def taken(count: int) -> float:
-        middle = len(dimensions) // 2
-        some = study.with_changes({"surfaces.fractal_dimension": dimensions[middle : middle + count]})
-        began = time.thread_time()
-        repetition_sums(some, 0)
-        return time.thread_time() - began
-
-    one = further = taken(1)
-    if one < SLOW:  # what many have in common counts, and the first time everything is slower
-        (_, one), (_, three) = ((taken(count), taken(count)) for count in (1, 3))
-        further = max(three - one, 0.0) / 2
-    seconds = (one + (len(dimensions) - 1) * further) * missing.count
-    files = -(-missing.count // block) * (len(study.sums()) + 1)
-    free = shutil.disk_usage(store).free
-    who = "the workers write them" if shared else "the workers do not see the store, so this process writes them"
+def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
+    """What lies ahead: bytes, files, time, and who writes."""
+    study = stored.study
+    free = shutil.disk_usage(stored.path).free
+    files = sum(1 for _ in missing)
+    who = "the workers write them" if is_seen else "the workers do not see the folder, so this process writes them"
     return (
-        f"to compute: {missing.count} repetitions, up to {_bytes(missing.count * _size(study))} in {files} files "
-        f"({_bytes(free)} are free), about {_time(seconds)} of one core; {who}"
+        f"to compute: {missing.count} repetitions, {bytes_text(missing.count * bytes_of_member(study))} in {files} "
+        f"{'file' if files == 1 else 'files'} ({bytes_text(free)} are free), about "
+        f"{duration_text(missing.count * cost_of_member(study))} of one core; {who}"
     )
 
 
-def _bytes(size: float) -> str:
-    power = min(4, max(1, int(math.log(max(size, 1), 1000))))
-    return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
-
-
-def _time(seconds: float) -> str:
-    for most, unit in ((60, "s"), (60, "min"), (48, "hours")):
-        if seconds < most:
-            return f"{seconds:.2g} {unit}"
-        seconds /= most if unit != "hours" else 24
-    return f"{seconds:.3g} days"
-
-
-def _is_shared(writing: Writing) -> bool:
-    """Whether a worker sees the store, asked there."""
-    return writing.is_shared()
-
-
-def _size(study: Study) -> int:
-    """Bytes of a repetition."""
-    return sum(dtype.itemsize * math.prod(shape) for shape, dtype in _arrays(study).values())
-
-
 class _Missing:
-    """The repetitions of a study, or of a part of its blocks, that are not finished."""
+    """The members of a study, or of a part of its blocks, that are not finished.
 
-    def __init__(self, total: int, block: int, finished: NDArray[np.intp], part: tuple[int, int] | None) -> None:
-        self._block = block
-        self._blocks = range(-(-total // block)) if part is None else range(part[0] - 1, -(-total // block), part[1])
-        self._is_finished = np.zeros(total, np.bool_)
-        self._is_finished[finished] = True
-        own = self.all()
-        self.total = own.size
-        self.count = int(own.size - self._is_finished[own].sum())
+    Attributes
+    ----------
+    block : int
+        Members in a block.
+    total, count : int
+        Members of the study, or of the part, and those of them that are missing.
+    """
 
-    def all(self) -> NDArray[np.intp]:
-        """Finished or not."""
-        blocks = np.asarray(self._blocks, np.intp)
-        numbers = (blocks[:, np.newaxis] * self._block + np.arange(self._block)).ravel()
-        return np.asarray(numbers[numbers < self._is_finished.size])
+    def __init__(self, stored: Stored, part: tuple[int, int] | None) -> None:
+        members = stored.study.ensemble.repetitions
+        self.block = block_size(stored.study)
+        first, step = (1, 1) if part is None else part
+        self._blocks = range(first - 1, -(-members // self.block), step)
+        self._is_finished = np.zeros(members, np.bool_)
+        self._is_finished[stored.finished] = True
+        own = [self._is_finished[block * self.block : (block + 1) * self.block] for block in self._blocks]
+        self.total = sum(map(len, own))
+        self.count = self.total - int(sum(np.count_nonzero(each) for each in own))
 
-    def __iter__(self) -> Iterator[list[int]]:
-        """Those of each block that are missing."""
+    def __iter__(self) -> Iterator[range]:
+        """Those of each block that are missing, as far as they follow each other."""
         for block in self._blocks:
-            first = block * self._block
-            missing = np.flatnonzero(~self._is_finished[first : first + self._block])
-            if missing.size:
-                yield (first + missing).tolist()
+            first = block * self.block
+            is_finished = self._is_finished[first : first + self.block]
+            # Where a run of missing members begins, and where it ends.
+            edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
+            for start, end in edges.reshape(-1, 2).tolist():
+                yield range(first + start, first + end)
 
 
 def _results(
-    study: Study, missing: _Missing, pool: Executor, writing: Writing | None, most: int
-) -> Generator[tuple[list[int], Sums | None]]:
-    """Repetitions of a block as they are done, and their sums if they are not stored; so many blocks are submitted.
+    study: Study,
+    missing: _Missing,
+    pool: Executor,
+    task: Callable[..., tuple[int, Any]],
+    folder: Folder | None,
+    most: int,
+    waiting: dict[Future[tuple[int, Any]], range],
+) -> Generator[tuple[range, Any]]:
+    """Blocks as they are done, and what their tasks return; so many tasks are submitted, and waiting, at a time.
 
-    What comes first is nothing, as soon as they are.
+    What comes first is nothing, as soon as they are. Tasks that have not begun when this is closed are cancelled.
     """
     blocks = iter(missing)
-    waiting: dict[Future[tuple[int, Sums | None]], list[int]] = {}
     # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
-    done: queue.SimpleQueue[Future[tuple[int, Sums | None]]] = queue.SimpleQueue()
+    done: queue.SimpleQueue[Future[tuple[int, Any]]] = queue.SimpleQueue()
     text = study.to_toml()
 
-    def submit(repetitions: list[int]) -> None:
-        future = pool.submit(task, __version__, text, repetitions, writing)
-        waiting[future] = repetitions
+    def submit(members: range) -> None:
+        future = pool.submit(task, __version__, text, members, folder)
+        waiting[future] = members
         future.add_done_callback(done.put)
 
     try:
-        for repetitions in itertools.islice(blocks, most):
-            submit(repetitions)
-        yield [], None
+        for members in itertools.islice(blocks, most):
+            submit(members)
+        yield range(0), None
         while True:
-            for repetitions in itertools.islice(blocks, max(0, most - len(waiting))):
-                submit(repetitions)
+            for members in itertools.islice(blocks, max(0, most - len(waiting))):
+                submit(members)
             if not waiting:
                 return
             future = done.get()
-            repetitions = waiting.pop(future)
-            count, sums = future.result()
-            if count < len(repetitions):
-                submit(repetitions[count:])
-            yield repetitions[:count], sums
-            del future, sums
+            members = waiting.pop(future)
+            count, result = future.result()
+            if count < len(members):
+                submit(members[count:])
+            yield members[:count], result
+            del future, result
     finally:
         for future in waiting:
             future.cancel()

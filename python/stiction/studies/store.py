@@ -1,84 +1,221 @@
-"""Results on disk: a Zarr store that grows by repetitions and may be killed at any moment.
+"""Results on disk: a folder with the study, and a file for each block of members, put there whole and never changed.
 
-Repetitions are kept in blocks, as `blocks` says. Only what carries its flag counts. All metadata follow from the study,
-which stands in the root and is written last when repetitions are added: what was interrupted is put right by writing
-the metadata again.
+    DIR/study.toml                               what is computed
+    DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last word is the CRC-32 of the file's bytes
 
-One process holds the store alone and computes what is missing; or several share it, each with a part of the blocks of
-its own. None of those may change the metadata: that is done by whoever comes first, alone for that moment.
+A block appears under its name when it is whole, so what is there is finished, and what is not there is to be computed.
+The bits of a member depend on the study and its number alone, so two writers may do the same block: nothing is locked.
+Files may overlap, for example where a study was extended; each member is then read from the first file that has it.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import random
-import secrets
-import time
+import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import NotReadableError, content, reason, replace
+from stiction._files import NotReadableError, content, reason
 from stiction._text import named, printable
-from stiction.studies.blocks import Blocks, NotWrittenError, StoreError, Writing, root_checksum
-from stiction.studies.dataset import NAMES, coordinates_of
-from stiction.studies.layout import (
-    BLOCK,
-    COMPLETE,
-    METADATA,
-    PARTIAL,
-    SCHEMA,
-    DecodingError,
-    block_of,
-    checksum,
-    decoded,
-    is_known,
-    is_left_behind,
-    is_lock,
-    layout,
-    metadata,
-)
-from stiction.studies.lock import locked, locked_directory
-from stiction.studies.study import Study, differences, study_of_attributes
-from stiction.studies.study_text import StudyError
+from stiction.studies.result import OF_MEMBERS, Arrays, dataset_of, is_measured, variables_of
+from stiction.studies.same_study import Difference, computed_otherwise, listed
+from stiction.studies.study import LONGEST_FILE, Study, study_from_text
 
 if TYPE_CHECKING:
     import xarray
 
-_CHECKED = ("data_type", "chunk_grid", "chunk_key_encoding", "fill_value", "dimension_names", "attributes")
-"""Of an array's metadata; codecs may be spelt differently by other versions of Zarr, and the shape may have grown."""
+    from stiction.studies.netcdf import Members
 
-PATIENCE = 60.0
-"""Seconds that a part waits for another process to have laid out the store."""
+STUDY = "study.toml"
+BLOCKS = "blocks"
+
+MARK = "# Written by stiction"
+"""How a study begins that stands in a folder because a command wrote it there."""
+
+MOST_MEMORY = 2**31
+"""Bytes of a result that is read into memory at once."""
+
+MOST_IN_PIECE = 2**26
+"""Bytes of a result that are in memory at a time, where it is read piece by piece."""
+
+_NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
+
+_ATTEMPTS = 3
 
 
-class BusyError(StoreError):
-    """A store that somebody else is writing."""
+class StoreError(ValueError):
+    """A result that cannot be written or read."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A file of some members, as its name says."""
+
+    first: int
+    last: int
+    checksum: int
+
+    @property
+    def name(self) -> str:
+        """Of the file."""
+        return f"{self.first:07d}-{self.last:07d}-{self.checksum:08x}.nc"
 
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """What a store holds."""
+    """What a folder holds."""
 
     study: Study
     finished: int  # repetitions, of study.ensemble.repetitions
     size: int  # bytes on disk
-    versions: dict[str, str]  # of stiction, the schema and NumPy when it was begun
+    versions: dict[str, str]  # of stiction, when it was begun
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A result in its folder, of which blocks are read when they are asked for.
+
+    Attributes
+    ----------
+    path : Path
+    study : Study
+    blocks : tuple of Block
+        All that are there, in order; they may overlap.
+    """
+
+    path: Path
+    study: Study
+    blocks: tuple[Block, ...]
+
+    @cached_property
+    def _used(self) -> list[tuple[Block, int, int]]:
+        """Blocks, and which members are read from each, from the first to before the last."""
+        used, covered = [], 0
+        for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
+            first, last = max(block.first, covered), min(block.last + 1, self.study.ensemble.repetitions)
+            if first < last:
+                used.append((block, first, last))
+                covered = last
+        return used
+
+    @cached_property
+    def finished(self) -> NDArray[np.intp]:
+        """The members that are there, in order."""
+        return np.concatenate([np.empty(0, np.intp), *(np.arange(first, last) for _, first, last in self._used)])
+
+    @cached_property
+    def version(self) -> str:
+        """Of the stiction that began the result; of this one, if nothing is finished yet."""
+        return self.begun().version if self.blocks else __version__
+
+    @cached_property
+    def size(self) -> int:
+        """Bytes of the files."""
+        return sum((self.path / BLOCKS / block.name).lstat().st_size for block in self.blocks)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the result in memory."""
+        return int(self.finished.size) * bytes_of_member(self.study)
+
+    def begun(self) -> Members:
+        """The members of the first block, of whatever study they are."""
+        return self._read(self._used[0][0] if self._used else self.blocks[0])
+
+    def dataset(self) -> xarray.Dataset:
+        """The whole result.
+
+        Raises
+        ------
+        StoreError
+            If it takes more than 2 GiB of memory; if nothing is finished; if a block is damaged or another study's.
+        """
+        total = self.study.ensemble.repetitions
+        if not self.finished.size:
+            raise StoreError(f"{named(self.path)}: none of its {total} repetitions is finished yet")
+        if self.nbytes > MOST_MEMORY:
+            raise StoreError(
+                f"{named(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
+                f"{MOST_MEMORY / 2**30:.0f}; stiction.studies.store.pieces reads it piece by piece, and "
+                f"xarray.open_mfdataset opens {named(self.path / BLOCKS)}"
+            )
+        return self._some(0, self.finished.size)
+
+    def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
+        """Read the result piece by piece, in order, so that one piece is in memory at a time; see `pieces`."""
+        wanted = None if names is None else list(names)
+        step = members_of_piece(bytes_of_member(self.study))
+        for first in range(0, self.finished.size, step):
+            piece = self._some(first, min(first + step, self.finished.size))
+            yield piece if wanted is None else piece[wanted]
+
+    def _some(self, first: int, last: int) -> xarray.Dataset:
+        """The finished members from one to before another, counted among the finished ones."""
+        numbers = self.finished[first:last]
+        axis = len(self.study.surfaces.cells())
+        arrays: Arrays = {
+            name: np.empty(each.shape, each.dtype) for name, each in variables_of(self.study, numbers).items()
+        }
+        if is_measured(self.study):
+            arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
+        begin = done = 0
+        of_bodies = None
+        for block, one, other in self._used:
+            end = begin + other - one
+            if first < end and begin < last:
+                low, high = max(first, begin) - begin + one, min(last, end) - begin + one
+                members = self._read(block)
+                if differ := computed_otherwise(members.study, self.study):
+                    raise _damaged(self.path, block, f"is of another study than {STUDY}: {listed(differ[:1])}")
+                of_bodies = of_bodies or members.about
+                for name, values in arrays.items():
+                    lead = (slice(None),) * (0 if name in OF_MEMBERS else axis)
+                    there = slice(low - block.first, high - block.first)
+                    values[(*lead, slice(done, done + high - low))] = members.arrays[name][(*lead, there)]
+                done += high - low
+            begin = end
+        return dataset_of(self.study, numbers, arrays, of_bodies).assign_attrs(stiction_version=self.version)
+
+    def _read(self, block: Block) -> Members:
+        """A block, checked."""
+        from stiction.studies.netcdf import DamageError, decoded
+
+        try:
+            written = content(self.path / BLOCKS / block.name, MOST_MEMORY, link=False)
+            if zlib.crc32(written) != block.checksum:
+                raise DamageError("is not what was written")
+            members = decoded(written)
+            if not np.array_equal(members.numbers, np.arange(block.first, block.last + 1)):
+                raise DamageError("has other repetitions than its name says")
+        except OSError as error:
+            raise _damaged(self.path, block, f"cannot be read: {reason(error)}") from None
+        except (NotReadableError, DamageError) as error:
+            raise _damaged(self.path, block, str(error)) from None
+        return members
+
+
+def _damaged(path: Path, block: Block, why: str) -> StoreError:
+    return StoreError(
+        f"{named(path / BLOCKS / block.name)}: {why}; to have repetitions {block.first} to {block.last} computed "
+        "again, remove that file and run the study again"
+    )
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------------
 
 
 def read(path: str | Path) -> xarray.Dataset:
-    """Read a result from its store: into memory, or if it is larger than 256 MiB, whatever is asked for when it is.
+    """Read a result: from its folder, or from a netCDF file that `export` wrote.
 
     Of a study that is not finished, the dataset has the finished repetitions only, and a warning says so.
 
@@ -94,463 +231,220 @@ def read(path: str | Path) -> xarray.Dataset:
     Raises
     ------
     StoreError
-        If there is no result at that path, or none of its repetitions is finished, or it is damaged.
+        If there is no result at that path, or none of its repetitions is finished, or it is damaged or larger than
+        2 GiB.
     """
     path = Path(path)
-    root = _Root.of(path, path)
-    _check_metadata(path, path, root)
-    total = root.study.ensemble.repetitions
-    finished = root.blocks(path, path).finished(total)
-    if not finished.size:
-        raise StoreError(f"{named(path)}: none of its {total} repetitions is finished yet")
-    if finished.size < total:
+    if path.is_file():
+        return _exported(path)
+    stored = open_stored(path)
+    result = stored.dataset()
+    total = stored.study.ensemble.repetitions
+    if stored.finished.size < total:
         warnings.warn(
-            f"{named(path)}: {finished.size} of {total} repetitions are finished; the result has only those",
+            f"{named(path)}: {stored.finished.size} of {total} repetitions are finished; the result has only those",
             stacklevel=2,
         )
-    return _dataset(path, path, root, finished)
+    return result
+
+
+def _exported(path: Path) -> xarray.Dataset:
+    from stiction.studies.netcdf import DamageError, decoded
+
+    try:
+        members = decoded(content(path, MOST_MEMORY))
+    except (OSError, NotReadableError, DamageError) as error:
+        raise StoreError(f"{named(path)}: {reason(error) if isinstance(error, OSError) else error}") from None
+    result = dataset_of(members.study, members.numbers, members.arrays, members.about)
+    return result.assign_attrs(stiction_version=members.version)
+
+
+def open_stored(path: str | Path) -> Stored:
+    """Open the result in a folder, without reading its blocks.
+
+    Raises
+    ------
+    StoreError
+        If there is none.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise StoreError(f"{named(path)}: no such directory")
+    blocks = _listed(path)
+    try:
+        study = _study(path)
+    except FileNotFoundError:
+        raise StoreError(f"{named(path)}: is not a result: there is no {STUDY} in it") from None
+    except OSError as error:
+        raise StoreError(f"{named(path)}: {STUDY} cannot be read: {reason(error)}") from None
+    return Stored(path, study, blocks)
 
 
 def info(path: str | Path) -> StoreInfo:
-    """What a store holds, without reading its results.
+    """What a folder holds, without reading more of it than one block.
 
     Raises
     ------
     StoreError
         If there is no result at that path, or it is damaged.
     """
-    path = Path(path)
-    root = _Root.of(path, path)
-    names = {"stiction": "stiction_version", "schema": "stiction_schema", "numpy": "numpy_version"}
-    size = 0
-    for folder, _, files in os.walk(path):
-        for file in files:
-            with suppress(FileNotFoundError):  # a writer may be at work
-                size += os.lstat(Path(folder, file)).st_blocks * 512
-    return StoreInfo(
-        root.study,
-        root.blocks(path, path).finished(root.study.ensemble.repetitions).size,
-        size,
-        {name: printable(root.attributes.get(attribute, "unknown")) for name, attribute in names.items()},
-    )
+    stored = open_stored(path)
+    return StoreInfo(stored.study, stored.finished.size, stored.size, {"stiction": printable(stored.version)})
 
 
-@dataclass(frozen=True)
-class _Root:
-    """What the root of a store says."""
+def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
+    """Iterate over a result piece by piece, in order: its members are in memory some at a time.
 
-    attributes: dict[str, Any]
-    study: Study
-    version: str
+    How many depends on the study alone, so that sums over pieces have the same bits wherever the result lies.
 
-    @classmethod
-    def of(cls, path: Path, shown: Path) -> _Root:
-        """Of a store that messages call by the name it was given."""
-        try:
-            said = metadata(path / METADATA)
-        except (FileNotFoundError, NotADirectoryError):
-            raise StoreError(f"{named(shown)}: is not a result of stiction: there is no {METADATA} in it") from None
-        except OSError as error:
-            raise StoreError(f"{named(shown)}: cannot be read: {reason(error)}") from None
-        except DecodingError as error:
-            raise StoreError(
-                f"{named(shown)}: is not a result of stiction, or is damaged: {METADATA}: {error}"
-            ) from None
-        attributes = said.get("attributes")
-        if not isinstance(attributes, dict) or type(attributes.get("stiction_schema")) is not int:
-            raise StoreError(
-                f"{named(shown)}: is not a result of stiction, or is damaged: {METADATA} does not say what it is"
-            )
-        schema, version = attributes["stiction_schema"], printable(attributes.get("stiction_version"))
-        if schema > SCHEMA:
-            raise StoreError(
-                f"{named(shown)}: has schema {printable(schema)}, written by stiction {version}; "
-                f"this is stiction {__version__}, which knows schemas up to {SCHEMA}"
-            )
-        if attributes.get("checksum") != checksum(attributes):
-            raise StoreError(f"{named(shown)}: is damaged: {METADATA} is not what was written")
-        try:
-            root = cls(attributes, study_of_attributes(attributes), str(attributes.get("stiction_version")))
-        except StudyError as error:
-            raise StoreError(f"{named(shown)}: its study, of stiction {version}, cannot be read: {error}") from None
-        try:
-            _check_kinds(path, shown)
-        except OSError as error:
-            raise StoreError(f"{named(shown)}: cannot be read: {reason(error)}") from None
-        if not 1 <= root.block <= _MOST_IN_BLOCK:
-            raise StoreError(f"{named(shown)}: is damaged: {METADATA} does not say how its chunks are")
-        return root
-
-    @property
-    def block(self) -> int:
-        """Repetitions in a chunk; 0 if that is not said."""
-        said = 1 if self.attributes["stiction_schema"] == 1 else self.attributes.get(BLOCK)
-        return said if type(said) is int else 0
-
-    def blocks(self, path: Path, shown: Path) -> Blocks:
-        """What stands in a store of this root."""
-        return Blocks(path, shown, self.block)
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored
+    names : iterable of str, optional
+        Of the variables; all by default.
+    """
+    if isinstance(result, Stored):
+        yield from result.pieces(names)
+        return
+    count = result.sizes["repetition"]
+    step = members_of_piece(sum(each.nbytes for each in result.data_vars.values()) // max(1, count))
+    some = result if names is None else result[list(names)]
+    for first in range(0, count, step):
+        yield some.isel(repetition=slice(first, first + step))
 
 
-_MOST_IN_BLOCK = 2**20
+def members_of_piece(size: int) -> int:
+    """How many members of so many bytes are in memory at a time, a power of two."""
+    return 1 << max(0, (MOST_IN_PIECE // max(1, size)).bit_length() - 1)
 
 
-def _folders() -> list[str]:
-    """Directories that a store may have."""
-    return [*NAMES, COMPLETE]
+def bytes_of_member(study: Study) -> int:
+    """Bytes of the numbers of one member."""
+    return sum(each.size for each in variables_of(study, [0]).values())
 
 
-def _check_kinds(path: Path, shown: Path) -> None:
-    """That nothing which is read or written by its name leads out of the store."""
-    for folder in _folders():
-        for name, kind in ((folder, Path.is_dir), (f"{folder}/{METADATA}", Path.is_file)):
-            file = path / name
-            if os.path.lexists(file) and (file.is_symlink() or not kind(file)):
-                raise StoreError(
-                    f"{named(shown)}: is damaged: {name} is a link, or not a "
-                    f"{'directory' if kind is Path.is_dir else 'regular file'}"
-                )
-
-
-def _check_metadata(path: Path, shown: Path, root: _Root) -> None:
-    for name, expected in layout(root.study.with_changes({"ensemble.repetitions": 1}), root.block).items():
-        if not name.endswith(f"/{METADATA}"):
-            continue
-        try:
-            stored = metadata(path / name)
-        except (OSError, DecodingError):
-            stored = {}
-        wanted = json.loads(expected)
-        if any(stored.get(key) != wanted[key] for key in _CHECKED):
-            raise StoreError(f"{named(shown)}: is damaged: {name}; running its study on it again writes that anew")
-
-
-def _dataset(path: Path, shown: Path, root: _Root, repetitions: NDArray[np.intp]) -> xarray.Dataset:
-    """The dataset of some repetitions, all of them finished."""
-    from stiction.studies.lazy import stored_dataset
-
-    coordinates = {
-        name: (array, values if name in ("repetition", "sliding") else _coordinate(path, name, values))
-        for name, (array, values) in coordinates_of(root.study, repetitions).items()
-    }
-    return stored_dataset(root.study, root.version, root.blocks(path, shown), coordinates, repetitions)
-
-
-def _coordinate(path: Path, name: str, expected: NDArray[Any]) -> NDArray[Any]:
-    """As written, which another kind of machine may not repeat to the last digit; as expected if that is damaged."""
+def _listed(path: Path) -> tuple[Block, ...]:
+    """The blocks in a folder, by their names."""
     try:
-        return decoded(path / name / "c.0", expected.dtype, expected.shape)
-    except (OSError, DecodingError):
-        return expected
+        names = sorted(os.listdir(path / BLOCKS))
+    except (FileNotFoundError, NotADirectoryError):
+        return ()
+    except OSError as error:
+        raise StoreError(f"{named(path / BLOCKS)}: cannot be read: {reason(error)}") from None
+    found = (_NAME.fullmatch(name) for name in names)
+    blocks = (Block(int(match[1]), int(match[2]), int(match[3], 16)) for match in found if match)
+    return tuple(block for block in blocks if block.first <= block.last)
+
+
+def _study(path: Path) -> Study:
+    try:
+        text = content(path / STUDY, LONGEST_FILE, link=False).decode()
+    except (NotReadableError, UnicodeDecodeError) as error:
+        raise StoreError(f"{named(path / STUDY)}: is no study: {printable(error)}") from None
+    return study_from_text(text, str(path / STUDY))
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
 
 
-class Store:
-    """A store that is open for writing, by nobody else or by nobody else in the same part.
+def begin(path: str | Path, study: Study) -> Stored:
+    """Begin a result in a folder, or open one of the same study to be continued.
 
-    Attributes
-    ----------
-    finished : (n,) ndarray of int
-        Repetitions that were stored when it was opened, in order.
-    block : int
-        Repetitions in a chunk.
-    writing : Writing
-        What a worker needs to store repetitions by itself.
-    """
-
-    def __init__(self, path: Path, shown: Path, root: _Root, finished: NDArray[np.intp], writer: str) -> None:
-        self.finished = finished
-        self.block = root.block
-        self.writing = Writing(root.blocks(path, shown), root_checksum(path) or 0, writer)
-        self._path = path
-        self._shown = shown
-        self._root = root
-
-    def save(self, repetitions: Sequence[int], sums: Mapping[str, NDArray[Any]]) -> None:
-        """`Writing.save`, by whoever opened the store; also a StoreError if somebody removed the lock of that."""
-        if not self.writing.save(repetitions, sums):
-            raise StoreError(
-                f"{named(self._shown)}: somebody removed {self.writing.writer}, by which its writer is known"
-            )
-
-    def dataset(self, repetitions: NDArray[np.intp]) -> xarray.Dataset:
-        """The result of some repetitions, all of them finished."""
-        return _dataset(self._path, self._shown, self._root, repetitions)
-
-    @contextmanager
-    def refusals(self) -> Iterator[None]:
-        """A StoreError in place of a `NotWrittenError`, that says how many repetitions are finished."""
-        try:
-            yield
-        except NotWrittenError as error:
-            self.writing.check_is_there()
-            total = self._root.study.ensemble.repetitions
-            finished = self.writing.blocks.finished(total).size
-            raise StoreError(
-                f"{named(self._shown)}: cannot be written: {error}\n{finished} of {total} repetitions are "
-                "finished and kept; running the study on it again continues from there"
-            ) from None
-
-
-@contextmanager
-def opened(path: str | Path, study: Study, part: tuple[int, int] | None = None) -> Iterator[Store]:
-    """Open the store of a study for writing: a new one, or one that holds some or all of its repetitions.
-
-    One that holds all of them need not be writeable. Parts, such as (3, 16), share a store with each other.
+    One that holds all of its members need not be writeable. Half-written files of runs that were killed are removed.
 
     Raises
     ------
     StoreError
-        If it cannot be written; if somebody else writes it; if it is no store, or a damaged one; if it holds something
-        of another study; or if it lacks repetitions and was begun by another version, whose bits may differ.
+        If the folder cannot be written, holds another study, or lacks members and was begun by another version of
+        stiction, whose bits may differ.
     """
-    shown = Path(path)
-    with _written(shown):
-        real = shown.resolve()
-        real.parent.mkdir(parents=True, exist_ok=True)
-    with ExitStack() as locks:
-        with _written(shown):
-            store = _whole(real, shown, study, locks) if part is None else _shared(real, shown, study, part, locks)
-        yield store
-        store.writing.check_is_there()
-
-
-def _whole(path: Path, shown: Path, study: Study, locks: ExitStack) -> Store:
-    """A store that nobody else writes."""
+    path = Path(path)
+    if path.is_file():
+        raise StoreError(f"{named(path)}: is a file; say in which directory the results shall go")
+    stored = Stored(path, study, _listed(path))
+    if stored.blocks:
+        _check(stored)
+    elif os.path.lexists(path / STUDY):
+        _check_replaceable(path, study)
     try:
-        _enter(locks, locked(path.with_name(f"{path.name}.lock")), shown)
-    except OSError:
-        store = _to_be_read(path, shown, study)
-        if store is None:
-            raise
-        return store
-    root, finished = _laid_out(path, shown, study, locks)
-    return _announced(path, shown, root, finished, locks)
-
-
-def _shared(path: Path, shown: Path, study: Study, part: tuple[int, int], locks: ExitStack) -> Store:
-    """A store that others share, laid out for the study by the first of them that comes."""
-    deadline = time.monotonic() + PATIENCE
-    lock = path.with_name(f"{path.name}.lock")
-    while True:
-        try:
-            with ExitStack() as own:
-                _enter(own, locked(lock, shared=True), shown)
-                if path.is_dir() and not path.is_symlink():
-                    _enter(own, locked_directory(path, shared=True), shown)
-                    root = _Root.of(path, shown)
-                    if _is_laid_out(path, shown, root, study):
-                        _enter(own, locked(path / COMPLETE / f"part-{part[0]}-of-{part[1]}.lock"), shown, part)
-                        finished = root.blocks(path, shown).finished(study.ensemble.repetitions)
-                        locks.push(own.pop_all())
-                        return _announced(path, shown, root, finished, locks)
-            with ExitStack() as alone:
-                _enter(alone, locked(lock), shown)
-                _laid_out(path, shown, study, alone)
-        except BusyError:
-            if time.monotonic() > deadline:
-                raise
-            time.sleep(random.uniform(0.02, 0.2))
-
-
-def _is_laid_out(path: Path, shown: Path, root: _Root, study: Study) -> bool:
-    """Whether a store is the very study's, with nothing to be changed; a StoreError if it cannot be."""
-    _check_study(shown, root.study, study)
-    _check_same_bits(path, shown, root, study)
-    return all(_holds(path / name, wanted) for name, wanted in layout(study, root.block, root.attributes).items())
-
-
-def _announced(path: Path, shown: Path, root: _Root, finished: NDArray[np.intp], locks: ExitStack) -> Store:
-    """A store with a lock in it that workers know this process by."""
-    writer = f"writer-{secrets.token_hex(8)}.lock"
-    store = Store(path, shown, root, finished, writer)
-    locks.callback(store.writing.wait_for_others)  # after which nobody writes for it, and then the store is let go
-    locks.enter_context(locked(path / COMPLETE / writer))
-    return store
-
-
-def _enter(
-    locks: ExitStack, lock: AbstractContextManager[None], shown: Path, part: tuple[int, int] | None = None
-) -> None:
-    try:
-        locks.enter_context(lock)
-    except BlockingIOError:
-        if part is not None:
-            raise StoreError(f"{named(shown)}: somebody else is computing part {part[0]}/{part[1]} of it") from None
-        raise BusyError(f"{named(shown)}: somebody else is writing it") from None
-
-
-@contextmanager
-def _written(shown: Path) -> Iterator[None]:
-    try:
-        yield
+        (path / BLOCKS).mkdir(parents=True, exist_ok=True)
+        for folder in (path, path / BLOCKS):
+            _files.sweep(folder)
+        if not _says(path, study):
+            _files.replace(path / STUDY, f"{MARK} {__version__}.\n\n{study.to_toml()}".encode())
     except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link to itself
-        raise StoreError(f"{named(shown)}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
+        if stored.finished.size < study.ensemble.repetitions:
+            why = reason(error) if isinstance(error, OSError) else error
+            raise StoreError(f"{named(path)}: cannot be written: {why}") from None
+    return stored
 
 
-def _to_be_read(path: Path, shown: Path, study: Study) -> Store | None:
-    """A store that nothing is to be written to; None if something is."""
-    if not path.is_dir():
-        return None
-    root = _Root.of(path, shown)
-    finished = root.blocks(path, shown).finished(root.study.ensemble.repetitions)
-    if finished.size < study.ensemble.repetitions:
-        return None
-    _check_metadata(path, shown, root)
-    return Store(path, shown, _asked(shown, root, finished, study), finished, "")
-
-
-def _laid_out(path: Path, shown: Path, study: Study, locks: ExitStack) -> tuple[_Root, NDArray[np.intp]]:
-    """Begin a store, or bring one to the layout of a study that it holds; its root, and what is finished."""
-    partial = path.with_name(f"{path.name}{PARTIAL}")
-    removed = []  # nothing is, before all that may be refused has been looked at
-    if os.path.lexists(path):
-        if path.is_dir():
-            _enter(locks, locked_directory(path), shown)
-        root = _Root.of(path, shown)
-        finished = root.blocks(path, shown).finished(root.study.ensemble.repetitions)
-        if finished.size:
-            asked = _asked(shown, root, finished, study)
-            if finished.size < study.ensemble.repetitions:
-                _check_same_bits(path, shown, root, study)
-            _lay_out_again(path, layout(study, root.block, root.attributes))
-            return asked, finished
-        _files_of(path, shown)  # whatever it was to be: there is nothing in it
-        removed.append(path)
-    files = layout(study, block_of(study))
-    if os.path.lexists(partial):
-        _files_of(partial, partial)
-        _enter(locks, locked_directory(partial), shown)
-        removed.append(partial)
-    for directory in reversed(removed):
-        if directory == path:
-            path.rename(partial)
-        for each in _files_of(partial, shown):
-            each.rmdir() if each.is_dir() else each.unlink()
-    _begin(path, partial, files, shown, locks)
-    return _Root.of(path, shown), np.empty(0, np.intp)
-
-
-def _files_of(store: Path, shown: Path) -> list[Path]:
-    """Everything in a store without results, and last itself.
-
-    Raises
-    ------
-    StoreError
-        If it holds anything that was not written here.
-    """
-    found = []
-
-    def foreign(file: Path) -> StoreError:
-        return StoreError(
-            f"{named(shown)}: holds no finished repetition, but {printable(file.relative_to(store))}, which is not "
-            "of stiction; choose another place, or remove it"
-        )
-
-    if store.is_symlink() or not store.is_dir():
-        raise StoreError(f"{named(shown)}: is in the way; choose another place, or remove it")
-    folders = _folders()
-    for entry in store.iterdir():
-        if entry.is_symlink():
-            raise foreign(entry)
-        if entry.is_dir() and entry.name in folders:
-            for file in entry.iterdir():
-                if file.is_symlink() or not file.is_file() or not is_known(file.name):
-                    raise foreign(file)
-                found.append(file)
-        elif not (entry.is_file() and (entry.name == METADATA or is_left_behind(entry.name))):
-            raise foreign(entry)
-        found.append(entry)
-    return [*found, store]
-
-
-def _begin(path: Path, partial: Path, layout: Mapping[str, bytes], shown: Path, locks: ExitStack) -> None:
-    """A store without any repetition, which appears at its path when it is whole."""
-    partial.mkdir()
-    try:
-        _enter(locks, locked_directory(partial), shown)
-        for name, wanted in layout.items():
-            (partial / name).parent.mkdir(exist_ok=True)
-            (partial / name).write_bytes(wanted)
-        partial.rename(path)
-    except OSError:
-        with suppress(OSError):
-            for each in _files_of(partial, shown):
-                each.rmdir() if each.is_dir() else each.unlink()
-        raise
-
-
-def _asked(shown: Path, root: _Root, finished: NDArray[np.intp], study: Study) -> _Root:
-    """The root as it will be, of a study that is asked for; a StoreError if the store does not hold that."""
-    _check_study(shown, root.study, study)
-    total = study.ensemble.repetitions
-    if finished[-1] >= total:
+def _check(stored: Stored) -> None:
+    """That a folder with blocks can be continued as the study says."""
+    path, begun, total = stored.path, stored.begun(), stored.study.ensemble.repetitions
+    if differ := computed_otherwise(begun.study, stored.study):
+        raise _another_study(path, differ)
+    last = max(block.last for block in stored.blocks)
+    if last >= total:
         raise StoreError(
-            f"{named(shown)}: repetition {finished[-1]} is finished, and ensemble.repetitions = {total} would drop it; "
-            f"ask for at least {finished[-1] + 1}, or choose another place"
+            f"{named(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would drop it; ask for "
+            f"at least {last + 1}, or choose another place"
         )
-    return _Root(root.attributes | {"study": study.to_toml()}, study, root.version)
+    if stored.finished.size == total:
+        return
+    if begun.version != __version__:
+        version = printable(begun.version)
+        raise StoreError(
+            f"{named(path)}: was begun by stiction {version} and this is {__version__}, whose results may differ; "
+            f"finish it with stiction {version}, or choose another place"
+        )
+    if not begun.is_exact:
+        raise StoreError(
+            f"{named(path)}: was begun on a machine or with a NumPy whose steps differ in the last digits; finish it "
+            "there, or choose another place"
+        )
 
 
-def _lay_out_again(path: Path, layout: Mapping[str, bytes]) -> None:
-    """Bring a store to its layout, in the layout's order, and remove what a killed writer left half-written."""
-    for folder in (path, *(path / each for each in _folders())):
-        for file in folder.iterdir() if folder.is_dir() else ():
-            if not file.is_symlink() and file.is_file():
-                if is_lock(file.name):
-                    with suppress(BlockingIOError), locked(file):
-                        pass  # and removed, if nobody holds it: a worker may, whose command was killed
-                elif is_left_behind(file.name):
-                    file.unlink()
-    for name, wanted in layout.items():
-        file = path / name
-        if not _holds(file, wanted):
-            file.parent.mkdir(exist_ok=True)
-            replace(file, wanted)
-
-
-def _holds(file: Path, wanted: bytes) -> bool:
+def _check_replaceable(path: Path, study: Study) -> None:
+    """That a study without any block is the one that is asked for, or was written by a command."""
     try:
-        return content(file, len(wanted), link=False) == wanted
-    except (FileNotFoundError, NotReadableError):
+        is_ours = content(path / STUDY, LONGEST_FILE, link=False).startswith(MARK.encode())
+        differ = [] if is_ours else computed_otherwise(_study(path), study)
+    except OSError as error:
+        raise StoreError(f"{named(path / STUDY)}: cannot be read: {reason(error)}") from None
+    except NotReadableError as error:
+        raise StoreError(f"{named(path / STUDY)}: {error}; choose another place, or remove it") from None
+    if differ:
+        raise _another_study(path, differ)
+
+
+def _says(path: Path, study: Study) -> bool:
+    """Whether the folder has this very study."""
+    try:
+        return _study(path) == study
+    except (OSError, ValueError):
         return False
 
 
-def _check_study(shown: Path, stored: Study, asked: Study) -> None:
-    # What friction and figures are asked for is applied to the sums afterwards.
-    differ = [
-        each
-        for each in differences(stored, asked)
-        if each[0].startswith(("surfaces.", "contact.")) or each[0] == "ensemble.seed"
-    ]
-    if differ:
-        lines = [f"{key} = {_short(there)} there, {_short(here)} here" for key, there, here in differ[:4]]
-        if len(differ) > 4:
-            lines.append(f"... and {len(differ) - 4} more")
-        raise StoreError(
-            "\n".join([f"{named(shown)}: holds another study; choose another place, or remove it", *lines])
-        )
+def _another_study(path: Path, differ: list[Difference]) -> StoreError:
+    return StoreError(f"{named(path)}: holds another study; choose another place, or remove it\n{listed(differ)}")
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= 60 else f"{text[:57]}..."
+def put(path: Path, first: int, written: bytes, count: int) -> None:
+    """Put the file of so many members, from the first on, into a folder.
 
-
-def _check_same_bits(path: Path, shown: Path, root: _Root, study: Study) -> None:
-    """Repetitions that are still to come must be those that an undisturbed run would have computed."""
-    if root.version != __version__:
-        version = printable(root.version)
-        raise StoreError(
-            f"{named(shown)}: was begun by stiction {version} and this is {__version__}, whose results may differ; "
-            f"finish it with stiction {version}, or choose another place"
-        )
-    for name, (_, here) in coordinates_of(study, []).items():
-        if name in ("repetition", "sliding"):
-            continue
-        if not np.array_equal(here, _coordinate(path, name, here)):
-            raise StoreError(
-                f"{named(shown)}: was begun on a machine or with a NumPy whose {name} differs in the last digits; "
-                "finish it there, or choose another place"
-            )
+    Raises
+    ------
+    StoreError
+        If it cannot be written; what was finished before stays so.
+    """
+    block = Block(first, first + count - 1, zlib.crc32(written))
+    for attempt in range(1, _ATTEMPTS + 1):
+        try:
+            _files.replace(path / BLOCKS / block.name, written)
+            return
+        except FileNotFoundError:  # somebody on another machine took the half-written file for one that was left
+            if attempt == _ATTEMPTS or not (path / BLOCKS).is_dir():
+                raise StoreError(f"{named(path)}: was removed or replaced while it was being written") from None
+        except OSError as error:
+            raise StoreError(f"{named(path)}: cannot be written: {reason(error)}") from None

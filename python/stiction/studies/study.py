@@ -6,31 +6,59 @@ import math
 from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-from pydantic import model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
-from stiction._units import shortened
+from stiction._units import exactly, quantity, shortened
 from stiction.mechanics.half_space import WIDTH
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
-from stiction.studies.study_tables import LATER, Contact, Ensemble, Figures, Friction, Surfaces, belongs
-from stiction.studies.study_text import StudyError, as_toml, toml, validated
-from stiction.studies.study_values import Table
+from stiction.studies.contact_tables import Asperities, ByAsperities, Contact, HalfSpace
+from stiction.studies.generated_surfaces import Profiles
+from stiction.studies.ladder import ladder
+from stiction.studies.measured_surfaces import Measured, MeasuredLines
+from stiction.studies.tables import (
+    Ensemble,
+    Figures,
+    Friction,
+    MeasuredFriction,
+    Surfaces,
+    contact_case,
+    read_contact,
+    read_friction,
+    read_surfaces,
+    surfaces_case,
+)
+from stiction.studies.text import StudyError, as_toml, toml, validated
+from stiction.studies.values import Table
 
 if TYPE_CHECKING:
     import xarray
 
 MOST_MEMORY = 16 * 2**30
-"""Bytes of a repetition of a result."""
+"""Largest number of bytes of a repetition of a result."""
 
 LONGEST_FILE = 1_000_000
-"""Bytes of a study file; a study is a page."""
+"""Largest number of bytes of a study file; a study is a page."""
 
-MOST_HARMONICS = 1_000_000
-"""Directions times frequencies, of which each takes a phase, and time at every point."""
+MOST_ANSWERS = 1000
+"""Largest number of loads times mu0 times tau0 of measured surfaces."""
+
+_CASE_KEYS = {"surfaces": ("kind", "generator", "press"), "contact": ("mechanics",)}
+"""Keys that say which case a table is of."""
+
+_FIRST = (
+    "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
+)  # fmt: skip
+"""Keys that stand first in their tables."""
+
+
+def _empty() -> Any:
+    """A table that says nothing, from which the case that goes with the surfaces is made."""
+    return {}
 
 
 class Study(Table):
@@ -48,78 +76,135 @@ class Study(Table):
     (10, 40.0)
     """
 
-    surfaces: Surfaces = Surfaces()
-    contact: Contact = Contact()
-    friction: Friction = Friction()
+    surfaces: Surfaces = Profiles()
+    contact: Contact = Field(default_factory=_empty)
+    friction: Friction | MeasuredFriction = Field(default_factory=_empty)
     ensemble: Ensemble = Ensemble()
     figures: Figures = Figures()
 
     @model_validator(mode="before")
     @classmethod
-    def _with_defaults_of_its_surfaces(cls, given: Any) -> Any:
-        """On surfaces contacts are gap minima, and whatever is relatively convex touches."""
+    def _with_loads_around_those_asked_for(cls, given: Any) -> Any:
+        """A study of measured surfaces that says no `contact.load` is pressed to loads around `friction.load`."""
         if not isinstance(given, Mapping):
             return given
-        surfaces, contact = given.get("surfaces", {}), given.get("contact", {})
-        if isinstance(contact, Contact):
-            contact = {name: getattr(contact, name) for name in contact.model_fields_set}
-        kind = getattr(surfaces, "kind", None) or (surfaces.get("kind") if isinstance(surfaces, Mapping) else None)
-        if kind != "surface" or not isinstance(contact, Mapping) or contact.get("mechanics") == "half-space":
+        surfaces, contact, friction = (given.get(name, {}) for name in ("surfaces", "contact", "friction"))
+        tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
+        if not tables or surfaces.get("kind") != "measured" or "load" in contact or "load" not in friction:
             return given
-        return {**given, "contact": {"detection": "gap-minimum", "curvature": "signed"} | dict(contact)}
+        try:
+            mechanics = contact_case(surfaces_case(surfaces), contact).model_fields["mechanics"].default
+            loads = [float(quantity(load, "force")) for load in friction["load"]]
+            around = ladder(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
+        except (ValueError, TypeError):  # said of the key that is wrong
+            return given
+        return {**given, "contact": {**contact, "load": [exactly(load, "mN") for load in around.tolist()]}}
+
+    @field_validator("surfaces", mode="before")
+    @classmethod
+    def _read_surfaces(cls, value: object) -> Surfaces:
+        return read_surfaces(value)
+
+    @field_validator("contact", mode="before")
+    @classmethod
+    def _read_contact(cls, value: object, info: ValidationInfo) -> Contact:
+        """The contact that goes with the surfaces; where these are wrong, nothing is said of it."""
+        return read_contact(value, info.data["surfaces"]) if "surfaces" in info.data else Asperities()
+
+    @field_validator("friction", mode="before")
+    @classmethod
+    def _read_friction(cls, value: object, info: ValidationInfo) -> Friction | MeasuredFriction:
+        return read_friction(value, info.data["surfaces"]) if "surfaces" in info.data else Friction()
 
     @model_validator(mode="after")
     def _goes_together(self) -> Study:
-        contact, on_profiles = self.contact, self.surfaces.kind == "profile"
-        given = list(contact.direction) if isinstance(contact.direction, tuple) else contact.direction
-        if on_profiles and not (contact.direction is None or contact.direction in ("+x", "-x")):
-            raise ValueError(f'contact.direction: must be "+x" or "-x" on profiles, got {shortened(given)}')
-        if not on_profiles:
+        contact, surfaces = self.contact, self.surfaces
+        if isinstance(surfaces, Measured):
+            self._check_measured()
+            return self
+        if surfaces.kind == "profile":
+            given = getattr(contact, "direction", None)
+            if not (given is None or given in ("+x", "-x")):
+                words = shortened(list(given) if isinstance(given, tuple) else given)
+                raise ValueError(f'contact.direction: must be "+x" or "-x" on profiles, got {words}')
+            area = float(surfaces.extent) * WIDTH
+        else:
             if drawn := [name for name in self.figures.draw if name not in ("friction", "area")]:
                 raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')
-            if contact.mechanics == "asperities":
-                try:
-                    contact.model().for_surfaces()
-                except ValueError as error:
-                    raise ValueError(f"contact.{error}") from None
-        if contact.hardness is not None:
-            area = float(self.surfaces.extent) * WIDTH if on_profiles else float(np.prod(self.surfaces.extents()))
+            self._check_areal_contact()
+            area = math.prod(surfaces.extents())
+        if isinstance(contact, HalfSpace) and contact.hardness is not None:
             most = float(contact.hardness) * area
             if not contact.steps()[-1] < most:
                 raise ValueError(f"contact.load: must be below hardness times area, {most:g} mN")
         return self
 
+    def _check_areal_contact(self) -> None:
+        if isinstance(self.contact, ByAsperities):
+            try:
+                self.contact.model().for_surfaces()
+            except ValueError as error:
+                raise ValueError(f"contact.{error}") from None
+
+    def _check_measured(self) -> None:
+        """Loads that are asked for lie on the curve, and there are not too many answers."""
+        if not isinstance(self.surfaces, MeasuredLines):
+            self._check_areal_contact()
+        friction = self.friction
+        assert isinstance(friction, MeasuredFriction)
+        if self.figures != Figures():
+            raise ValueError("figures.draw: belongs to generated surfaces; of measured ones all figures are drawn")
+        steps = self.contact.steps()
+        if not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
+            raise ValueError(
+                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; without "
+                "contact.load there are loads around those that are asked for"
+            )
+        answers = len(friction.load) * len(friction.mu0) * len(friction.tau0)
+        if answers > MOST_ANSWERS:
+            raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MOST_ANSWERS}, got {answers}")
+
     @model_validator(mode="after")
     def _fits(self) -> Study:
-        harmonics = self.surfaces.directions * self.surfaces.frequencies
-        if harmonics > MOST_HARMONICS:
-            raise ValueError(
-                f"surfaces.directions times surfaces.frequencies must be at most {MOST_HARMONICS}, got {harmonics}"
-            )
-        pairs = self.surfaces.fractal_dimensions().size * self.surfaces.amplitudes().size
+        cells = math.prod(values.size for values in self.surfaces.cells().values())
         curves = sum(math.prod(map(len, self.motions().values())) if name in DIRECTED else 1 for name in self.sums())
-        size = 8 * curves * pairs * self.contact.steps().size
+        size = 8 * curves * cells * self.contact.steps().size
         if size > MOST_MEMORY:
+            cell_keys = " or ".join(f"surfaces.{name}" for name in self.surfaces.cells())
             raise ValueError(
                 f"a repetition would take {size / 2**30:.0f} GiB, more than {MOST_MEMORY / 2**30:.0f}: take fewer "
-                f"contact.{self.contact.step}, surfaces.fractal_dimension or surfaces.amplitude"
+                f"contact.{self.step} or {cell_keys}"
             )
         return self
 
+    @property
+    def step(self) -> Literal["approach", "load"]:
+        """What a pair is pressed to, one after the other."""
+        return self.contact.step
+
     def sums(self) -> tuple[str, ...]:
-        """Names of what a result of the study has of each pair at each approach or load."""
+        """Names of what a result of the study has of each member at each approach or load."""
         if self.contact.mechanics == "half-space":
             return HALF_SPACE_SUMS
-        return SUMS if self.surfaces.kind == "profile" else SUMS + AREAL_SUMS
+        lines = isinstance(self.surfaces, (Profiles, MeasuredLines))
+        approach = ("approach",) if self.step == "load" else ()
+        return SUMS + (() if lines else AREAL_SUMS) + approach
 
     def motions(self) -> dict[str, list[Any]]:
         """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
-        lists: dict[str, list[Any]] = {}
-        if isinstance(self.contact.sliding, tuple):
-            lists["sliding"] = list(self.contact.sliding)
-        if isinstance(self.contact.direction, tuple):
-            lists["direction"] = self.contact.degrees().tolist()
-        return lists
+        return self.contact.motions()
+
+    def with_known_files(self) -> Study:
+        """The study with absolute names and checksums of the files that it is made for; one of none is returned as is.
+
+        Raises
+        ------
+        ValueError
+            If a file cannot be read.
+        """
+        if not isinstance(self.surfaces, Measured):
+            return self
+        return self.model_copy(update={"surfaces": self.surfaces.located(Path.cwd()).known()})
 
     @classmethod
     def named(cls, name: str) -> Study:
@@ -145,13 +230,16 @@ class Study(Table):
         """
         try:
             raw = content(Path(path), LONGEST_FILE)
-            return study_from_text(raw.decode("utf-8"), str(path))
+            study = study_from_text(raw.decode("utf-8"), str(path))
         except OSError as error:
             raise StudyError(f"{named(path)}: cannot be read: {reason(error)}") from None
         except NotReadableError as error:
             raise StudyError(f"{named(path)}: {error}, so it is no study") from None
         except UnicodeDecodeError:
             raise StudyError(f"{named(path)}: is not a text file, so it is no study") from None
+        if not isinstance(study.surfaces, Measured):
+            return study
+        return study.model_copy(update={"surfaces": study.surfaces.located(Path(path).absolute().parent)})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
         """The study with some values replaced, by dotted key.
@@ -166,9 +254,7 @@ class Study(Table):
         StudyError
             If a key is unknown or a value impossible.
         """
-        data = self._written()
-        if changes.keys() & {"surfaces.kind", "surfaces.generator", "contact.mechanics"}:
-            data = self._of_another_kind(changes)
+        data = self._before(changes)
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
@@ -189,46 +275,55 @@ class Study(Table):
             tables.append("\n".join([f"[{name}]", *lines]) + "\n")
         return "\n".join(tables)
 
-    def _of_another_kind(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """All keys with the defaults of the new kind, but for what differs from those of the old one and belongs."""
-        old: dict[str, dict[str, Any]] = {
-            "surfaces": {"kind": self.surfaces.kind, "generator": self.surfaces.generator},
-            "contact": {"mechanics": self.contact.mechanics},
+    def _before(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """What changes are made to: all keys, carried over where the changes make a table another case."""
+        data = self._written()
+        chosen = {
+            section: {key: changes.get(f"{section}.{key}", data[section].get(key)) for key in keys}
+            for section, keys in _CASE_KEYS.items()
         }
-        new = {
-            section: {key: changes.get(f"{section}.{key}", value) for key, value in table.items()}
-            for section, table in old.items()
-        }
-        for tables in (old, new):
-            if tables["surfaces"]["kind"] == "profile":
-                del tables["surfaces"]["generator"]
-        before, fresh = (validated(Study, tables, "changes") for tables in (old, new))
-        cases = {"surfaces": fresh.surfaces.case, "contact": fresh.contact.mechanics}
-        was, written = before._written(), fresh._written()
-        for section, table in self._written().items():
-            for key, value in table.items():
-                if was[section].get(key) != value and belongs(key, cases.get(section, "")):
-                    written[section][key] = value
-        return written
+        chosen = {section: {key: v for key, v in keys.items() if v is not None} for section, keys in chosen.items()}
+        try:
+            surfaces = surfaces_case(chosen["surfaces"])
+            cases = {"surfaces": surfaces, "contact": contact_case(surfaces, chosen["contact"])}
+        except PydanticCustomError:  # said of the key that is wrong
+            return data
+        return data | {section: self._carried_over(section, case) for section, case in cases.items()}
+
+    def _carried_over(self, section: str, case: type[Table]) -> dict[str, Any]:
+        """A table of another case: its defaults, and what of the old one differs from its own and belongs."""
+        old = getattr(self, section)
+        if type(old) is case:
+            return self._written()[section]
+        own = {key: value for key, value in old if value != type(old).model_fields[key].default}
+        return written_table(case.model_construct(**{key: own[key] for key in own if key in case.model_fields}))
 
     def _written(self) -> dict[str, dict[str, Any]]:
-        """Every key of each table but those of other kinds, those that are not given, and those that came later."""
-        cases = {"surfaces": self.surfaces.case, "contact": self.contact.mechanics}
-        return {
-            name: {
-                key: value
-                for key, value in table.items()
-                if value is not None and belongs(key, cases.get(name, "")) and (key not in LATER or value != LATER[key])
-            }
-            for name, table in self.model_dump().items()
-        }
+        """Every key of each table that is given."""
+        names = [
+            name for name in type(self).model_fields if name != "figures" or not isinstance(self.surfaces, Measured)
+        ]
+        return {name: written_table(getattr(self, name)) for name in names}
+
+
+def written_table(table: Table) -> dict[str, Any]:
+    """The keys of a table that are given, what it is a table of first."""
+    data = table.model_dump(exclude_none=True)
+    return {key: data[key] for key in sorted(data, key=lambda key: _FIRST.index(key) if key in _FIRST else len(_FIRST))}
 
 
 _LIBRARY = resources.files("stiction.studies") / "library"
 
 
 def study_names() -> list[str]:
-    """Names of the built-in studies, sorted."""
+    """Names of the built-in studies, sorted.
+
+    Examples
+    --------
+    >>> from stiction import study_names
+    >>> "quick" in study_names()
+    True
+    """
     return sorted(item.name.removesuffix(".toml") for item in _LIBRARY.iterdir() if item.name.endswith(".toml"))
 
 
@@ -269,14 +364,14 @@ def differences(one: Study, other: Study) -> list[tuple[str, str, str]]:
 
 def _differences(one: Table, other: Table, prefix: str) -> Iterator[tuple[str, str, str]]:
     texts = one.model_dump(), other.model_dump()
-    for name in type(one).model_fields:
-        values = getattr(one, name), getattr(other, name)
+    for name in dict.fromkeys((*type(one).model_fields, *type(other).model_fields)):
+        values = getattr(one, name, None), getattr(other, name, None)
         if values[0] == values[1]:
             continue
-        if isinstance(values[0], Table) and type(values[0]) is type(values[1]):
-            yield from _differences(*values, f"{prefix}{name}.")
+        if isinstance(values[0], Table) and isinstance(values[1], Table):
+            yield from _differences(values[0], values[1], f"{prefix}{name}.")
         else:
-            yield f"{prefix}{name}", as_toml(texts[0][name]), as_toml(texts[1][name])
+            yield f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))
 
 
 def study_from_text(text: str, source: str) -> Study:

@@ -1,32 +1,29 @@
-"""One rough body carried over another: friction under given loads at many lateral positions, and their mean.
-
-Unlike an ensemble, whose members share an approach, every position carries the load by itself, as a slider under a dead
-weight does.
-"""
+"""One rough body carried over another: friction under given loads at many lateral positions, and their mean."""
 
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array, part_of_one
 from stiction._core import __version__
+from stiction._units import in_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.half_space import half_space
 from stiction.mechanics.loading import Bodies, crossing
-from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, model_of
+from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, check_modulus, model_of, shows_model
 from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import in_order
-from stiction.studies.map_pair import Mechanics, solved
+from stiction.studies.members import THICKNESS
+from stiction.studies.pressing import STIFFNESS_STEP, Mechanics, solved
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -34,28 +31,14 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray
 
-AROUND = 30.0
-"""How far a curve goes to both sides of the loads that are asked for."""
-
-LOAD_STEPS = 25
-
-AROUND_HALF_SPACE = 10.0
-"""As `AROUND`, of half-planes, of which each load takes a solution."""
-
-HALF_SPACE_STEPS = 7
-
-THICKNESS = 1.0
-"""µm, of every profile."""
+Load = Literal["normal", "elastic"]
 
 SHEARS: tuple[Shear, ...] = get_args(Shear)
 
-_STIFFNESS_STEP = 0.02
-"""Share of the approach on both sides of it over which the stiffness is taken."""
-
 _JUST_BEFORE = 1e-11
-"""Share of an approach by which the step before it is closer to first touch: beyond the tolerance of `crossing`."""
+"""Fraction of an approach by which the step before it is closer to first touch: beyond the tolerance of `crossing`."""
 
-_QUANTITIES = (
+QUANTITIES = (
     "friction_coefficient", "tangential_load", "contact_area", "contact_count", "normal_stiffness", "approach",
     "share_opposing", *VALIDITY,
 )  # fmt: skip
@@ -63,6 +46,7 @@ _QUANTITIES = (
 _DIMS = ("shear", "line", "offset", "load")
 
 
+@shows_model
 def traverse(
     upper: Profile | Sequence[Profile] | Surface,
     lower: Profile | Sequence[Profile] | Surface,
@@ -72,6 +56,7 @@ def traverse(
     tau0: ArrayLike = 0.0,
     offsets: ArrayLike = 0.0,
     mechanics: Mechanics = "asperities",
+    load: Load = "normal",
     compliance_share: float = 0.5,
     executor: Executor | None = None,
     progress: bool = False,
@@ -85,7 +70,7 @@ def traverse(
         The slider and what it is carried over, on the same spacing; of lists, each upper with the lower of its place:
         the lines of two maps, or surrogates.
     loads : (l,) array_like of float, mN
-        Above 0, on the whole slider; its nominal area is its extent times 1 µm.
+        Above 0, on the whole slider, or text, "10 mN" or a list of such; its nominal area is its extent times 1 µm.
     mu0 : float or (m,) array_like of float
         Molecular friction coefficient.
     tau0 : float or (t,) array_like of float, GPa
@@ -97,6 +82,9 @@ def traverse(
     mechanics : {"asperities", "half-space"}
         Of profiles also elastic half-planes, `half_space` with free boundaries: bodies of one section all along their
         third direction, as grooves are.
+    load : {"normal", "elastic"}
+        What the loads are: of asperities each position's normal load at the onset of sliding, with what friction on
+        slopes adds, or its elastic load before. Half-planes have elastic loads.
     compliance_share : float
         Of `half_space`.
     executor : concurrent.futures.Executor, optional
@@ -118,11 +106,10 @@ def traverse(
         tau0 (GPa) if lists of them are given. The status is "ok", "no-contact", "self-locked", "not-reached" or
         "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N
         jumps over a load, values are between those before and behind the jump, in the proportion that carries the load.
-        Of half-planes the load is Σ F n_z, as for `pressed_maps`, and the coefficient F_T/F_N at this pressing;
-        approach, normal_stiffness and the figures of `Validity` are NaN, for a free half-plane has no approach; the
-        status is "not-solved" where a solution did not reach its tolerance.
-        Of surfaces over direction (degrees), offset and load: also lateral_load (mN) and the figures of
-        `SurfaceValidity`, but no stiffness; where F_N jumps, values are those behind the jump.
+        Of half-planes the coefficient is F_T/F_N at this pressing; approach, normal_stiffness and the figures of
+        `Validity` are NaN, for a free half-plane has no approach; the status is "not-solved" where a solution did not
+        reach its tolerance. Of surfaces over direction (degrees), offset and load: also lateral_load (mN) and the
+        figures of `SurfaceValidity`, but no stiffness; where F_N jumps, values are those behind the jump.
 
     Raises
     ------
@@ -143,24 +130,55 @@ def traverse(
     >>> traverse_mean(result)["friction_coefficient"].dims
     ('shear', 'load', 'statistic')
     """
-    import xarray
-
     choice("mechanics", mechanics, Mechanics)
+    choice("load", load, Load)
     if isinstance(upper, Surface) or isinstance(lower, Surface):
         if mechanics != "asperities":
             raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
-        from stiction.studies.areal_traverse import traverse_surfaces
+        from stiction.studies.traverse_surfaces import traverse_surfaces
 
         return traverse_surfaces(
             upper, lower, loads, mu0=mu0, tau0=tau0, offsets=offsets, executor=executor, progress=progress,
-            contact=dict(contact),
+            load=load, contact=dict(contact),
         )  # fmt: skip
+    uppers, lowers = _pairs(upper, lower)
+    check_modulus(contact, *uppers, *lowers)
+    model = _model(mechanics, contact)
+    load_values = checked_loads(loads)
+    material = {"mu0": _listed("mu0", mu0), "tau0": _listed("tau0", tau0)}
+    friction.check_shear_strength(material["tau0"], model.effective_modulus)
+    places = _places(offsets, uppers, lowers)
+    spacing = uppers[0].spacing
+    chosen: dict[str, Any] = {"loads": load_values, **material, "model": model}
+    position: Any = functools.partial(_position, **chosen, load=load)
+    if mechanics == "half-space":
+        fraction = part_of_one("compliance_share", compliance_share)
+        position = functools.partial(_half_planes, **chosen, compliance_share=fraction)
+    members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
+    pairs = (
+        (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
+    )
+    computed = in_order(position, pairs, total=len(members), what="positions", executor=executor, progress=progress)
+    shape = len(SHEARS), len(uppers), places.size, load_values.size
+    arrays = _gathered(shape, material, members, computed)
+    return _dataset(arrays, uppers, lowers, np.asarray(places * spacing, np.float64), load_values, material, model, {
+        "mechanics": mechanics,
+        **({"compliance_share": float(compliance_share)} if mechanics == "half-space" else {
+            "detection": model.detection, "law": str(model.law), "curvature": model.curvature,
+        }),
+    })  # fmt: skip
 
+
+def _pairs(upper: Any, lower: Any) -> tuple[list[Profile], list[Profile]]:
     uppers, lowers = _profiles("upper", upper), _profiles("lower", lower)
     if len(uppers) != len(lowers):
         raise ValueError(f"upper and lower must be as many profiles, got {len(uppers)} and {len(lowers)}")
     if len({(len(each), each.spacing) for each in uppers}) > 1:
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
+    return uppers, lowers
+
+
+def _model(mechanics: Mechanics, contact: Any) -> ContactModel:
     for name in ("shear", "direction"):
         if name in contact:
             raise ValueError(f"{name} must not be given: a traverse of profiles has both directions")
@@ -169,135 +187,123 @@ def traverse(
             if name not in ("effective_modulus", "sliding"):
                 raise ValueError(f"{name} must not be given for half-planes: it is of asperities")
     model = model_of(contact)
-    model = replace(model, detection=model.detection or "gap-minimum").for_profiles()
-    load_values = np.unique(np.atleast_1d(float_array("loads", loads)))
-    if not load_values.size or not (load_values > 0).all():
+    return replace(model, detection=model.detection or "gap-minimum").for_profiles()
+
+
+def checked_loads(loads: ArrayLike) -> Floats:
+    """Loads (mN) above 0, each once and rising."""
+    values = np.unique(np.atleast_1d(float_array("loads", in_core_units("loads", loads, "force"))))
+    if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    modulus = model.effective_modulus
-    friction_parameters = {
-        "mu0": friction.friction_parameter("mu0", mu0),
-        "tau0": friction.friction_parameter("tau0", tau0),
-    }
-    for name, values in friction_parameters.items():
-        if values.ndim > 1 or not values.size:
-            raise ValueError(f"{name} must be a number or a list of numbers, got {values!r}")
-    friction.check_shear_strength(friction_parameters["tau0"], modulus)
-    spacing = uppers[0].spacing
-    places = _places(offsets, spacing)
-    for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
-        if places[-1] + len(above) > len(below):
-            raise ValueError(
-                f"the slider must be over the lower profile: line {line} has {above.extent:g} µm of it and "
-                f"{below.extent:g} µm below, so that offsets are at most {(len(below) - len(above)) * spacing:g} µm, "
-                f"got {places[-1] * spacing:g} µm"
-            )
-    listed = tuple(name for name, values in friction_parameters.items() if values.ndim)
-    dims = (*_DIMS, *listed)
-    shape = (
-        len(SHEARS), len(uppers), places.size, load_values.size, *(friction_parameters[name].size for name in listed),
-    )  # fmt: skip
-    arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
+    return values
+
+
+def _listed(name: str, given: ArrayLike) -> Floats:
+    values = friction.friction_parameter(name, given)
+    if values.ndim > 1 or not values.size:
+        raise ValueError(f"{name} must be a number or a list of numbers, got {values!r}")
+    return values
+
+
+def _gathered(
+    shape: tuple[int, ...], material: dict[str, Floats], members: list[tuple[int, int]], computed: Any
+) -> dict[str, NDArray[Any]]:
+    shape = (*shape, *(values.size for values in material.values() if values.ndim))
+    arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in QUANTITIES}
     arrays["status"] = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    chosen: dict[str, Any] = {"loads": load_values, **friction_parameters, "model": model}
-    position: Any = functools.partial(_position, **chosen)
-    if mechanics == "half-space":
-        share = part_of_one("compliance_share", compliance_share)
-        position = functools.partial(_half_planes, **chosen, compliance_share=share)
-    members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
-    pairs = (
-        (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
-    )
-    computed = in_order(position, pairs, total=len(members), what="positions", executor=executor, progress=progress)
     for (line, place), values in zip(members, computed, strict=True):
         for name, value in values.items():
             arrays[name][:, line, place] = value.reshape(arrays[name][:, line, place].shape)
+    return arrays
+
+
+def _dataset(
+    arrays: dict[str, NDArray[Any]],
+    uppers: list[Profile],
+    lowers: list[Profile],
+    offsets: Floats,
+    loads: Floats,
+    material: dict[str, Floats],
+    model: ContactModel,
+    attributes: dict[str, Any],
+) -> xarray.Dataset:
+    import xarray
+
+    listed = tuple(name for name, values in material.items() if values.ndim)
+    dims = (*_DIMS, *listed)
+    area = uppers[0].extent * THICKNESS
     coordinates: dict[str, Any] = {
         "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
         "line": ("line", np.arange(len(uppers)), {"units": "1", "long_name": "pair of lines"}),
-        "offset": ("offset", places * spacing, {"units": "um", "long_name": "offset of the upper body along +x"}),
-        "load": ("load", load_values, {"units": "mN", "long_name": "normal load"}),
+        "offset": ("offset", offsets, {"units": "um", "long_name": "offset of the upper body along +x"}),
+        "load": ("load", loads, attributes_of("load")),
         **{
             name: ((name,) if name in listed else (), values, attributes_of(name))
-            for name, values in friction_parameters.items()
+            for name, values in material.items()
         },
-        "effective_modulus": (
-            (), float(modulus), {"units": "GPa", "long_name": "effective modulus"},
-        ),
-        "nominal_area": (
-            (), uppers[0].extent * THICKNESS, {"units": "um^2", "long_name": "extent of the slider times 1 um"},
-        ),
+        "effective_modulus": ((), float(model.effective_modulus), attributes_of("effective_modulus")),
+        "nominal_area": ((), area, {"units": "um^2", "long_name": "extent of the slider times 1 um"}),
     }  # fmt: skip
-    return xarray.Dataset(
-        {
-            **{name: (dims, arrays[name], attributes_of(name)) for name in _QUANTITIES},
-            "status": (dims, arrays["status"], attributes_of("status")),
-        },
-        coordinates,
-        {
-            "title": "stiction traverse",
-            "mechanics": mechanics,
-            **(
-                {"compliance_share": float(compliance_share)}
-                if mechanics == "half-space"
-                else {"detection": model.detection, "law": str(model.law), "curvature": model.curvature}
-            ),
-            "sliding": model.sliding,
-            "upper": "\n".join(uppers[0].history),
-            "lower": "\n".join(lowers[0].history),
-            "stiction_version": __version__,
-        },
-    )
+    variables = {name: (dims, values, attributes_of(name)) for name, values in arrays.items()}
+    return xarray.Dataset(variables, coordinates, {
+        "title": "stiction traverse", **attributes, "sliding": model.sliding,
+        "upper": "\n".join(uppers[0].history), "lower": "\n".join(lowers[0].history),
+        "stiction_version": __version__,
+    })  # fmt: skip
 
 
-def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_STEPS) -> Floats:
-    """Given loads (mN), and enough others around them in equal ratios for a curve."""
-    given = np.atleast_1d(float_array("loads", loads))
-    if not given.size or not (given > 0).all():
-        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    others = np.geomspace(given.min() / around, given.max() * around, steps)
-    # Given ones stay to the bit; others next to them would be the same again.
-    apart = np.abs(others[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([given, others[apart]]))
-
-
-def _position(pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel) -> Any:
+def _position(
+    pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel, load: Load
+) -> Any:
     """Each quantity and the status at one position, (shear, load, mu0, tau0) each."""
     bodies = Bodies(*pair)
     shape = (len(SHEARS), loads.size, mu0.size, tau0.size)
-    values = {name: np.full(shape, np.nan) for name in _QUANTITIES}
+    values = {name: np.full(shape, np.nan) for name in QUANTITIES}
     status = np.empty(shape, dtype=STATUS_DTYPE)
     for row, m, t in np.ndindex(len(SHEARS), mu0.size, tau0.size):
         directed = replace(model, shear=SHEARS[row])
         material = float(mu0.flat[m]), float(tau0.flat[t])
-        approach, status[row, :, m, t] = crossing(bodies, loads, mu0=material[0], tau0=material[1], model=directed)
+        carrying = material if load == "normal" else (0.0, 0.0)
+        approach, status[row, :, m, t] = crossing(bodies, loads, mu0=carrying[0], tau0=carrying[1], model=directed)
         ok = np.flatnonzero(status[row, :, m, t] == friction.STATUS_OK)
-        if not ok.size:
-            continue
-        there = approach[ok]
-        shares = [1 - _STIFFNESS_STEP, 1 - _JUST_BEFORE, 1, 1 + _STIFFNESS_STEP]
-        steps, place = np.unique(np.outer(shares, there), return_inverse=True)
-        low, before, behind, high = place.reshape(len(shares), ok.size)
-        curve = bodies.pressed(steps, directed)
-        normal = friction.normal_load(curve, *material)
-        rise = loads[ok] - normal[before], normal[behind] - normal[before]
-        at = rubbing = _across(curve, before, behind, rise)
-        if model.sliding != "opposing":
-            rubbing = _across(bodies.pressed(steps, replace(directed, sliding="opposing")), before, behind, rise)
-        tangential = friction.tangential_load(at, *material)
-        row_values = {
-            "friction_coefficient": tangential / loads[ok],
-            "tangential_load": tangential,
-            "contact_area": at.contact_area,
-            "contact_count": at.contact_count,
-            "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
-            "approach": there,
-            # t_x of an opposing contact is -σ n_z, so this sum per unit mu0 is their F n_z.
-            "share_opposing": rubbing.tangential_frictional / rubbing.normal_elastic,
-            **vars(Validity.of(at)),
-        }
-        for name, value in row_values.items():
-            values[name][row, ok, m, t] = value
+        if ok.size:
+            at = _at_approaches(bodies, approach[ok], loads[ok], carrying, material, directed)
+            for name, value in at.items():
+                values[name][row, ok, m, t] = value
     return {**values, "status": status}
+
+
+def _at_approaches(
+    bodies: Bodies,
+    approach: Floats,
+    loads: Floats,
+    carrying: tuple[float, float],
+    material: tuple[float, float],
+    model: ContactModel,
+) -> dict[str, Any]:
+    """Each quantity where a position carries its loads, by friction `carrying` or by none."""
+    fractions = [1 - STIFFNESS_STEP, 1 - _JUST_BEFORE, 1, 1 + STIFFNESS_STEP]
+    steps, place = np.unique(np.outer(fractions, approach), return_inverse=True)
+    low, before, behind, high = place.reshape(len(fractions), approach.size)
+    curve = bodies.pressed(steps, model)
+    normal = friction.normal_load(curve, *carrying)
+    rise = loads - normal[before], normal[behind] - normal[before]
+    at = rubbing = _across(curve, before, behind, rise)
+    if model.sliding != "opposing":
+        rubbing = _across(bodies.pressed(steps, replace(model, sliding="opposing")), before, behind, rise)
+    tangential = friction.tangential_load(at, *material)
+    carried = loads if carrying == material else friction.normal_load(at, *material)
+    return {
+        "friction_coefficient": tangential / carried,
+        "tangential_load": tangential,
+        "contact_area": at.contact_area,
+        "contact_count": at.contact_count,
+        "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
+        "approach": approach,
+        # t_x of an opposing contact is -σ n_z, so this sum per unit mu0 is their F n_z.
+        "share_opposing": rubbing.tangential_frictional / rubbing.normal_elastic,
+        **vars(Validity.of(at)),
+    }
 
 
 def _half_planes(
@@ -306,7 +312,7 @@ def _half_planes(
 ) -> dict[str, Any]:  # fmt: skip
     """As `_position`, of elastic half-planes."""
     shape = (len(SHEARS), loads.size, mu0.size, tau0.size)
-    values: dict[str, Any] = {name: np.full(shape, np.nan) for name in _QUANTITIES}
+    values: dict[str, Any] = {name: np.full(shape, np.nan) for name in QUANTITIES}
     status = np.full(shape, friction.STATUS_NOT_SOLVED, dtype=STATUS_DTYPE)
     solve = functools.partial(
         half_space, *pair, effective_modulus=model.effective_modulus, compliance_share=compliance_share,
@@ -346,7 +352,7 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     Parameters
     ----------
     result : xarray.Dataset
-        What `traverse` returns of profiles, or several of them along a dimension mechanics.
+        What `traverse` returns of profiles.
 
     Returns
     -------
@@ -366,30 +372,32 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     to 1.2 times as wide as the best that is possible; 16 cover 82 to 87 % where the correlation is 0.8, and are 1.6
     times as wide where it is 0. It says how well the mean over these two profiles is known, not what other pieces of
     the same surfaces would give; that takes more profiles, or surrogates.
+
+    Examples
+    --------
+    >>> from stiction import self_affine_surface, traverse, traverse_mean
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> result = traverse([upper.row(0)], [lower.row(0)], ["10 uN"], mu0=0.3)
+    >>> traverse_mean(result)["contact_area"].dims
+    ('shear', 'load', 'statistic')
     """
     import xarray
 
-    if "mechanics" in result.dims:
-        return xarray.concat(
-            [traverse_mean(each) for each in of_each_mechanics(result)], result["mechanics"], combine_attrs="override",
-            data_vars="all",
-        )  # fmt: skip
     others = tuple(name for name in ("mu0", "tau0") if name in result.dims)
     if "direction" in result.dims:
         raise ValueError("result must be a traverse of profiles, got one of surfaces")
     data = result.transpose("shear", "load", *others, "line", "offset")
     shape = tuple(data.sizes[name] for name in ("shear", "load", *others))
     ok = data["status"].values == friction.STATUS_OK
+    lines = np.repeat(np.arange(data.sizes["line"]), data.sizes["offset"])
     means = {}
-    for name in _QUANTITIES:
+    for name in QUANTITIES:
         values = data[name].values
         statistics = np.full((*shape, 3), np.nan)
         for at in np.ndindex(shape):
-            mean, lower, upper = intervals.of_neighbours(_independent(values[at], ok[at]))
-            if not math.isnan(lower):
-                known = values[at][ok[at]]
-                lower, upper = max(lower, float(known.min())), min(upper, float(known.max()))
-            statistics[at] = mean, lower, upper
+            known = ok[at].ravel()
+            statistics[at] = intervals.of_positions(values[at].ravel()[known], lines[known])
         means[name] = (("shear", "load", *others, "statistic"), statistics, dict(data[name].attrs))
     counts = {
         "ok": (
@@ -402,39 +410,6 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
 
 
-def joined_traverses(results: Sequence[xarray.Dataset]) -> xarray.Dataset:
-    """Results of the same positions and loads by several mechanics as one, with a dimension mechanics."""
-    import xarray
-
-    names = xarray.Variable("mechanics", [str(result.attrs["mechanics"]) for result in results])
-    whole = xarray.concat(list(results), names, combine_attrs="override", data_vars="all")
-    attributes = {name: value for result in results for name, value in result.attrs.items() if name != "mechanics"}
-    whole.attrs = attributes
-    return whole
-
-
-def of_each_mechanics(result: xarray.Dataset) -> list[xarray.Dataset]:
-    """A result for each mechanics of one that has several, or the one of it."""
-    if "mechanics" not in result.dims:
-        return [result]
-    parts = []
-    for index, mechanics in enumerate(result["mechanics"].values):
-        part = result.isel(mechanics=index).drop_vars("mechanics")
-        parts.append(part.assign_attrs(mechanics=str(mechanics)))
-    return parts
-
-
-def _independent(values: Floats, ok: NDArray[np.bool_]) -> Floats:
-    """Of values (line, offset) those that are ok, or of several lines one for each, whose mean is that of all."""
-    answered = ok.any(axis=1)
-    if answered.sum() < 2:
-        return values[ok]
-    sums = np.where(ok, values, 0.0).sum(axis=1)[answered]
-    counts = ok.sum(axis=1)[answered]
-    mean = sums.sum() / counts.sum()
-    return np.asarray(mean + (sums - counts * mean) / counts.mean())
-
-
 def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
     profiles = [value] if isinstance(value, Profile) else list(value)
     if not profiles or not all(isinstance(each, Profile) for each in profiles):
@@ -442,8 +417,9 @@ def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
     return profiles
 
 
-def _places(offsets: ArrayLike, spacing: float) -> NDArray[np.intp]:
-    """Offsets in whole spacings."""
+def _places(offsets: ArrayLike, uppers: list[Profile], lowers: list[Profile]) -> NDArray[np.intp]:
+    """Offsets in whole spacings, at which every slider is over its lower profile."""
+    spacing = uppers[0].spacing
     values = np.atleast_1d(float_array("offsets", offsets))
     if values.ndim != 1 or not values.size or not (values >= 0).all() or not (np.diff(values) > 0).all():
         raise ValueError(f"offsets must be numbers of at least 0 µm that rise, got {offsets!r}")
@@ -453,4 +429,11 @@ def _places(offsets: ArrayLike, spacing: float) -> NDArray[np.intp]:
             f"offsets must be at least a spacing apart, {spacing:g} µm, got {values.size} offsets of which two are "
             f"{np.diff(values).min():.3g} µm apart"
         )
+    for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
+        if places[-1] + len(above) > len(below):
+            raise ValueError(
+                f"the slider must be over the lower profile: line {line} has {above.extent:g} µm of it and "
+                f"{below.extent:g} µm below, so that offsets are at most {(len(below) - len(above)) * spacing:g} µm, "
+                f"got {places[-1] * spacing:g} µm"
+            )
     return places

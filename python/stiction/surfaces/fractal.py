@@ -130,6 +130,12 @@ def weierstrass_mandelbrot_family(
               \left\{\cos φ_{mn} - \cos\left[\frac{2πγ^{n-1}x}{L} \cos\frac{πm}{M} + φ_{mn}\right]\right\}
 
     Hanaor, Gan & Einav, Tribology International 93 (2016) 229, Eq. 1.
+
+    Examples
+    --------
+    >>> from stiction import random_phases, weierstrass_mandelbrot_family
+    >>> weierstrass_mandelbrot_family(random_phases(1), [1.1, 1.3], points=2000).shape
+    (2, 2000)
     """
     points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
     family = np.empty((np.size(fractal_dimensions), points))

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from stiction._checks import Floats, number, truth
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import refuse_flat
-from stiction.surfaces.spectrum import in_band, spectrum_of
-from stiction.surfaces.surface import Surface
-from stiction.surfaces.surface_spectrum import spectrum_of_area
+from stiction.surfaces.spectrum import in_band, spectrum_of, spectrum_of_area
+from stiction.surfaces.surface import Surface, refuse_flat
+
+WIDE = 0.5
+"""Width of a 95 % interval of H from which on it says little."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,13 @@ class HurstEstimate:
         above it the spectrum is no straight line, and the interval has been widened by its root.
     dimensions : int
         1 of a profile, 2 of a surface.
+
+    Examples
+    --------
+    >>> from stiction import hurst_exponent_of, self_affine
+    >>> found = hurst_exponent_of(self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01))
+    >>> round(found.value, 1)
+    0.7
     """
 
     value: float
@@ -59,6 +67,29 @@ class HurstEstimate:
     def fractal_dimension_paper(self) -> float:
         """D = (4 - H) / 2, the measure of Hanaor, Gan & Einav (2016), which `weierstrass_mandelbrot` takes."""
         return (4 - self.value) / 2
+
+    @property
+    def interval_classical(self) -> tuple[float, float]:
+        """95 % interval of `fractal_dimension_classical`."""
+        return 2 - self.upper, 2 - self.lower
+
+    @property
+    def interval_paper(self) -> tuple[float, float]:
+        """95 % interval of `fractal_dimension_paper`."""
+        return (4 - self.upper) / 2, (4 - self.lower) / 2
+
+    @property
+    def caution(self) -> str | None:
+        """Why the exponent is not to be relied on, in one sentence; None if nothing speaks against it."""
+        interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
+        if self.upper - self.lower > WIDE:
+            decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
+            return f"{interval} says little: the band is {decades:.1f} decades wide"
+        if self.value > 1:
+            return "H above 1 is not self-affine but smooth: form, a filter, a tip, or waves"
+        if self.lower < 0 or self.upper > 1:
+            return f"{interval} leaves the range from 0 to 1 of self-affine surfaces"
+        return None
 
     def density(self, wave_number: Floats) -> Floats:
         """The fitted line C1D (µm³) or C2D (µm⁴) at wave numbers (1/µm)."""
@@ -180,7 +211,7 @@ def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]
 
 
 def _waves(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """The same of a surface; powers times wave numbers, which fall as those of a profile."""
+    """Wave numbers and powers of a surface to fit; powers times wave numbers, which fall as those of a profile."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -209,10 +240,9 @@ def _given_band(wave_number: Floats, band: tuple[float, float]) -> NDArray[np.bo
 
 
 FEWEST_HARMONICS = 8
-"""To fit a Hurst exponent to."""
 
 _ROUND_OFF = 1e-13
-"""Of the largest height, what is left of a straight line after it has been taken off."""
+"""Residue of a straight line after it has been subtracted, as a fraction of the largest height."""
 
 _UNTRUSTED = 2
 """Lowest harmonics after a Hann window: what the window makes of the mean and of what is longer than the profile."""
@@ -220,8 +250,7 @@ _UNTRUSTED = 2
 _HANN_ALIKE = 35 / 18
 """Mean of w⁴ over the square of that of w²: how much the window widens the scatter of sums over many harmonics."""
 
-_CHI_SQUARED_95 = 3.841
-"""Its 95 % point, one degree of freedom."""
+_CHI_SQUARED_95 = 3.841  # one degree of freedom
 
 
 class _PowerLaw:
@@ -270,8 +299,7 @@ class _PowerLaw:
         return ends[0], ends[1]
 
 
-_NEWTON_STEPS = 50
-_HALVINGS = 30
+_NEWTON_STEPS, _HALVINGS = 50, 30
 
 
 @dataclass(frozen=True)
@@ -303,7 +331,7 @@ class _Bins:
 _BINS_PER_DECADE = 12
 
 _FEWEST_BINS = 4
-"""Of a piece of the spectrum that has a power law of its own."""
+"""Fewest bins of a piece of the spectrum that is given a power law of its own."""
 
 _BEND = 0.1
 """Relative deviation of a bin that is not told from chance: no measured spectrum is a power law to better than this."""
@@ -315,7 +343,7 @@ _LINES = 10.0
 """Deviance for each bin, about 1 by chance, of what is no spectrum about a mean but lines with gaps between them."""
 
 _NARROWEST = math.log(3)
-"""Of a band that is found, in log q: half a decade."""
+"""Narrowest band that is accepted, in log q: half a decade."""
 
 
 def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _Bins]:

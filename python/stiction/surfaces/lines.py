@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stiction._checks import Floats, choice, read_only
+from stiction._shown import Readable
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
@@ -19,8 +20,8 @@ MOST_FITTED = 64
 """Lines that a Hurst exponent is fitted to. Neighbouring lines are alike, so more of them say little more."""
 
 
-@dataclass(frozen=True, eq=False)
-class LineRoughness:
+@dataclass(frozen=True, eq=False, repr=False)
+class LineRoughness(Readable):
     """Roughness of the parallel lines of a surface, each about its own least-squares line.
 
     Attributes
@@ -44,6 +45,13 @@ class LineRoughness:
     misfit : float
         Factor by which the mean spectrum, in ten bins to a decade of the band, is off the power law of the mean
         exponent, as a root mean square of logarithms: 1 for a straight spectrum. NaN without exponents.
+
+    Examples
+    --------
+    >>> from stiction import line_roughness, self_affine_surface
+    >>> surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1)
+    >>> round(1000 * line_roughness(surface, "x").Pq, 2)  # nm
+    11.28
     """
 
     lines: int
@@ -151,6 +159,14 @@ def lines_along_both(
     ------
     ValueError
         As `line_roughness`.
+
+    Examples
+    --------
+    >>> from stiction import lines_along_both, self_affine_surface
+    >>> surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1)
+    >>> along_x, along_y = lines_along_both(surface)
+    >>> along_x.lines, along_y.lines
+    (64, 64)
     """
     along_x, along_y = line_roughness(surface, "x", band=band), line_roughness(surface, "y", band=band)
     if band is not None:
@@ -187,7 +203,7 @@ def _misfit(spectrum: PowerSpectrum, band: tuple[float, float], exponent: float)
 
 
 _FEWEST_POINTS = 7
-"""Of a seven-point slope."""
+"""Points that a seven-point slope needs."""
 
 
 def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:

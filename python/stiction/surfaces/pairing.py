@@ -1,19 +1,146 @@
-"""Two scans as a slider and what it is carried over: lines that are paired, levelled and brought to one grid."""
+"""Two scans as pairs of bodies: lines that are paired, pieces of two maps, and stand-ins of the same spectrum.
+
+Pair `index` depends on the scans, the choices and the index alone, so that any number of pairs begins with the same
+ones, wherever each is made.
+"""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
+import numpy as np
+
 from stiction._checks import choice, number, whole_number
-from stiction.surfaces.preparation import ProfileTrend, cropped, levelled, resampled, turned_over
+from stiction.surfaces.preparation import (
+    ProfileTrend,
+    SurfaceTrend,
+    cropped,
+    levelled,
+    resampled,
+    resampled_piece,
+    turned_over,
+)
 from stiction.surfaces.profile import Along, Profile, Side
-from stiction.surfaces.self_affine import surrogate
 from stiction.surfaces.surface import Surface
+from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 LINES = 128
 """Pairs of lines by default: a second or two of computing, and enough for an interval."""
 
+REACH = 4
+"""Maps are moved over each other by a quarter of their length at most: three quarters lie above each other."""
+
+FEWEST_POINTS = 16
+"""Rows and columns that are pressed."""
+
+MOST_POINTS = 512
+"""Rows and columns of the surfaces that are made of profiles."""
+
 Surrogates = Literal["none", "upper", "lower", "both"]
+
+_GOLDEN = (5**0.5 - 1) / 2
+_PLASTIC = 1.324717957244746
+_OF_FOUR = 1.1673039782614187
+"""The real root of x^5 = x + 1."""
+
+
+def spread(index: int, dimensions: int) -> tuple[float, ...]:
+    """Point `index` of a sequence that fills the unit cube evenly, however many of its points are taken.
+
+    Multiples of powers of the golden ratio (one dimension), the plastic number (two) and their kin (four).
+    """
+    if dimensions == 1:
+        return ((index * _GOLDEN) % 1,)
+    base = _PLASTIC if dimensions == 2 else _OF_FOUR
+    return tuple((0.5 + index * base**-power) % 1 for power in range(1, dimensions + 1))
+
+
+# ---- Lines -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class LinePairs:
+    """Pairs of lines of two scans, or of surrogates of lines: a slider, turned over, and what it is carried over.
+
+    Attributes
+    ----------
+    upper, lower : Profile or Surface
+        Scans, both with heights out of the material; of different grids the finer is taken for both.
+    travel : float, µm, optional
+        The largest offset that shall be possible; sliders are shortened to leave it.
+    level : {"line", "mean", "quadratic"} or None
+        What is taken off each line, and off each slider once more when it has its length.
+    along : {"x", "y"}
+        Whether lines of surfaces are rows or columns.
+    surrogates : {"none", "upper", "lower", "both"}
+        Which of the two are replaced by their `surrogate`, a new one for each line.
+    seed : int
+        Of the surrogates.
+    several : bool
+        Whether there is more than one pair: then none has room to travel unless it is asked for, and of lines of
+        different lengths the longer is cut to the shorter, each at another place.
+    count : int, optional
+        How many there will be, in equal distances; otherwise they are evenly spread however many are made.
+    """
+
+    upper: Profile | Surface
+    lower: Profile | Surface
+    travel: float | None = None
+    level: ProfileTrend | None = "line"
+    along: Along = "x"
+    surrogates: Surrogates = "none"
+    seed: int = 2016
+    several: bool = False
+    count: int | None = None
+
+    def most(self) -> int | None:
+        """How many different pairs there are; None without end."""
+        if self.surrogates != "none":
+            return None
+        widths = [_width(each, self.along) for each in (self.upper, self.lower) if isinstance(each, Surface)]
+        return min(widths) if widths else 1
+
+    def place(self, index: int) -> float:
+        """Where the upper line of a pair lies across its surface, µm; 0 of profiles."""
+        if not isinstance(self.upper, Surface):
+            return 0.0
+        across = self.upper.spacing[0 if self.along == "x" else 1]
+        return _row(_width(self.upper, self.along), index, self.count, apart=False) * across
+
+    def pair(self, index: int) -> tuple[Profile, Profile]:
+        """One pair, both on the same spacing."""
+        apart = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
+        above = _line(self.upper, index, self.along, self.count)
+        below = _line(self.lower, index, self.along, self.count, apart=apart)
+        if self.level is not None:
+            above, below = levelled(above, self.level), levelled(below, self.level)
+        if self.surrogates in ("upper", "both"):
+            above = _stand_in(above, self.seed, index, "upper")
+        if self.surrogates in ("lower", "both"):
+            below = _stand_in(below, self.seed, index, "lower")
+        spacing = min(above.spacing, below.spacing)
+        above, below = resampled(turned_over(above), spacing), resampled(below, spacing)
+        if self.several and self.travel is None:
+            return _of_one_length(above, below, index, self.level)
+        return self._slider(above, len(below)), below
+
+    def _slider(self, above: Profile, track: int) -> Profile:
+        points, spacing = len(above), above.spacing
+        if self.travel is None:
+            left = max(track - points, track // 2)
+        else:
+            left = round(number("travel", self.travel, unit="µm") / spacing)
+        slider = min(points, track - left)
+        if left < 0 or 2 * slider < min(points, track) - 1:
+            most = (track - min(points, track) // 2) * spacing
+            raise ValueError(
+                f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {self.travel!r}"
+            )
+        short = above if slider == points else cropped(above, 0.0, slider * spacing)
+        return short if self.level is None else levelled(short, self.level)
 
 
 def paired_lines(
@@ -40,8 +167,8 @@ def paired_lines(
     level : {"line", "mean", "quadratic"} or None
         What is taken off each line, and off each slider once more when it has its length, so that it lies level.
     lines : int
-        How many pairs of lines are taken from surfaces, in equal distances, or of surrogates; two profiles are one
-        pair. Lines of two surfaces are a third of their width apart, so that a surface can be paired with itself.
+        How many pairs of lines are taken from surfaces, evenly spread, or of surrogates; two profiles are one pair.
+        Lines of two surfaces are a third of their width apart, so that a surface can be paired with itself.
     along : {"x", "y"}
         Whether lines of surfaces are rows or columns.
     surrogates : {"none", "upper", "lower", "both"}
@@ -58,66 +185,43 @@ def paired_lines(
     ------
     ValueError
         If an argument is outside its range, or travel leaves less than half of the shorter profile as a slider.
+
+    Examples
+    --------
+    >>> from stiction import paired_lines, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> lines = paired_lines(upper, lower, lines=4)
+    >>> [len(each) for each in lines[:2]]
+    [4, 4]
     """
     choice("along", along, Along)
     choice("surrogates", surrogates, Surrogates)
     if level is not None:
         choice("level", level, ProfileTrend)
     count = whole_number("lines", lines, least=1)
-    both = isinstance(upper, Surface) and isinstance(lower, Surface)
-    if surrogates == "none":
-        count = min([count, *(_width(each, along) for each in (upper, lower) if isinstance(each, Surface))])
-        if isinstance(upper, Profile) and isinstance(lower, Profile):
-            count = 1
-    uppers = _lines("upper", upper, count, along)
-    lowers = _lines("lower", lower, count, along, apart=both)
-    spacing = min(uppers[0].spacing, lowers[0].spacing)
-    for repetition in range(count):
-        above, below = uppers[repetition], lowers[repetition]
-        if level is not None:
-            above, below = levelled(above, level), levelled(below, level)
-        if surrogates in ("upper", "both"):
-            above = _stand_in(above, seed, repetition, "upper")
-        if surrogates in ("lower", "both"):
-            below = _stand_in(below, seed, repetition, "lower")
-        uppers[repetition] = resampled(turned_over(above), spacing)
-        lowers[repetition] = resampled(below, spacing)
-    points, track = len(uppers[0]), len(lowers[0])
-    if travel is None:
-        if count > 1:
-            return _of_one_length(uppers, lowers, level)
-        left = max(track - points, track // 2)
-    else:
-        left = round(number("travel", travel, unit="µm") / spacing)
-    slider = min(points, track - left)
-    if left < 0 or 2 * slider < min(points, track) - 1:
-        most = (track - min(points, track) // 2) * spacing
-        raise ValueError(f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {travel!r}")
-    uppers = [each if slider == points else cropped(each, 0.0, slider * spacing) for each in uppers]
-    return [each if level is None else levelled(each, level) for each in uppers], lowers
+    for name, body in (("upper", upper), ("lower", lower)):
+        if not isinstance(body, (Profile, Surface)):
+            raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+    most = LinePairs(upper, lower, along=along, surrogates=surrogates).most()
+    count = count if most is None else min(count, most)
+    pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, several=count > 1, count=count)
+    made = [pairs.pair(index) for index in range(count)]
+    return [above for above, _ in made], [below for _, below in made]
 
 
-def _of_one_length(
-    uppers: list[Profile], lowers: list[Profile], level: ProfileTrend | None
-) -> tuple[list[Profile], list[Profile]]:
-    """Pairs of which the longer profile is cut to the shorter, at places all over it, and levelled again."""
-    length = min(len(uppers[0]), len(lowers[0]))
+def _of_one_length(upper: Profile, lower: Profile, index: int, level: ProfileTrend | None) -> tuple[Profile, Profile]:
+    """A pair of which the longer profile is cut to the shorter, at a place of its own, and levelled again."""
+    length = min(len(upper), len(lower))
 
-    def cut(profile: Profile, place: float) -> Profile:
-        first = round(place * (len(profile) - length))
+    def cut(profile: Profile) -> Profile:
         if len(profile) == length:
             return profile
+        first = round(spread(index, 1)[0] * (len(profile) - length))
         piece = cropped(profile, first * profile.spacing, (first + length) * profile.spacing)
         return piece if level is None else levelled(piece, level)
 
-    # Multiples of the golden ratio: neighbouring pairs lie apart, and any number of them is evenly spread.
-    places = [pair * _GOLDEN % 1 for pair in range(len(uppers))]
-    pairs = zip(uppers, lowers, places, strict=True)
-    cuts = [(cut(upper, place), cut(lower, place)) for upper, lower, place in pairs]
-    return [upper for upper, _ in cuts], [lower for _, lower in cuts]
-
-
-_GOLDEN = (5**0.5 - 1) / 2
+    return cut(upper), cut(lower)
 
 
 def _width(surface: Surface, along: Along) -> int:
@@ -125,16 +229,24 @@ def _width(surface: Surface, along: Along) -> int:
     return int(surface.heights.shape[0 if along == "x" else 1])
 
 
-def _lines(name: str, body: Profile | Surface, count: int, along: Along, *, apart: bool = False) -> list[Profile]:
-    """So many lines in equal distances, beginning with the first, or a third of the width on and going round."""
+def _line(body: Profile | Surface, index: int, along: Along, count: int | None, *, apart: bool = False) -> Profile:
+    """A line of a surface, evenly spread over it, or a third of the width further on and going round."""
     if isinstance(body, Profile):
-        return [body] * count
-    if not isinstance(body, Surface):
-        raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+        return body
     line = body.row if along == "x" else body.column
-    width = _width(body, along)
+    return line(_row(_width(body, along), index, count, apart=apart))
+
+
+def _row(width: int, index: int, count: int | None, *, apart: bool) -> int:
+    """Which of so many lines; each is taken once before any is taken again."""
     start = max(width // 3, 1) if apart else 0
-    return [line((start + place * width // count) % width) for place in range(count)]
+    if count is not None:
+        return (start + index * width // count) % width
+    # About the golden ratio of the width, but a step that shares no factor with it.
+    step = max(1, round(width * _GOLDEN))
+    while math.gcd(step, width) > 1:
+        step += 1
+    return (start + index * step) % width
 
 
 def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
@@ -147,3 +259,199 @@ def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
     """What is below a slider at an offset (µm)."""
     first = round(offset / lower.spacing)
     return Profile(lower.heights[first : first + len(slider)], spacing=lower.spacing)
+
+
+# ---- Areas -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class MapPairs:
+    """Pairs of pieces of two maps that are moved over each other, or of their surrogates, all of one size.
+
+    Pieces have three quarters of the shorter length along each axis and lie all over both maps. Of maps of one size
+    the upper is moved along +x by an eighth to a quarter of its length and along y by up to a quarter either way, so
+    that a map on itself never lies on itself nor on its mirror image. Maps of different spacing are brought to the
+    finer one.
+
+    Attributes
+    ----------
+    upper, lower : Surface
+        Heights of the upper body are up, as `turned_over` makes them.
+    level : {"plane", "quadratic", "mean"}
+        What is taken off each piece.
+    seed : int
+        Of surrogates.
+    """
+
+    upper: Surface
+    lower: Surface
+    level: SurfaceTrend = "plane"
+    seed: int = 2016
+
+    @cached_property
+    def spacing(self) -> tuple[float, float]:
+        """µm, of rows and columns: the finer of both maps."""
+        (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
+        return min(uy, ly), min(ux, lx)
+
+    @cached_property
+    def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Points along y and x that each map has on the finer spacing."""
+        return tuple(  # type: ignore[return-value]
+            tuple(
+                points if own == step else math.floor((points - 1) * own / step + 1e-9) + 1
+                for points, own, step in zip(body.heights.shape, body.spacing, self.spacing, strict=True)
+            )
+            for body in (self.upper, self.lower)
+        )
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of each piece.
+
+        Raises
+        ------
+        ValueError
+            If these are too few to be pressed.
+        """
+        rows, columns = ((least := min(lengths)) - least // REACH for lengths in zip(*self._points, strict=True))
+        if min(rows, columns) < FEWEST_POINTS:
+            raise ValueError(
+                f"at least {FEWEST_POINTS} rows and columns must lie above each other, got maps of "
+                f"{self.upper.heights.shape} and {self.lower.heights.shape} points"
+            )
+        return rows, columns
+
+    @property
+    def area(self) -> float:
+        """Of each piece, µm²."""
+        return float(np.prod(self.shape) * np.prod(self.spacing))
+
+    @property
+    def used(self) -> tuple[float, float]:
+        """The fraction of the upper and of the lower map that a piece is."""
+        pieces = np.prod(self.shape)
+        return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
+
+    def most(self) -> int:
+        """How many relative positions there are at the most: of maps of one size those that the shifts can take."""
+        rooms = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
+        same = self._points[0] == self._points[1]
+        return (2 * rooms[0] + 1) * (rooms[1] // 2 + 1) if same else (rooms[0] + 1) * (rooms[1] + 1)
+
+    def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
+        """First row and column of the upper and of the lower piece, on the finer spacing."""
+        rooms = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
+        if self._points[0] == self._points[1]:
+            along_x, along_y = spread(index, 2)
+            moved = round(rooms[0][0] * (2 * along_y - 1)), round(rooms[1][0] * (0.5 + 0.5 * along_x))
+            lower = tuple(max(0, step) + (room[0] - abs(step)) // 2 for step, room in zip(moved, rooms, strict=True))
+            upper = tuple(first - step for first, step in zip(lower, moved, strict=True))
+        else:
+            at = spread(index, 4)
+            upper = tuple(round(room[0] * at[axis]) for axis, room in enumerate(rooms))
+            lower = tuple(round(room[1] * at[2 + axis]) for axis, room in enumerate(rooms))
+        return upper, lower  # type: ignore[return-value]
+
+    def moved(self, index: int) -> tuple[float, float]:
+        """How far the upper map is moved along x and y, µm."""
+        upper, lower = self.origins(index)
+        dy, dx = self.spacing
+        return (lower[1] - upper[1]) * dx, (lower[0] - upper[0]) * dy
+
+    def pair(self, index: int) -> tuple[Surface, Surface]:
+        """The pieces of one relative position, both levelled."""
+        upper, lower = self.origins(index)
+        return self._cut(self.upper, upper), self._cut(self.lower, lower)
+
+    def surrogates(self, index: int) -> tuple[Surface, Surface]:
+        """Pieces of a pair of surrogates of the whole maps, both levelled."""
+        sides: tuple[Side, Side] = ("upper", "lower")
+        upper, lower = (
+            self._cut(surrogate(body, self.seed, repetition=index, side=side), _middle(points, self.shape))
+            for body, side, points in zip((self.upper, self.lower), sides, self._points, strict=True)
+        )
+        return upper, lower
+
+    def _cut(self, body: Surface, origin: tuple[int, int]) -> Surface:
+        return levelled(resampled_piece(body, self.spacing, origin, self.shape), self.level)
+
+
+@dataclass(frozen=True, eq=False)
+class IsotropicPairs:
+    """Pairs of isotropic surfaces of which two profiles may be sections.
+
+    Attributes
+    ----------
+    upper, lower : Profile
+        Levelled, heights of the upper body up.
+    level : {"plane", "quadratic", "mean"}
+        What is taken off each piece.
+    seed : int
+    """
+
+    upper: Profile
+    lower: Profile
+    level: SurfaceTrend = "plane"
+    seed: int = 2016
+
+    @cached_property
+    def _both(self) -> tuple[Profile, Profile]:
+        step = min(self.upper.spacing, self.lower.spacing)
+        return resampled(self.upper, step), resampled(self.lower, step)
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """µm, of rows and columns."""
+        step = self._both[0].spacing
+        return step, step
+
+    @cached_property
+    def _whole(self) -> int:
+        return min(*(len(each) for each in self._both), MOST_POINTS)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of each piece.
+
+        Raises
+        ------
+        ValueError
+            If these are too few to be pressed.
+        """
+        points = self._whole - self._whole // REACH
+        if points < FEWEST_POINTS:
+            raise ValueError(f"at least {FEWEST_POINTS} rows and columns must be pressed, got {points}")
+        return points, points
+
+    @property
+    def area(self) -> float:
+        """Of each piece, µm²."""
+        return float(np.prod(self.shape) * np.prod(self.spacing))
+
+    @property
+    def used(self) -> tuple[float, float]:
+        """The length of a surface over that of the upper and of the lower profile."""
+        upper, lower = (self._whole / len(each) for each in self._both)
+        return upper, lower
+
+    def surrogates(self, index: int) -> tuple[Surface, Surface]:
+        """Pieces of a pair, both levelled."""
+        sides: tuple[Side, Side] = ("upper", "lower")
+        shape = (self._whole, self._whole)
+        upper, lower = (
+            levelled(
+                resampled_piece(
+                    isotropic_surface(body, self.seed, shape=shape, repetition=index, side=side),
+                    self.spacing, _middle(shape, self.shape), self.shape,
+                ),
+                self.level,
+            )
+            for body, side in zip(self._both, sides, strict=True)
+        )  # fmt: skip
+        return upper, lower
+
+
+def _middle(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
+    """First row and column of a piece in the middle."""
+    return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

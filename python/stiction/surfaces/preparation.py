@@ -14,11 +14,14 @@ from stiction.surfaces.surface import Surface
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 
+Align = Literal["start", "middle"]
+"""Which part two bodies of different size are cut to."""
+
 ON_POINT = 1e-9
 """Spacings within which a position is taken as that of a point: 0.3 is the third point of a spacing of 0.1."""
 
 ROUND_OFF = 1e-14
-"""Of the largest height, what is left of a straight line after it has been taken off."""
+"""Residue of a straight line after it has been subtracted, as a fraction of the largest height."""
 
 
 @overload
@@ -192,15 +195,18 @@ def _piece(along: str, points: int, spacing: float, start: Any, stop: Any) -> tu
 
 
 @overload
-def on_common_grid(a: Profile, b: Profile) -> tuple[Profile, Profile]: ...
+def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profile, Profile]: ...
 @overload
-def on_common_grid(a: Surface, b: Surface) -> tuple[Surface, Surface]: ...
-def on_common_grid(a: Any, b: Any) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Two profiles, or two surfaces, on the finer of their grids, over the length that both have from 0 on.
+def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
+def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
+    """Two profiles, or two surfaces, on the finer of their grids, over the length that both have.
 
     Parameters
     ----------
     a, b : Profile, or both Surface
+    align : {"start", "middle"}
+        Which part of the longer one is kept along each axis: that from 0 on, or, to half a spacing, that about the
+        middle, as for a map that was turned about it.
 
     Returns
     -------
@@ -226,9 +232,10 @@ def on_common_grid(a: Any, b: Any) -> tuple[Profile, Profile] | tuple[Surface, S
     >>> on_common_grid(fine, coarse)[1].heights
     array([0. , 0.5, 1. , 1.5, 2. ])
     """
+    choice("align", align, Align)
     if isinstance(a, Profile) and isinstance(b, Profile):
         spacing, points = _finer((len(a), a.spacing), (len(b), b.spacing))
-        return _on_grid(a, spacing, points), _on_grid(b, spacing, points)
+        return _on_grid(a, spacing, points, align), _on_grid(b, spacing, points, align)
     if not (isinstance(a, Surface) and isinstance(b, Surface)):
         raise ValueError(f"both must be a Profile or both a Surface, got {type(a).__name__} and {type(b).__name__}")
     grids = [
@@ -240,7 +247,7 @@ def on_common_grid(a: Any, b: Any) -> tuple[Profile, Profile] | tuple[Surface, S
             f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MOST_POINTS} are allowed"
         )
     spacings = grids[0][0], grids[1][0]
-    return _area_on_grid(a, spacings, shape), _area_on_grid(b, spacings, shape)
+    return _area_on_grid(a, spacings, shape, align), _area_on_grid(b, spacings, shape, align)
 
 
 def _finer(a: tuple[int, float], b: tuple[int, float]) -> tuple[float, int]:
@@ -250,28 +257,77 @@ def _finer(a: tuple[int, float], b: tuple[int, float]) -> tuple[float, int]:
     return spacing, math.floor(last / spacing + ON_POINT) + 1
 
 
-def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[int, int]) -> Surface:
+def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[int, int], align: Align) -> Surface:
     if (surface.spacing, surface.heights.shape) == (spacing, shape):
         return surface
     heights = surface.heights
     for axis in (0, 1):
-        heights = _splined(heights, surface.spacing[axis], spacing[axis], shape[axis], axis)
+        heights = _splined(heights, surface.spacing[axis], spacing[axis], shape[axis], axis, align)
     (dy, dx), (rows, columns) = spacing, shape
     step = f"splined to spacings of {dy:g} and {dx:g} µm, {rows} rows of {columns} points"
     if surface.spacing == spacing:
-        step = f"cropped to its first {rows} rows of {columns} points"
+        step = f"cropped to its {_KEPT[align]} {rows} rows of {columns} points"
+    elif align == "middle":
+        step += " about its middle"
     return Surface(heights, spacing=spacing, history=(*surface.history, step))
 
 
-def _splined(heights: Floats, own: float, spacing: float, points: int, axis: int) -> Floats:
+def resampled_piece(
+    surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
+) -> Surface:
+    """A piece of a surface on a grid of another spacing that begins where the surface does.
+
+    Parameters
+    ----------
+    surface : Surface
+    spacing : (float, float), µm
+        Of rows and columns; heights of an axis that has it already are taken as they are, others are interpolated by
+        natural cubic splines, from enough points beyond the piece that its ends do not matter.
+    origin, shape : (int, int)
+        First row and column on the new grid, and how many of them.
+    """
+    heights = surface.heights
+    for axis in (0, 1):
+        own, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
+        if own == step:
+            heights = np.take(heights, np.arange(first, first + points), axis=axis)
+            continue
+        from scipy.interpolate import CubicSpline
+
+        size = heights.shape[axis]
+        places = np.minimum((first + np.arange(points)) * (step / own), size - 1)
+        begin = max(0, math.floor(places[0]) - _BEYOND)
+        end = min(size, math.ceil(places[-1]) + 1 + _BEYOND)
+        there = np.take(heights, np.arange(begin, end), axis=axis)
+        heights = CubicSpline(np.arange(begin, end), there, axis=axis, bc_type="natural")(places)
+    (rows, columns), (dy, dx) = shape, spacing
+    step_taken = (
+        f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x) on, "
+        f"spacings {dy:g} and {dx:g} µm"
+    )
+    return Surface(np.asarray(heights), spacing=spacing, history=(*surface.history, step_taken))
+
+
+_BEYOND = 32
+"""Points on each side from which on a natural spline does not feel its end."""
+
+
+_KEPT = {"start": "first", "middle": "middle"}
+
+
+def _splined(heights: Floats, own: float, spacing: float, points: int, axis: int, align: Align = "start") -> Floats:
     """Heights along an axis at another spacing, by natural cubic splines; a grid of the same spacing as it is."""
+    last = heights.shape[axis] - 1
+    # In steps of its own grid.
+    ratio = spacing / own
+    start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if own == spacing:
-        return heights[:points] if axis == 0 else heights[:, :points]
+        kept = slice(int(start), int(start) + points)
+        return heights[kept] if axis == 0 else heights[:, kept]
     from scipy.interpolate import CubicSpline
 
-    last = heights.shape[axis] - 1
-    # In steps of its own grid; a position a rounding beyond the last point is the last point.
-    places = np.minimum(np.arange(points) * (spacing / own), last)
+    # A position a rounding beyond the last point is the last point.
+    places = np.minimum(start + np.arange(points) * ratio, last)
     return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(places))
 
 
@@ -359,15 +415,16 @@ def resampled(profile: Profile, spacing: float) -> Profile:
             f"{profile.extent:g} µm at a spacing of {spacing:g} µm are {points} points, and at most {MOST_POINTS} "
             "can be used"
         )
-    return _on_grid(profile, spacing, points)
+    return _on_grid(profile, spacing, points, "start")
 
 
-def _on_grid(profile: Profile, spacing: float, points: int) -> Profile:
+def _on_grid(profile: Profile, spacing: float, points: int, align: Align) -> Profile:
     if profile.spacing == spacing:
         if points == len(profile):
             return profile
-        step = f"cropped to its first {points} points"
+        step = f"cropped to its {_KEPT[align]} {points} points"
     else:
         step = f"splined from a spacing of {profile.spacing:g} to {spacing:g} µm, {points} points"
-    heights = _splined(profile.heights, profile.spacing, spacing, points, 0)
+        step += " about its middle" if align == "middle" else ""
+    heights = _splined(profile.heights, profile.spacing, spacing, points, 0, align)
     return Profile(heights, spacing=spacing, history=(*profile.history, step))

@@ -4,30 +4,35 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only
+from stiction._shown import Shown, axes_for
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 
 Side = Literal["lower", "upper"]
-"""Of the two bodies."""
+"""Which of the two bodies."""
 
 Along = Literal["x", "y"]
-"""Of the lines of a surface: its rows or its columns."""
+"""Axis that the lines of a surface run along: its rows or its columns."""
 
 MOST_POINTS = 100_000_000
-"""Of a generated profile: 0.8 GB of heights."""
+"""Largest number of points of a generated body: 0.8 GB of heights."""
 
 FEWEST_POINTS = 4
 """A natural cubic spline with a curvature of its own needs two interior points."""
 
 
-@dataclass(frozen=True, eq=False)
-class Profile:
+@dataclass(frozen=True, eq=False, repr=False)
+class Profile(Shown):
     """Heights of a surface along a line, on a uniform grid that starts at x = 0.
 
     Parameters
@@ -110,6 +115,60 @@ class Profile:
         scaled = scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
         object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
         return scaled
+
+    def __repr__(self) -> str:
+        """Show its size, its roughness and where it is from."""
+        from stiction.surfaces.foreign import words_of
+
+        return words_of(self)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the heights over x.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            New ones by default, which are returned.
+        """
+        from stiction.surfaces.drawing import draw_profile
+
+        return draw_profile(axes_for(ax), self)
+
+    @classmethod
+    def from_(cls, other: Any, *, unit: str | None = None) -> Profile:
+        """A profile from an object of another library, as it is: its heights, its spacing and its unit.
+
+        Parameters
+        ----------
+        other : object
+            A line scan of SurfaceTopography, or an xarray.DataArray over x with units.
+        unit : str, optional
+            Of all lengths, where the object says none.
+
+        Raises
+        ------
+        ValueError
+            If it is none of these, is no profile, has no unit, or points are missing.
+
+        Examples
+        --------
+        >>> from stiction import Profile
+        >>> profile = Profile([0.0, 1.0, 0.0, 1.0], spacing=0.5)
+        >>> Profile.from_(profile.to_xarray()).spacing
+        0.5
+        """
+        from stiction.surfaces.foreign import body_from
+
+        found = body_from("other", other, unit=unit)
+        if not isinstance(found, cls):
+            raise ValueError(f"other must be a profile, got a {type(found).__name__.lower()}; see Surface.from_")
+        return found
+
+    def to_xarray(self) -> xarray.DataArray:
+        """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
+        from stiction.surfaces.foreign import data_array_of
+
+        return data_array_of(self)
 
 
 def steps(name: str, value: Any) -> tuple[str, ...]:

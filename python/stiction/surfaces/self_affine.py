@@ -1,19 +1,18 @@
-"""Profiles of a wanted character: self-affine ones by Fourier synthesis, and surrogates of a given one."""
+"""Self-affine Gaussian profiles and surfaces, by Fourier synthesis."""
 
 from __future__ import annotations
 
 import math
-from typing import Literal, overload
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stiction._checks import choice, number, truth, whole_number
-from stiction.surfaces.fractal import random_phases
+from stiction._checks import Floats, choice, number, read_only, truth, whole_number
+from stiction.surfaces.fractal import _SIDE_KEY, random_phases
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
-from stiction.surfaces.roughness import refuse_flat
 from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import Surface
-from stiction.surfaces.surface_spectrum import surface_spectrum
+from stiction.surfaces.surface import Surface, lengths
 
 Amplitudes = Literal["rayleigh", "fixed"]
 
@@ -127,103 +126,131 @@ def self_affine(
     return Profile(np.fft.irfft(transform, period)[:points], spacing=spacing)
 
 
-@overload
-def surrogate(
-    body: Profile, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
-) -> Profile: ...
-@overload
-def surrogate(
-    body: Surface, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
-) -> Surface: ...
-def surrogate(
-    body: Profile | Surface, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
-) -> Profile | Surface:
-    """A profile or surface with the spectrum of a given one and new phases, with the same mean and Pq or Sq.
+def self_affine_surface(
+    seed: int,
+    *,
+    hurst_exponent: float,
+    rms: float,
+    shape: tuple[int, int],
+    spacing: float | tuple[float, float],
+    longest_wavelength: float | None = None,
+    shortest_wavelength: float | None = None,
+    repetition: int = 0,
+    side: Side = "lower",
+) -> Surface:
+    r"""A self-affine Gaussian surface, isotropic and periodic, by Fourier synthesis.
 
-    Many of them are an ensemble of surfaces of which one has been measured.
+    Its spectrum is C2D ∝ q^(-2-2H) between two wavelengths, flat beyond the longest (roll-off) and zero below the
+    shortest (cut-off).
 
     Parameters
     ----------
-    body : Profile or Surface
-        Levelled, unless it is periodic: a slope of the whole would become waves as long as the body.
     seed, repetition : int
+        At least 0.
     side : {"lower", "upper"}
-        The phases are `random_phases` of these three.
-    periodic : bool
-        Whether the given profile is; its spectrum is then kept to round-off.
-
-    Returns
-    -------
-    Profile or Surface
-        Of as many points; periodic in any case.
+        The random numbers follow from these three and from the numbers of waves along x and y alone, so a finer grid
+        of the same extent and the same wavelengths samples the same surface.
+    hurst_exponent : float
+        H, above 0 and at most 2.
+    rms : float, µm
+        Root-mean-square height Sq, above 0; the surface has it exactly, and a mean of zero.
+    shape : (int, int)
+        Rows (along y) and columns (along x), at least 4 each.
+    spacing : float or (float, float), µm
+        Distances between neighbouring rows and between neighbouring columns; one number for both.
+    longest_wavelength : float, µm, optional
+        The roll-off, above `shortest_wavelength` and at most the longer side, which is the default.
+    shortest_wavelength : float, µm, optional
+        The cut-off, at least and by default twice the larger spacing. Waves at a Nyquist wave number are left out.
 
     Raises
     ------
     ValueError
-        If the body is flat, or a number is negative.
+        If an argument is outside its range, or no wave lies between the wavelengths.
 
     Notes
     -----
-    A profile that is not periodic is continued by its mirror image, without a jump, and the spectrum of the two is
-    averaged to the wave numbers of one. A window instead would take most of the ends away, and the straight line
-    between the ends, taken off, would take some of the height with it. At last the surrogate is scaled to the Pq of the
-    given profile. The corners at the two ends of the image put a spectrum of 1/q⁴ on top, and each density is averaged
-    with a half of its neighbours: there are no sharp lines in the spectrum of such a surrogate, and for H near 1.5 and
-    above it has too many short wavelengths.
+    .. math:: z(x, y) = \sum_{i,j} a_{ij} \cos(2πi x/L_x + 2πj y/L_y + φ_{ij}),
+              \qquad \langle a_{ij}^2 \rangle \propto C_{2D}(q_{ij})
 
-    A surface cannot be continued by its image without mixing the directions of its waves, so it is faded out by a Hann
-    window along both axes: its spectrum is that of the middle, smoothed over neighbouring waves. An Sq that is mostly
-    of waves as long as the map is not kept in their proportion.
-
-    Random phases keep the spectrum alone. The heights become normally distributed: a surrogate of a worn or
-    plateau-honed profile has lost its skewness, and grooves and other features are spread over the whole length.
-    Theiler et al., Physica D 58 (1992) 77.
+    over half of the plane of wave vectors; a² is distributed exponentially, as heights with a normal distribution
+    have it, and all are scaled together to the wanted rms. The waves (i, 0), (i, 1), (i, -1), (i, 2) and so on take
+    the 64-bit words of ``PCG64(SeedSequence([seed, repetition, side, i]))`` two by two, as `random_phases` makes
+    phases of words: the first is φ, the second gives the amplitude.
 
     Examples
     --------
-    >>> from stiction import roughness_parameters, self_affine, surrogate
-    >>> measured = self_affine(1, hurst_exponent=0.8, rms=0.1, points=1000, spacing=0.01)
-    >>> ensemble = [surrogate(measured, 2016, repetition=repetition) for repetition in range(10)]
-    >>> round(roughness_parameters(ensemble[0]).Pq / roughness_parameters(measured).Pq, 12)
-    1.0
+    >>> from stiction import self_affine_surface
+    >>> surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(64, 64), spacing=0.05)
+    >>> round(float(surface.heights.std()), 12)
+    0.1
     """
-    truth("periodic", periodic)
-    refuse_flat(body)
-    if isinstance(body, Surface):
-        return _surface_surrogate(body, seed, repetition, side, periodic)
-    profile, mean = body, body.heights.mean()
-    heights = profile.heights - mean
-    points = heights.size
-    if periodic:
-        amplitude = np.abs(np.fft.rfft(heights))
-    else:
-        # The image continues the profile without a jump. Of its harmonics, twice as close, every second is one of
-        # the profile's length; the others go in halves to both sides.
-        image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
-        image = np.append(image, image[-2])
-        own = 2 * np.arange(points // 2 + 1)
-        amplitude = np.sqrt(image[own] / 2 + image[np.abs(own - 1)] / 4 + image[own + 1] / 4)
-    phases = random_phases(seed, repetition=repetition, side=side, directions=points // 2, frequencies=1)[:, 0]
-    transform = np.zeros(points // 2 + 1, dtype=np.complex128)
-    transform[1:] = amplitude[1:] * np.exp(1j * phases)
-    if points % 2 == 0:
-        transform[-1] = math.copysign(amplitude[-1], math.cos(phases[-1]))
-    made = np.fft.irfft(transform, points)
-    made *= math.sqrt(np.mean(heights**2) / np.mean(made**2))
-    return Profile(made + mean, spacing=profile.spacing)
+    hurst = number("hurst_exponent", hurst_exponent, above=0)
+    if hurst > 2:
+        raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
+    rms = number("rms", rms, unit="µm", above=0)
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+    rows, columns = (whole_number("shape", size, least=4, most=MOST_POINTS) for size in shape)
+    if rows * columns > MOST_POINTS:
+        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    along_y, along_x = lengths("spacing", spacing)
+    extent_y, extent_x = rows * along_y, columns * along_x
+    longer = max(extent_y, extent_x)
+    finest = 2 * max(along_y, along_x)
+    shortest = finest
+    if shortest_wavelength is not None:
+        shortest = number("shortest_wavelength", shortest_wavelength, unit="µm", above=0)
+        if shortest * ROUND_UP < finest:
+            raise ValueError(
+                f"shortest_wavelength must be at least twice the larger spacing, {finest:g} µm, "
+                f"got {shortest_wavelength!r}"
+            )
+    longest = longer
+    if longest_wavelength is not None:
+        longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
+        if longest > longer * ROUND_UP:
+            raise ValueError(f"longest_wavelength must be at most the longer side, {longer:g} µm, got {longest!r}")
+    choice("side", side, Side)
+    seed = whole_number("seed", seed, least=0)
+    repetition = whole_number("repetition", repetition, least=0)
+
+    along = [
+        min((size - 1) // 2, int(extent / shortest * ROUND_UP))
+        for size, extent in ((columns, extent_x), (rows, extent_y))
+    ]
+    # j = 0, 1, -1, 2, -2 and so on: the order in which words are taken, whatever the grid.
+    order = np.arange(1, 2 * along[1] + 2)
+    j = np.where(order % 2 == 0, order // 2, -(order // 2))
+    transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
+    power = 0.0
+    for i in range(along[0] + 1):
+        # In wave numbers of the longest wavelength.
+        q = longest * np.hypot(i / extent_x, j / extent_y)
+        kept = q * shortest <= longest * ROUND_UP
+        if i == 0:
+            kept &= j > 0  # the other half of these waves is their mirror image
+        count = int(np.flatnonzero(kept)[-1]) + 1 if kept.any() else 0
+        if count == 0:
+            continue
+        words = np.random.PCG64(np.random.SeedSequence([seed, repetition, _SIDE_KEY[side], i])).random_raw(2 * count)
+        uniform = (words >> np.uint64(11)).astype(np.float64).reshape(count, 2) / 2**53
+        kept = kept[:count]
+        phase, draw = uniform[kept].T
+        waves = j[:count][kept]
+        square = np.maximum(q[:count][kept], 1.0) ** (-2 - 2 * hurst) * -np.log1p(-draw)
+        power += float(square.sum()) / 2
+        wave = np.sqrt(square) * np.exp(2j * math.pi * phase)
+        transform[waves, i] = wave
+        if i == 0:
+            transform[-waves, i] = wave.conj()
+    if not power > 0:
+        raise ValueError(f"shortest_wavelength must be at most the longer side, {longer:g} µm, got {shortest:g}")
+    transform *= rms / math.sqrt(power) * rows * columns / 2
+    return Surface(read_only(_inverse(transform, (rows, columns))), spacing=(along_y, along_x))
 
 
-def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side, periodic: bool) -> Surface:
-    from scipy.fft import ifft2, ifftshift
+def _inverse(transform: NDArray[np.complex128], shape: tuple[int, int]) -> Floats:
+    from scipy.fft import irfft2
 
-    amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
-    rows, columns = amplitude.shape
-    phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
-    # Opposite waves have opposite phases, and those that are their own opposites are real.
-    opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
-    heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
-    own = np.zeros((rows, columns), dtype=bool)
-    own[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
-    heights += ifft2(np.where(own, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
-    heights *= surface.heights.std() / heights.std()
-    return Surface(heights + surface.heights.mean(), spacing=surface.spacing)
+    return np.asarray(irfft2(transform, shape, overwrite_x=True), dtype=np.float64)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
+from stiction._shown import Shown, axes_for
 from stiction.surfaces.profile import Profile, steps
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
 
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 
@@ -18,8 +23,8 @@ SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface(Shown):
     """Heights of a surface on a uniform grid that starts at x = y = 0: x along the columns, y along the rows.
 
     Parameters
@@ -120,6 +125,60 @@ class Surface:
         history = (*self.history, f"scaled to {measure} {amplitude:g} µm")
         return Surface(scaled.reshape(self.heights.shape), spacing=self.spacing, history=history)
 
+    def __repr__(self) -> str:
+        """Show its size, its roughness and where it is from."""
+        from stiction.surfaces.foreign import words_of
+
+        return words_of(self)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw a map of the heights.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            New ones by default, which are returned.
+        """
+        from stiction.surfaces.drawing import draw_surface
+
+        return draw_surface(axes_for(ax), self)
+
+    @classmethod
+    def from_(cls, other: Any, *, unit: str | None = None) -> Surface:
+        """A surface from an object of another library, as it is: its heights, its spacing and its unit.
+
+        Parameters
+        ----------
+        other : object
+            A topography of SurfaceTopography, a Surface of surfalize, or an xarray.DataArray over y and x with units.
+        unit : str, optional
+            Of all lengths, where the object says none.
+
+        Raises
+        ------
+        ValueError
+            If it is none of these, is no surface, has no unit, or points are missing.
+
+        Examples
+        --------
+        >>> from stiction import Surface
+        >>> surface = Surface([[0.0, 1.0], [2.0, 3.0]], spacing=0.5)
+        >>> Surface.from_(surface.to_xarray()).spacing
+        (0.5, 0.5)
+        """
+        from stiction.surfaces.foreign import body_from
+
+        found = body_from("other", other, unit=unit)
+        if not isinstance(found, cls):
+            raise ValueError(f"other must be a surface, got a {type(found).__name__.lower()}; see Profile.from_")
+        return found
+
+    def to_xarray(self) -> xarray.DataArray:
+        """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
+        from stiction.surfaces.foreign import data_array_of
+
+        return data_array_of(self)
+
 
 def lengths(name: str, value: Any) -> tuple[float, float]:
     """A length for y and one for x, both above 0, from a pair or from one number for both."""
@@ -128,3 +187,19 @@ def lengths(name: str, value: Any) -> tuple[float, float]:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {value!r}")
     along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)
     return along_y, along_x
+
+
+def refuse_flat(body: Profile | Surface) -> None:
+    """Refuse a body whose heights are all equal, or so small or large that their products leave the range."""
+    name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
+    if height == 0:
+        raise ValueError(f"a flat {name} has no roughness")
+    if not _LEAST_HEIGHT < height < 1 / _LEAST_HEIGHT:
+        raise ValueError(
+            f"the height of the {name} must be above {_LEAST_HEIGHT:g} and below {1 / _LEAST_HEIGHT:g} µm, "
+            f"got {height:g}"
+        )
+
+
+_LEAST_HEIGHT = 1e-50
+"""µm. Products of moments go as the fourth power of heights, which must stay in range."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
@@ -27,7 +28,7 @@ FULL_WIDTH = 170 * MILLIMETRE
 STYLE: dict[Any, Any] = {
     "font.size": 7,
     "axes.titlesize": 7,
-    "axes.titley": 1.0,  # where it is put; finding a free place takes as long as drawing
+    "axes.titley": 1.0,
     "axes.labelsize": 7,
     "xtick.labelsize": 6,
     "ytick.labelsize": 6,
@@ -40,26 +41,45 @@ STYLE: dict[Any, Any] = {
     "ytick.minor.width": 0.3,
     "legend.frameon": False,
     "figure.dpi": 300,
-    "hatch.linewidth": 0.3,
+    "hatch.linewidth": 0.4,
+    "pdf.fonttype": 42,  # text stays text, which journals ask for
+    "svg.fonttype": "path",
+    "svg.hashsalt": "stiction",  # equal figures are equal files
+    "axes.unicode_minus": True,
 }
 
-# Colours of Okabe and Ito (2008), which eyes of every kind tell apart.
+# Colours of Okabe and Ito (2008) and of Tol (2021), which eyes of every kind tell apart.
 OPPOSING = "#d55e00"
-"""Contacts that oppose the motion."""
+"""Contacts that oppose the motion, and the rule by which only these rub."""
 LEANING = "#0072b2"
-"""Those that lean with it."""
+"""Contacts that lean with the motion."""
+ALL = "#332288"
+"""The rule by which all contacts rub."""
+RULES = {"all": ALL, "opposing": OPPOSING}
+"""Colour of each sliding rule, in the order in which they are named."""
+AREA = "#009e73"
+"""True contact area."""
 FORCE = "#000000"
 """Elastic forces."""
 FRICTION = "#cc79a7"
 """Friction forces."""
-STRENGTHS = ("#444444", "#56b4e9", "#009e73")
-"""Adhesive shear strengths, from the lowest to the highest that is drawn."""
-DIRECTIONS = {"+x": "#332288", "-x": "#999933"}
-"""Of the motion along a line (Tol 2021)."""
+UPPER = "#c6d9e7"
+"""The upper body."""
+LOWER = "#e3d5bb"
+"""The lower body."""
+STRENGTHS = ("#444444", "#009e73")
+"""The lowest and the highest adhesive shear strength that are drawn."""
+AXES = {"x": "#0072b2", "y": "#d55e00"}
+"""Of what is measured along an axis of a map."""
 LOCKED = "#7a0019"
 """Where contacts lock themselves."""
 FRICTION_MAP = "plasma"
-"""Of friction coefficients; viridis is of fractal dimensions and cividis of heights."""
+"""Colour map of friction coefficients; viridis is of fractal dimensions, cividis of heights, inferno of pressures."""
+HEIGHT_MAP = "cividis"
+PRESSURE_MAP = "inferno"
+
+RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}
+"""What a legend says of a sliding rule."""
 
 SYMBOLS = {
     "friction_coefficient": r"\mu_s",
@@ -72,26 +92,47 @@ SYMBOLS = {
     "tau0": r"\tau_0",
 }
 
+_LABELS = {
+    "contact_area_fraction": "true contact area $A/A_0$ (%)",
+    "nominal_pressure": "nominal pressure $F_N/A_0$ (MPa)",
+    "area_over_load": "area over load $A/F_N$ (µm²/mN)",
+    "patch_area": "area of a contact (µm²)",
+    "pressure": "pressure in contact (GPa)",
+    "cut_off": "cut-off wavelength (µm)",
+    "x": "$x$ (µm)",
+    "y": "$y$ (µm)",
+    "height": "height $z$ (µm)",
+    "height_nm": "height $z$ (nm)",
+}
+"""Of what has no entry among the quantities of results, or is drawn in another unit."""
+
 
 def label(name: str) -> str:
     """What an axis says of a quantity: its words, its symbol and its unit."""
-    unit, words = QUANTITIES[name]
-    written = {"1": "", "um": " (µm)", "um^2": " (µm²)"}.get(unit, f" ({unit})")
-    return f"{words} ${SYMBOLS[name]}${written}"
+    if name in _LABELS:
+        return _LABELS[name]
+    quantity = QUANTITIES[name]
+    unit = {"1": "", "um": " (µm)", "um^2": " (µm²)"}.get(quantity.unit, f" ({quantity.unit})")
+    return f"{quantity.words} ${SYMBOLS[name]}${unit}"
 
 
 def dimension_colours(dimensions: ArrayLike) -> Floats:
     """Of curves of several fractal dimensions: viridis without its yellow, which is not to be seen on white."""
     from matplotlib import colormaps
 
-    return np.asarray(colormaps["viridis"](np.linspace(0, 0.85, np.size(dimensions))))
+    return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
 
 
-def force_text(force: float) -> str:
-    """A force (mN) in the unit in which it has the fewest zeros."""
-    exponent = np.floor(np.log10(force))
-    unit, factor = ("mN", 1.0) if exponent >= -2 else ("µN", 1e3) if exponent >= -5 else ("nN", 1e6)
-    return f"{factor * force:.3g} {unit}"
+def direction_text(degrees: float) -> str:
+    """Where the upper body moves to, in degrees from +x towards +y, as words."""
+    axes = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
+    return axes.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
+
+
+def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
+    """The friction of the contacts, and the modulus, as the head of a figure says them; tau0 in GPa."""
+    modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
+    return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
 def spread_out(places: ArrayLike, least: float) -> Floats:
@@ -111,70 +152,75 @@ def spread_out(places: ArrayLike, least: float) -> Floats:
     return result
 
 
+def evenly_spread(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many indices out of `count`, evenly spread, both ends included."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))
+
+
 def few_ticks(axes: Axes) -> None:
-    """No small ticks on scales of many decades, which take most of the time of drawing, and plain powers of ten."""
-    from matplotlib.ticker import LogLocator, NullLocator
+    """Give logarithmic scales plain numbers over two decades or less, and powers of ten alone over more than three."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
-        if axis.get_scale() == "log":
-            low, high = axis.get_view_interval()
-            if high > 1e3 * low:
-                axis.set_major_locator(LogLocator(numticks=8))
-                axis.set_minor_locator(NullLocator())
-                axis.set_major_formatter(_power_of_ten)
+        if axis.get_scale() != "log":
+            continue
+        low, high = axis.get_view_interval()
+        if high > 1e3 * low:
+            axis.set_major_locator(LogLocator(numticks=8))
+            axis.set_minor_locator(NullLocator())
+        elif low >= 1e-4 and high <= 1e5:
+            subs = (1.0,) if high > 100 * low else (1.0, 3.0) if high > 20 * low else (1.0, 2.0, 5.0)
+            axis.set_major_locator(LogLocator(subs=subs))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_locator(NullLocator())
 
 
-def _power_of_ten(value: float, _: object) -> str:
-    """As plain text: setting a formula takes longer than the axis."""
-    return "10" + str(round(np.log10(value))).translate(_SUPERSCRIPTS)
+# ---- The file --------------------------------------------------------------------------------------------------------
+
+FORMATS = ("png", "pdf", "svg")
+"""What a figure can be written as."""
+
+_MADE_BY = {".png": b"Software\0stiction", ".pdf": b"%PDF", ".svg": b"stiction"}
+"""What the beginning of a file of ours has."""
 
 
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def lay_out(figure: Figure) -> None:
-    """Find the places of everything in this style, and once: drawing would do it again, which takes as long again."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-
-
-def warm_up() -> None:
-    """Load what the first picture loads: fonts, and what formulas are read and kept by."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(1, 1))
-        axes = figure.add_axes((0, 0, 1, 1))
-        for at, name in enumerate(SYMBOLS):
-            axes.text(0, at, label(name))
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
-
-
-def save_picture(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, over no other picture than one of this package: instruments write PNGs beside their data.
+def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
+    """Formats of figures, each once.
 
     Raises
     ------
     ValueError
-        If the name does not end in .png, another picture has it, or it cannot be written.
+        If there is none, or one is not of `FORMATS`.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    if path.suffix.lower() != ".png":
-        raise ValueError(f"{path}: cannot be written: its name must end in .png")
-    with replaced_file(path, _MADE_BY, ValueError) as partial, partial.open("wb") as file:
-        # Not figure.savefig, which draws everything twice.
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.print_png(
-            file, metadata={"Software": f"stiction {__version__}"}, pil_kwargs={"compress_level": _COMPRESSION}
-        )
+    found = tuple(dict.fromkeys(str(each).lower().removeprefix(".") for each in formats))
+    if not found or not set(found) <= set(FORMATS):
+        raise ValueError(f"formats must be some of {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
+    return found
 
 
-_COMPRESSION = 3
-"""Of a PNG: two thirds of the time of the usual 6 for a tenth more bytes."""
+def save_picture(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, PDF or SVG, over no other file than one of this package.
 
-_MADE_BY = b"Software\0stiction"
-"""In the PNG."""
+    Instruments write PNGs beside their data, so a picture of another origin is never replaced.
+
+    Raises
+    ------
+    ValueError
+        If the name ends in none of these, another file has it, or it cannot be written.
+    """
+    import matplotlib as mpl
+
+    suffix = path.suffix.lower()
+    if suffix not in _MADE_BY:
+        raise ValueError(f"{path}: cannot be written: its name must end in .png, .pdf or .svg")
+    maker = f"stiction {__version__}"
+    metadata = {
+        ".png": {"Software": maker},
+        ".pdf": {"Creator": maker, "CreationDate": None},
+        ".svg": {"Title": maker, "Date": None},
+    }[suffix]
+    mark = _MADE_BY[suffix]
+    if suffix == ".pdf" and path.is_file() and b"(stiction " not in path.read_bytes():
+        mark = b"\0 a PDF of somebody else"  # what it is of stands at the end of a PDF
+    with mpl.rc_context(STYLE), replaced_file(path, mark, ValueError) as partial:
+        figure.savefig(partial, format=suffix[1:], metadata=metadata)

@@ -1,4 +1,4 @@
-"""The claims and their verdicts as text: for the terminal, and as Markdown."""
+"""The claims and their verdicts: as text for the terminal, as Markdown, and as JSON."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 
 from stiction.studies.claims import CLAIMS, Outcome, Part, verdict_of
+from stiction.views.rows import entry, finite, record
+from stiction.views.text import fitted
 
 Outcomes = list[Outcome]
 
@@ -16,11 +18,31 @@ def claims_text(outcomes: Outcomes) -> str:
     for claim, statement in CLAIMS.items():
         lines.append(f"{claim}. {statement}  {verdict_of(claim, outcomes).upper()}")
         lines += [
-            f"   {outcome.part.name:<3} {_value(outcome):<27} wanted {_wanted(outcome.part):<14} "
-            f"{outcome.verdict:<10} {outcome.part.statement}{_left_out(outcome)}"
+            fitted(
+                f"   {outcome.part.name:<3} {_value(outcome):<27} wanted {_wanted(outcome.part):<14} "
+                f"{outcome.verdict:<10} {outcome.part.statement}{_left_out(outcome)}",
+                hang=" " * 7,
+            )
             for outcome in _parts(claim, outcomes)
         ]
     return "\n".join(lines) + "\n"
+
+
+def claims_record(outcomes: Outcomes) -> str:
+    """What `stiction claims` says, as JSON: the status of each number is its verdict."""
+    values = [
+        entry(
+            each.part.name, each.value, lower=each.lower, upper=each.upper, status=each.verdict,
+            at={"claim": each.part.claim, "statement": each.part.statement, "least": finite(each.part.least),
+                "most": finite(each.part.most), "left_out": list(each.left_out)},
+        )
+        for each in outcomes
+    ]  # fmt: skip
+    claims = [
+        {"claim": number, "statement": statement, "verdict": verdict_of(number, list(outcomes))}
+        for number, statement in CLAIMS.items()
+    ]
+    return record("claims", values, kind="claims", claims=claims)
 
 
 def claims_markdown(outcomes: Outcomes) -> str:

@@ -9,7 +9,7 @@ from stiction.surfaces.measured.raw import FormatError
 
 _CHUNK = 1 << 16
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""Which unpack no more than is asked for at a time."""
+"""Methods of compression that unpack no more than is asked for at a time."""
 
 
 def chunks(archive: zipfile.ZipFile, name: str, most: int) -> Iterator[bytes]:

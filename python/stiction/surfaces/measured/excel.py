@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import math
+import re
 import warnings
 import zipfile
 from collections import Counter
@@ -11,7 +13,14 @@ from typing import Any
 from stiction.surfaces.measured.archive import chunks
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatError, Table
 from stiction.surfaces.measured.text import read_lines
-from stiction.surfaces.profile import MOST_POINTS
+
+MOST_TAGS = 10_000_000
+"""Largest number of XML tags in a workbook; a cell with a number has four, so this is some 2.5 million heights."""
+
+MOST_TAGS_IN_A_ROW = 8 * 16_384
+"""Eight for each column that a sheet of Excel can have; a row is held in memory as a whole."""
+
+_ROW = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes) -> Channels:
@@ -47,22 +56,31 @@ def read_excel(data: bytes) -> Channels:
 
 
 def _refuse_bombs(data: bytes) -> None:
-    """Refuse an archive that unpacks to more than a text may have, whatever its directory says."""
+    """Refuse an archive that unpacks to more than a text may have, whatever its directory says.
+
+    Bytes alone do not bound the memory: an empty cell is four of them, and an object for each.
+    """
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        left = MOST_TEXT_BYTES
+        left, tags = MOST_TEXT_BYTES, 0
         for name in archive.namelist():
-            left -= sum(map(len, chunks(archive, name, left)))
+            tags_in_row = -math.inf  # before the first row, and so in what is no sheet
+            for chunk in chunks(archive, name, left):
+                left -= len(chunk)
+                tags += chunk.count(b"<")
+                if tags > MOST_TAGS:
+                    raise FormatError(f"holds more than {MOST_TAGS} tags of XML; save the sheet as .csv")
+                before, *rows = (part.count(b"<") for part in _ROW.split(chunk))
+                if max(tags_in_row + before, *rows, 0) > MOST_TAGS_IN_A_ROW:
+                    raise FormatError("has a sheet with more cells in a row than Excel can have")
+                tags_in_row = rows[-1] if rows else tags_in_row + before
 
 
 def _lines(sheet: Any) -> list[str]:
     """The rows of a sheet as lines: the cells of the columns of numbers parted by tabs, any other row as words."""
     sheet.reset_dimensions()  # which a program may have written wrongly
-    rows, cells = [], 0
+    rows = []
     numbers: Counter[int] = Counter()
     for row in sheet.iter_rows(values_only=True):
-        cells += len(row)
-        if cells > MOST_POINTS:
-            raise FormatError(f"has a sheet of more than {MOST_POINTS} cells")
         filled = {at: text for at, cell in enumerate(row) if cell is not None and (text := " ".join(str(cell).split()))}
         numbers.update(at for at in filled if _is_number(row[at]))
         rows.append((filled, {at for at in filled if _is_number(row[at])}))

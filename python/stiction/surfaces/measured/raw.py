@@ -1,4 +1,4 @@
-"""What a file of measured heights holds, before units and missing points are settled."""
+"""What a file of measured heights holds, before its units and missing points are resolved."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LENGTH_UNITS = {
 
 MOST_BYTES = 2_000_000_000
 MOST_TEXT_BYTES = 300_000_000
-"""Of a text, which takes some ten times its size in memory while it is taken apart."""
+"""Largest text, which takes some ten times its size in memory while it is parsed."""
 
 
 class FormatError(ValueError):
@@ -51,7 +51,7 @@ class Raw:
     digit: Floats | None = None
     """(n,) what the last printed digit of each position is worth"""
     position_unit: str | None = None
-    """Of the positions, or else of the spacing"""
+    """Unit of the positions, or else of the spacing"""
     spacing: tuple[float, ...] | None = None
     """(Δx,) or (Δy, Δx), where there are no positions"""
     stated: Stated | None = None
@@ -69,12 +69,16 @@ class Table:
     values: Floats
     """(rows, columns), NaN where they are missing"""
     names: tuple[str, ...] = ()
-    """Of the columns; empty if they have none"""
+    """Names of the columns; empty if they have none"""
     units: tuple[str | None, ...] = ()
     digit: Callable[[int], Floats] | None = None
     """(rows,) what the last printed digit of each number of a column is worth"""
     stated: Stated | None = None
     size: tuple[Stated, Stated] | None = None
+    spacings: tuple[Stated, Stated] | None = None
+    """Between rows and between columns of an area, in words"""
+    history: tuple[str, ...] = ()
+    """What was done to the heights before they were written, a short sentence for each step"""
     area: bool = False
     """Whether two columns may be an area as well: then positions are told by counting evenly"""
 

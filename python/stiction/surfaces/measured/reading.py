@@ -11,16 +11,16 @@ from typing import TypeVar
 from stiction._text import named
 from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import read_instrument
+from stiction.surfaces.measured.interpret import (
+    Missing,
+    ReadOptions,
+    read_options,
+    to_profile,
+    to_profile_or_surface,
+    to_surface,
+)
 from stiction.surfaces.measured.npy import read_npy
 from stiction.surfaces.measured.raw import MOST_BYTES, MOST_TEXT_BYTES, Content, FormatError, FormatWarning, Raw
-from stiction.surfaces.measured.settle import (
-    Asked,
-    Missing,
-    asked,
-    settled_measurement,
-    settled_profile,
-    settled_surface,
-)
 from stiction.surfaces.measured.table import Chosen, raw_of
 from stiction.surfaces.measured.text import read_text
 from stiction.surfaces.measured.x3p import read_x3p
@@ -104,8 +104,18 @@ def read_profile(
     -----
     Positions need not be more uniform than their printed digits can show. The spacing is (last - first)/(n - 1), unless
     the argument or the text above the data gives one that fits all positions as printed.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> from stiction import read_profile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "scan.csv"
+    >>> _ = path.write_text("x (um),z (nm)" + "".join(f"{chr(10)}{x},{x % 3}" for x in range(8)))
+    >>> read_profile(path).extent
+    8.0
     """
-    return _read(path, asked(unit, spacing, missing, channel, columns), settled_profile)
+    return _read(path, read_options(unit, spacing, missing, channel, columns), to_profile)
 
 
 def read_surface(
@@ -139,8 +149,19 @@ def read_surface(
     ------
     FormatError, ValueError
         As `read_profile`.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from stiction import read_surface
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "map.npy"
+    >>> np.save(path, np.eye(8))
+    >>> read_surface(path, unit="nm", spacing="0.1 um")
+    Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm; read from map.npy
     """
-    return _read(path, asked(unit, spacing, missing, channel), settled_surface)
+    return _read(path, read_options(unit, spacing, missing, channel), to_surface)
 
 
 def read_measurement(
@@ -169,18 +190,30 @@ def read_measurement(
     ------
     FormatError, ValueError
         As `read_profile`.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> from stiction import Profile, read_measurement, write_profile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "scan.csv"
+    >>> write_profile(Profile([0.0, 0.1, 0.0, -0.1], spacing=0.5), path)
+    >>> read_measurement(path).spacing
+    0.5
     """
-    return _read(path, asked(unit, spacing, missing, channel, columns), settled_measurement)
+    return _read(path, read_options(unit, spacing, missing, channel, columns), to_profile_or_surface)
 
 
 def _read(
-    path: str | os.PathLike[str], asked: Asked, settled: Callable[[Raw, str, Asked], tuple[_Body, list[str]]]
+    path: str | os.PathLike[str],
+    options: ReadOptions,
+    convert: Callable[[Raw, str, ReadOptions], tuple[_Body, list[str]]],
 ) -> _Body:
-    """What is made of a file; every error and warning says the whole path."""
+    """Read a file and convert what it holds; every error and warning names the whole path."""
     path = Path(path)
     try:
-        raw = raw_of(_content(path), asked.channel, asked.columns)
-        body, doubts = settled(raw, path.name, asked)
+        raw = raw_of(_content(path), options.channel, options.columns)
+        body, doubts = convert(raw, path.name, options)
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise FormatError(f"{named(path)}: cannot be read: {reason}") from None

@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._text import printable
-from stiction.surfaces.measured.raw import Channels, Content, FormatError, Raw, Table
+from stiction.surfaces.measured.raw import LENGTH_UNITS, Channels, Content, FormatError, Raw, Table
 
 UNEVEN = 1e-3
 """Spacings by which a point may be off a uniform grid: nothing in the heights shows it, and positions that went through
@@ -18,6 +18,9 @@ single precision have it."""
 
 FEW = 8
 """Columns, or rows, of positions and some heights; a surface has more."""
+
+FEWEST_COLUMNS = 4
+"""Columns of a text from which on it is a matrix of heights."""
 
 _SHOWN = 12
 """Names in a message."""
@@ -37,7 +40,8 @@ def raw_of(content: Content, channel: Chosen | None, columns: Sequence[Chosen] |
     if channel is not None:
         raise FormatError(f"has no channels to choose one from, but channel says {channel!r}")
     if isinstance(content, Table):
-        return _chosen_columns(content, columns) if columns is not None else _plain(content)
+        raw = _chosen_columns(content, columns) if columns is not None else _plain(content)
+        return replace(raw, history=(*content.history, *raw.history))
     if columns is not None:
         raise FormatError("has no columns to choose from, but columns are given")
     return content
@@ -108,14 +112,17 @@ def _plain(table: Table) -> Raw:
         return replace(_profile(table, 0), history=step)
     if columns == 2 and (not table.area or (rows > 2 and counts_evenly(table.values[:, 0]))):
         return replace(_profile(table, 0, 1), history=step)
-    if not table.area and (columns == 3 or len(set(table.units)) > 1 or table.names):
+    if not table.area and (columns < FEWEST_COLUMNS or len(set(table.units)) > 1 or table.names):
         names = f": {_listed(table.names)}" if table.names else ", numbered from 0 on"
         raise FormatError(
             f"has {columns} columns of numbers that may be positions and several heights{names}; choose by columns, "
             "one of heights or two of positions and heights; a surface is a matrix of four or more without names"
         )
-    _refuse_positions(table.values)
     unit = table.units[0] if len(set(table.units)) == 1 else None
+    if table.spacings is not None:
+        spacing = tuple(stated.length * LENGTH_UNITS[stated.unit] for stated in table.spacings)
+        return Raw(table.values, unit=unit, spacing=spacing, position_unit="um", history=step)
+    _refuse_positions(table.values)
     return Raw(table.values, unit=unit, stated=table.stated, size=table.size, history=step)
 
 
@@ -158,6 +165,6 @@ def _refuse_positions(heights: Floats) -> None:
 
 
 def counts_evenly(values: Floats) -> bool:
-    """Whether values but for the first, which may be a corner, rise or fall in equal steps."""
+    """Whether values, apart from the first, which may be a corner, rise or fall in equal steps."""
     steps = np.diff(values[1:])
     return steps.size > 2 and bool(np.ptp(steps) <= UNEVEN * abs(steps.mean()) and steps.mean() != 0)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._text import printable
 from stiction.surfaces.measured.raw import FormatError, Stated, Table, length_unit
 
 _NUMBER = r"([+-]?)([0-9]{{0,40}})(?:{point}([0-9]{{0,40}}))?(?:[eE]([+-]?[0-9]{{1,3}}))?"
@@ -52,6 +53,13 @@ _STATED = re.compile(
     r"([0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W\d_]{1,12})\s*(/|per\b)?",
     re.IGNORECASE,
 )
+_HISTORY = "# history: "
+_SPACINGS = tuple(
+    re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
+    for axis in "yx"
+)
+"""Header lines as `write_surface` writes them above a matrix."""
+
 _SIZES = tuple(
     re.compile(
         rf"\W{{0,4}}{name}\s*[:=]\s*([0-9]{{1,20}}(?:[.,][0-9]{{1,20}})?(?:[eE][+-]?[0-9]{{1,2}})?)\s*([^\W\d_]{{1,12}})\s*",
@@ -59,7 +67,10 @@ _SIZES = tuple(
     )
     for name in ("height", "width")
 )
-"""As Gwyddion writes them above a matrix."""
+"""Header lines as Gwyddion writes them above a matrix."""
+
+_LONGEST_STEP, _MOST_STEPS = 1000, 1000
+"""Characters of a step of the history above the data, and steps of it."""
 
 _SAMPLE = 200
 _SAMPLE_WIDTH = 20_000
@@ -255,6 +266,7 @@ def _interpreted(table: _Numbers, lines: list[str], dialect: Dialect) -> Table:
     values[np.arange(columns) < counts[:, np.newaxis]] = np.array(table.values)
     names = _names(header, columns, dialect)
     sizes = [next((found for line in header if (found := _length(pattern, line))), None) for pattern in _SIZES]
+    spacings = [next((found for line in header if (found := _length(pattern, line))), None) for pattern in _SPACINGS]
     return Table(
         values,
         names=names,
@@ -262,6 +274,10 @@ def _interpreted(table: _Numbers, lines: list[str], dialect: Dialect) -> Table:
         digit=lambda column: _digit(values[:, column], column, lines, dialect),
         stated=next((found for line in header if (found := _stated(line))), None),
         size=(sizes[0], sizes[1]) if sizes[0] is not None and sizes[1] is not None else None,
+        spacings=(spacings[0], spacings[1]) if spacings[0] is not None and spacings[1] is not None else None,
+        history=tuple(
+            printable(line.removeprefix(_HISTORY), _LONGEST_STEP) for line in header if line.startswith(_HISTORY)
+        )[:_MOST_STEPS],
     )
 
 

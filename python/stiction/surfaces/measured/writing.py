@@ -7,63 +7,109 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
-
-from stiction._checks import Floats
 from stiction._files import new_file
+from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
+from stiction.surfaces.measured.table import FEWEST_COLUMNS
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 
 def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
-    """Write a profile, every number to the bit.
+    """Write a profile with its spacing, its unit and its history, every number to the bit.
 
     Parameters
     ----------
     profile : Profile
     path : path
         Ending in .csv: positions and heights in µm, with the spacing, the history and the units above them; or in .npy:
-        the heights alone, in µm, so that reading it back needs `unit` and `spacing`. It must not exist yet, and appears
-        when it is whole.
+        the heights in µm, which `numpy.load` gives, followed by an array of the spacing and one of the history. It must
+        not exist yet, and appears when it is whole.
 
     Raises
     ------
     FormatError
         If the ending is another, or the file exists already or cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> from stiction import Profile, read_profile, write_profile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "scan.csv"
+    >>> write_profile(Profile([0.0, 0.1, 0.0, -0.1], spacing=0.5), path)
+    >>> read_profile(path).heights
+    array([ 0. ,  0.1,  0. , -0.1])
     """
     if not isinstance(profile, Profile):
         raise ValueError(f"profile must be a Profile, got {type(profile).__name__}")
-    with _new_file(path, (".csv", ".npy")) as partial:
+    with _new_file(path) as partial:
         if Path(path).suffix.lower() == ".npy":
-            _save(partial, profile.heights)
+            with partial.open("wb") as binary:
+                write_npy(binary, profile.heights, (profile.spacing,), profile.history)
             return
         with partial.open("w", encoding="utf-8", newline="\n") as file:
             file.write(f"# spacing: {profile.spacing!r} um\n")
-            file.writelines(f"# history: {' '.join(step.split())}\n" for step in profile.history)
+            file.writelines(_history(profile))
             file.write("x (um),z (um)\n")
             pairs = zip(profile.x.tolist(), profile.heights.tolist(), strict=True)
             file.writelines(f"{x!r},{z!r}\n" for x, z in pairs)
 
 
 def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
-    """Write the heights of a surface in µm to a NumPy array, ending in .npy; otherwise as `write_profile`."""
+    """Write a surface with its spacings, its unit and its history, every number to the bit.
+
+    Parameters
+    ----------
+    surface : Surface
+    path : path
+        Ending in .csv: the matrix of heights in µm below the spacings along y and x, the history and the unit, of at
+        least four columns; or in .npy, as `write_profile` writes it.
+
+    Raises
+    ------
+    FormatError
+        As `write_profile`, and for a .csv of fewer columns, which would not be known for a matrix.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> from stiction import Surface, read_surface, write_surface
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "map.npy"
+    >>> write_surface(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=(0.5, 0.25)), path)
+    >>> read_surface(path).spacing
+    (0.5, 0.25)
+    """
     if not isinstance(surface, Surface):
         raise ValueError(f"surface must be a Surface, got {type(surface).__name__}")
-    with _new_file(path, (".npy",)) as partial:
-        _save(partial, surface.heights)
+    with _new_file(path) as partial:
+        if Path(path).suffix.lower() == ".npy":
+            with partial.open("wb") as binary:
+                write_npy(binary, surface.heights, surface.spacing, surface.history)
+            return
+        columns = surface.heights.shape[1]
+        if columns < FEWEST_COLUMNS:
+            raise FormatError(
+                f"{path}: cannot be written: a matrix in .csv needs at least {FEWEST_COLUMNS} columns, and the surface "
+                f"has {columns}; choose .npy"
+            )
+        with partial.open("w", encoding="utf-8", newline="\n") as file:
+            for axis, spacing in zip("yx", surface.spacing, strict=True):
+                file.write(f"# spacing along {axis}: {spacing!r} um\n")
+            file.writelines(_history(surface))
+            file.write("# heights (um)\n")
+            file.writelines(",".join(map(repr, row)) + "\n" for row in surface.heights.tolist())
 
 
-def _save(path: Path, heights: Floats) -> None:
-    with path.open("wb") as file:  # np.save() would add an ending
-        np.save(file, heights)
+def _history(body: Profile | Surface) -> list[str]:
+    return [f"# history: {' '.join(step.split())}\n" for step in body.history]
 
 
 @contextmanager
-def _new_file(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Iterator[Path]:
+def _new_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """`new_file` of a name that says what is in it."""
     path = Path(path)
-    if path.suffix.lower() not in suffixes:
-        raise FormatError(f"{path}: cannot be written: its name must end in {' or '.join(suffixes)}")
+    if path.suffix.lower() not in (".csv", ".npy"):
+        raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
     with new_file(path, FormatError) as partial:
         yield partial

@@ -22,13 +22,13 @@ _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"
 
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
-"""As XML Schema writes them: no underscores, and no digits of other scripts."""
+"""Numbers as XML Schema writes them: no underscores, and no digits of other scripts."""
 
 _MOST_WORDS = 4_000_000
 """Bytes of main.xml, but for the points that it lists."""
 
 _MOST_ELEMENTS = 100_000
-"""Of main.xml, but for the points."""
+"""Largest size of main.xml without its points."""
 
 _BYTES_OF_A_POINT = 200
 _SPARE = 64

@@ -1,6 +1,6 @@
-"""One page of results for a browser: `save_report` writes it, `report_page` returns it."""
+"""A page for a browser of a result, which needs nothing else."""
 
 from stiction.views.report.page import ReportError
-from stiction.views.report.results import report_page, save_report
+from stiction.views.report.result import report_page, save_report
 
 __all__ = ["ReportError", "report_page", "save_report"]

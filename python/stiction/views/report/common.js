@@ -127,19 +127,33 @@ function save(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** Buttons behind a plot that save its picture and its numbers; `rows` makes the table. */
-function saves(place, rows) {
-  const called = place.getAttribute("aria-label");
+/** Buttons behind a plot: to look closer or at all of it, between a linear and a logarithmic scale of values, and to save
+ * its picture with a title and its caption, and its numbers; `rows` makes the table. */
+function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
+  const called = place.getAttribute("aria-label").split(";")[0];
+  const title = () => `${document.title.split(" – ")[0]}: ${called}`;
+  const words = () => [byId("parameters").textContent, place.parentNode.querySelector(".caption")?.textContent ?? ""].join(" ");
   const name = `${document.title.split(" – ")[0].replaceAll(/[^\w-]+/g, "_")}_${place.id}`;
-  const button = (kind, action) => {
-    const made = element("button", {type: "button", "aria-label": `${kind} of: ${called}`}, kind);
+  const redrawn = () => redraw(place.dataset.drawing ?? place.id);
+  const button = (text, label, action) => {
+    const made = element("button", {type: "button", "aria-label": `${label}: ${called}`, title: label}, text);
     made.addEventListener("click", action);
     return made;
   };
-  const list = element("p", {class: "saves"},
-    button("SVG", () => save(`${name}.svg`, new Blob([pictureText(place)], {type: "image/svg+xml"}))),
-    button("PNG", async () => save(`${name}.png`, await pictureBytes(place, 2))),
-    button("CSV", () => save(`${name}.csv`, new Blob([csvText(rows())], {type: "text/csv"}))));
+  const list = element("p", {class: "saves"});
+  if (hasAxes) list.append(
+    button("+", "Look closer", () => look(place, redrawn, {times: 1.5})),
+    button("−", "Look from farther", () => look(place, redrawn, {times: 1 / 1.5})),
+    button("⟲", "All of it", () => { place.view = null; redrawn(); }));
+  if (hasScales) list.append(button("log", "Linear or logarithmic", () => {
+    place.isLog = !(place.axes?.y.isLog ?? false);
+    place.view = null;
+    redrawn();
+  }));
+  list.append(
+    button("SVG", "Save the picture as SVG", () => save(`${name}.svg`, new Blob([pictureText(place, title(), words())], {type: "image/svg+xml"}))),
+    button("PNG", "Save the picture as PNG", async () => save(`${name}.png`, await pictureBytes(pictureText(place, title(), words()), 2))),
+    button("CSV", "Save the numbers as CSV", () => save(`${name}.csv`, new Blob([csvText(rows())], {type: "text/csv"}))));
   place.after(list);
 }
 
@@ -177,8 +191,17 @@ async function inflated(id) {
 
 const unpacked = async (id, leading) => doubles(await inflated(id), leading);
 
+/** What is packed and opened by those alone who want it. */
+function unfold(id) {
+  const details = byId(id).closest("details");
+  details.addEventListener("toggle", async () => {
+    if (byId(`packed-${id}`)) byId(id).textContent = new TextDecoder().decode(await inflated(id));
+  });
+}
+
 function start(begin) {
   const isOld = typeof DecompressionStream === "undefined";
+  if (!isOld) unfold("licence");
   for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());
   if (isOld) say("This page needs a browser of 2023 or later.");
   else begin().then(() => byId("main").setAttribute("aria-busy", "false"))

@@ -1,12 +1,14 @@
 "use strict";
 
 // What a result says at a load, for any mu0 and tau0. Reading off, intervals and statuses are those of `friction_map`
-// and `area_map`, step for step; the names are the same where the things are.
+// and `area_map`, or of `at_load`, step for step; the names are the same where the things are.
 //
 // All that these functions know is in their arguments: nothing here looks at the page. A result, for one sliding rule and
-// direction, is {facts, means, sums}: what Python says of it, the means over the repetitions, variable -> (dimension,
-// amplitude, step), and the sums of each, variable -> (dimension, amplitude, repetition, step). Steps are approaches, or
-// loads of the half-space.
+// direction, is {facts, means, sums}: what Python says of it, the means over the members, variable -> (dimension,
+// amplitude, step), and the sums of each, variable -> (dimension, amplitude, member, step). Steps are approaches, or
+// loads of the half-space. Of measured bodies, where facts.reading is "elastic", each member carries a load before it
+// slides: a result is then {facts, motions, chosen, members}, the sums of all of its motions, which of these are averaged
+// (several directions), and which members are.
 
 // ---- Numbers as they are packed ------------------------------------------------------------------------------------
 
@@ -308,6 +310,7 @@ function mapOf(result, quantity, a, loads, mu0, tau0) {
 
 /** What is known of a quantity at loads: value, interval, status and validity. */
 function readOff(result, quantity, d, a, loads, mu0, tau0) {
+  if (result.facts.reading === "elastic") return loads.map((load) => meanOfMembers(result, quantity, d, a, load, mu0, tau0));
   const curves = meanCurves(result, d, a, mu0, tau0);
   const values = curves.of(quantity);
   const jack = jackknife(result, d, a, quantity, mu0, tau0);
@@ -397,7 +400,71 @@ function tickText(value) {
   return `${mantissa === "1" ? "" : `${mantissa.replace("-", "−")} × `}10${superscript(Number(exponent))}`;
 }
 
-// ---- Measured surfaces ---------------------------------------------------------------------------------------------
+// ---- Members that carry one load -----------------------------------------------------------------------------------
+
+/** Index of the step that is a load, or -1. */
+const stepOf = ({steps}, load) => steps.findIndex((step) => Math.abs(step - load) <= 1e-9 * load);
+
+/** A quantity, "friction" or one of facts.quantities, of each member at a step; NaN where there is none. */
+function memberValues({facts, motions, chosen, members}, quantity, d, a, step, mu0, tau0) {
+  const index = (member) => (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
+  if (quantity === "friction") {
+    const names = [...OF_NORMAL, ...OF_TANGENTIAL];
+    return members.map((member) => chosen.reduce((sum, motion) =>
+      sum + coefficientOf(names.map((name) => motions[motion].sums[name][index(member)]), mu0, tau0), 0) / chosen.length);
+  }
+  const {name, of, over} = facts.quantities.find((each) => each.name === quantity);
+  const {sums} = motions[0];
+  return members.map((member) => {
+    const at = (part) => sums[part][index(member)];
+    const value = over.length ? at(of) / over.reduce((sum, part) => sum + at(part), 0) : at(of);
+    if (name === "contact_area_fraction") return value / facts.area;
+    return name === "mean_pressure" ? at("normal_elastic") / value : value;
+  });
+}
+
+/** Mean of a quantity over the members at a load, with its interval. */
+function meanOfMembers(result, quantity, d, a, load, mu0, tau0) {
+  const {facts} = result;
+  const step = stepOf(facts, load);
+  const values = step < 0 ? [] : memberValues(result, quantity, d, a, step, mu0, tau0);
+  const [value, lower, upper] = intervalOf(result, values);
+  const answered = values.filter(Number.isFinite).length;
+  const most = quantity.includes("share") || quantity.startsWith("fraction") ? 1 : Infinity;
+  return {
+    load, status: answered ? "ok" : step < 0 ? "not-reached" : statusOfMembers(result, d, a, step, mu0, tau0), value: Math.min(value, most), lower: Math.min(lower, most), upper: Math.min(upper, most),
+    validity: null, trusted: true, answered, all: values.length,
+  };
+}
+
+/** Why no member has an answer. */
+function statusOfMembers(result, d, a, step, mu0, tau0) {
+  const {facts, motions, chosen, members} = result;
+  const loads = members.map((member) => {
+    const at = (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
+    const [elastic, frictional, adhesive] = OF_NORMAL.map((name) => motions[chosen[0]].sums[name][at]);
+    return elastic + mu0 * frictional + tau0 * adhesive;
+  });
+  return loads.some((load) => load <= 0) ? "self-locked" : "not-solved";
+}
+
+/** Mean and interval of values of members: of independent ones, or of neighbours along lines. */
+function intervalOf({facts, members}, values) {
+  if (facts.interval !== "neighbours") return ofSample(values, facts.confidence, facts.fewest);
+  const known = members.map((member, i) => ({line: facts.lines[member], x: facts.offsets[0][member], y: facts.offsets[1][member], value: values[i]}))
+    .filter(({value}) => Number.isFinite(value)).sort((one, other) => one.y - other.y || one.line - other.line || one.x - other.x);
+  const lines = [...new Set(known.map(({line}) => line))];
+  let independent = known.map(({value}) => value);
+  if (lines.length > 1) {
+    const of = lines.map((line) => known.filter((each) => each.line === line));
+    const sums = of.map((each) => each.reduce((sum, {value}) => sum + value, 0));
+    const mean = sums.reduce((sum, value) => sum + value, 0) / known.length;
+    independent = sums.map((sum, i) => mean + ((sum - of[i].length * mean) * lines.length) / known.length);
+  }
+  const [mean, lower, upper] = ofNeighbours(independent, facts.confidence, facts.fewestNeighbours);
+  const all = known.map(({value}) => value);
+  return [mean, Math.max(lower, Math.min(...all)), Math.min(upper, Math.max(...all))];
+}
 
 /** Mean of a sample, without what is not finite, and its interval by Student's t; as `intervals.of_sample`. */
 function ofSample(values, confidence, fewest) {
@@ -409,6 +476,56 @@ function ofSample(values, confidence, fewest) {
   const half = studentQuantile(0.5 + confidence / 2, count - 1) * Math.sqrt(squares / (count - 1) / count);
   const least = known.some((value) => value < 0) ? -Infinity : 0;
   return [mean, Math.max(mean - half, least), mean + half];
+}
+
+const CORRELATIONS = Array.from({length: 20}, (_, i) => 0.05 * i);
+
+/** Mean of values in the order in which they are neighbours, and its interval; as `intervals.of_neighbours`. */
+function ofNeighbours(values, confidence, fewest) {
+  const count = values.length;
+  const mean = values.reduce((sum, value) => sum + value, 0) / count;
+  if (count < fewest || values.every((value) => value === values[0])) return [mean, NaN, NaN];
+  const spread = Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / (count - 1));
+  if (!(spread > 0)) return [mean, NaN, NaN];
+  const y = values.map((value) => (value - mean) / spread);
+  const sum = y.reduce((total, value) => total + value, 0);
+  const processes = CORRELATIONS.map((rho) => {
+    const ones = (count - (count - 2) * rho) / (1 + rho);
+    const centre = (y[0] + y[count - 1] + (1 - rho) * (sum - y[0] - y[count - 1])) / (1 + rho) / ones;
+    let squares = (y[0] - centre) ** 2;
+    let inflation = count;
+    for (let i = 1; i < count; i++) {
+      squares += (y[i] - centre - rho * (y[i - 1] - centre)) ** 2 / (1 - rho ** 2);
+      inflation += 2 * (count - i) * rho ** i;
+    }
+    return {
+      weight: (count - 1) * (Math.log(1 - rho ** 2) + Math.log(squares)) + Math.log(ones) - Math.log(1 - rho),
+      error: Math.sqrt((squares / (count - 1)) * (inflation / count ** 2)),
+    };
+  });
+  const least = Math.min(...processes.map(({weight}) => weight));
+  for (const each of processes) each.weight = Math.exp(-0.5 * (each.weight - least));
+  const total = processes.reduce((all, {weight}) => all + weight, 0);
+  const freedom = count - 1;
+  const density = Math.exp(logGamma(count / 2) - logGamma(freedom / 2)) / Math.sqrt(Math.PI * freedom);
+  const below = (t) => 1 - incompleteBeta(freedom / (freedom + t * t), freedom / 2, 0.5) / 2;
+  let high = studentQuantile(0.5 + confidence / 2, freedom) * Math.min(...processes.map(({error}) => error));
+  for (let step = 0; step < 50; step++) {
+    let [slope, probability] = [0, 0];
+    for (const {weight, error} of processes) {
+      const t = high / error;
+      slope += (weight / total) * density * (1 + (t * t) / freedom) ** (-count / 2) / error;
+      probability += (weight / total) * below(t);
+    }
+    const change = (0.5 + confidence / 2 - probability) / slope;
+    high += change;
+    if (change <= 1e-15 * high) break;
+  }
+  const power = (n) => y.reduce((all, value) => all + value ** n, 0) / count;
+  const bend = power(3) / power(2) ** 1.5 / 3;
+  const isBent = Math.abs(bend) > 1e-9;
+  const [down, up] = isBent ? [-Math.expm1(-bend * high) / bend, Math.expm1(bend * high) / bend] : [high, high];
+  return [mean, Math.max(mean - spread * down, Math.min(...values)), Math.min(mean + spread * up, Math.max(...values))];
 }
 
 /** The friction coefficient of the sums of normal and tangential load: elastic, per mu0 and per tau0 of each. */
@@ -423,6 +540,19 @@ function gentleFriction(mu0, tau0, {gradient, slope, modulus, kappa}, sliding) {
   const mean = slope / (2 * Math.sqrt(2 * Math.PI));
   if (sliding === "all") return m;
   return m * mean < 1 ? (m / 2 + mean) / (1 - m * mean) : NaN;
+}
+
+/** What the mean slopes of the gap alone say, on the mean over directions (indices). */
+function slopesAlone({facts, members}, d, directions, sliding, mu0, tau0) {
+  if (!facts.gap) return NaN;
+  const {gradient, slope, kappa} = facts.gap;
+  const {modulus} = facts;
+  const mean = (values) => {
+    const known = members.map((member) => values[member]).filter(Number.isFinite);
+    return known.reduce((sum, value) => sum + value, 0) / known.length;
+  };
+  return directions.reduce((sum, way) => sum + gentleFriction(mu0, tau0,
+    {gradient: mean(gradient[d]), slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus, kappa}, sliding), 0) / directions.length;
 }
 
 // ---- Example profiles ----------------------------------------------------------------------------------------------
@@ -484,8 +614,53 @@ function shown(value, digits = 4) {
   return value.toPrecision(digits).replace("-", "−");
 }
 
-/** A length, µm, in the unit that suits it. */
-function lengthName(value) {
-  const [size, unit] = value < 1 ? [1000 * value, "nm"] : [value, "µm"];
-  return `${Number(size.toPrecision(4))} ${unit}`;
+/** A value with so many decimals, or rounded to tens, without the minus of a zero; as `digits._in_decimals`. */
+function inDecimals(value, digits) {
+  const text = digits >= 0 ? value.toFixed(Math.min(digits, 100)) : String(Math.round(value * 10 ** digits) / 10 ** digits);
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+}
+
+const HUGE = 100;
+
+/** A number to quote, with its interval: two digits, and a third where the ends would be one number; as `digits.two_digits`. */
+function twoDigits(mean, lower = NaN, upper = NaN) {
+  if (!Number.isFinite(mean)) return "none";
+  let digits = mean === 0 ? 2 : 1 - Math.floor(Math.log10(Math.abs(mean)));
+  if (!Number.isFinite(lower) || !Number.isFinite(upper)) return inDecimals(mean, digits);
+  if (inDecimals(lower, digits) === inDecimals(upper, digits)) digits += 1;
+  const isHuge = upper > HUGE * Math.abs(mean) && mean !== 0; // of such an end the size alone is known
+  const most = isHuge ? shown(upper, 1) : inDecimals(upper, digits);
+  return `${inDecimals(mean, digits)} [${inDecimals(lower, digits)}, ${most}]`;
+}
+
+// Of each unit the least value that is written in it, its factor to core units, and its name.
+const PREFIXES = {
+  mN: [[1e6, 1e6, "kN"], [1e3, 1e3, "N"], [0.01, 1, "mN"], [1e-5, 1e-3, "µN"], [0, 1e-6, "nN"]],
+  GPa: [[1, 1, "GPa"], [1e-3, 1e-3, "MPa"], [0, 1e-6, "kPa"]],
+  um: [[1e3, 1e3, "mm"], [1, 1, "µm"], [0, 1e-3, "nm"]],
+};
+
+/** Factor and name of the unit in which a value has the fewest zeros, of another in which its first digit is seen. */
+function unitFor(value, unit) {
+  const units = PREFIXES[unit];
+  if (!units) return unit === "%" ? [0.01, "%"] : [1, unit];
+  if (value === 0) return [1, unit.replace("um", "µm")];
+  const size = Number(Math.abs(value).toPrecision(3)); // as it is shown
+  const [, factor, name] = units.find(([least]) => size >= least);
+  return [factor, name];
+}
+
+/** A value, by three digits, in the unit in which it has the fewest zeros; as `digits.with_unit`. */
+function withUnit(value, unit) {
+  if (!Number.isFinite(value)) return "none";
+  const [factor, name] = unitFor(value, unit);
+  return `${String(Number((value / factor).toPrecision(3))).replace("-", "−")} ${name}`.trim();
+}
+
+/** A value with its interval in one unit. */
+function intervalWithUnit(value, lower, upper, unit) {
+  if (!Number.isFinite(value)) return "none";
+  const [factor, name] = unitFor(value, unit);
+  if (value === 0 && !(upper > 0)) return `0 ${name}`.trim();
+  return `${twoDigits(value / factor, lower / factor, upper / factor)}\u00a0${name}`.trim();
 }

@@ -1,10 +1,10 @@
 """One page for a browser, whole in itself: its frame, and how numbers are packed into it.
 
-What a page is of, `study.py` and `pair.py` say: facts, words and numbers. Markup, style and scripts stand beside this
-file: `numbers.js` computes and knows nothing of a page, `plots.js` draws, `common.js` has controls and files, and
-`study.js` or `pair.js` the state and the words of a page. Every constant that they share with the library is handed to
-them in the facts. Text that comes from a file is escaped in one place each: markup here by `escaped`, in the scripts
-because they make text nodes alone.
+What a page is of, `result.py` says: facts, words and numbers. Markup, style and scripts stand beside this file:
+`numbers.js` computes and knows nothing of a page, `plots.js` draws, `common.js` has controls and files, and `result.js`
+the state and the words of a page. Every constant that they share with the library is handed to them in the facts. Text
+that comes from a file is escaped in one place each: markup here by `escaped`, in the scripts because they make text
+nodes alone.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from stiction._text import printable
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Every report begins so; no other file is written over."""
 
+SCRIPTS = ("numbers.js", "plots.js", "common.js", "result.js")
+
 
 class ReportError(ValueError):
     """A page that cannot be made or written."""
@@ -40,8 +42,6 @@ class Page:
 
     Attributes
     ----------
-    kind : str
-        The name of its markup and script, "study" or "pair".
     name : str
         What tells it from other pages: the title and the heading.
     head : list of str
@@ -51,12 +51,11 @@ class Page:
     facts : dict
         What its script knows.
     numbers : dict
-        Packed by `packed`, by name.
+        Packed by `packed` or `deflated`, by name.
     versions : str
         Of what computed the result.
     """
 
-    kind: str
     name: str
     head: list[str]
     words: Mapping[str, str]
@@ -73,19 +72,18 @@ class Page:
 
         numbers = "\n".join(
             f'<script type="application/octet-stream" id="packed-{name}">{text}</script>'
-            for name, text in self.numbers.items()
+            for name, text in {**self.numbers, "licence": deflated(_licence().encode())}.items()
         )
         return MARK + Template(part("page.html")).substitute(
             name=escaped(self.name),
             head="".join(f"<p>{escaped(line)}</p>" for line in self.head),
-            body=Template(part(f"{self.kind}.html")).substitute(self.words),
+            body=Template(part("result.html")).substitute(self.words),
             style=part("page.css"),
-            script="\n".join(part(name) for name in ("numbers.js", "plots.js", "common.js", f"{self.kind}.js")),
+            script="\n".join(part(name) for name in SCRIPTS),
             # No "<", so that nothing in it ends the element or begins another.
             facts=json.dumps(self.facts, allow_nan=False).replace("<", "\\u003c"),
             packed=numbers,
             versions=escaped(f"{self.versions}; page by stiction {__version__}, {datetime.date.today().isoformat()}."),
-            licence=html.escape(_licence()),
         )
 
 
@@ -112,12 +110,23 @@ def packed(values: ArrayLike, leading: int) -> str:
     if dropped:
         bits = bits + np.uint64(1 << (dropped - 1))
     planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :leading].T
-    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION)).decode("ascii")
+    return deflated(planes.tobytes())
+
+
+def deflated(content: bytes) -> str:
+    """Bytes as text, compressed."""
+    return base64.b64encode(zlib.compress(content, _COMPRESSION)).decode("ascii")
 
 
 def counted(count: int, one: str, many: str | None = None) -> str:
     """A number of things."""
     return f"{count} {one if count == 1 else many or f'{one}s'}"
+
+
+def listed(values: ArrayLike) -> Any:
+    """Numbers for JSON, which has no NaN."""
+    array = np.asarray(values, dtype=np.float64)
+    return np.where(np.isfinite(array), array, np.asarray(None)).tolist()
 
 
 def _licence() -> str:

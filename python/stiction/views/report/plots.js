@@ -55,9 +55,13 @@ function scaleOf({low, high, isLog}, from, to) {
   return at;
 }
 
+/** An axis as it is looked at: between the ends of a view, where there is one. */
+const viewed = (axis, view) => (view ? {...axis, low: view[0], high: view[1]} : axis);
+
 /** Axes {low, high, isLog, title} in an element: what is drawn with the scales x and y into `inside` is clipped. */
-function axes(place, x, y, top = 0) {
+function axes(place, wholeX, wholeY, top = 0) {
   const unit = rem();
+  const [x, y] = [viewed(wholeX, place.view?.x), viewed(wholeY, place.view?.y)];
   const [width, height] = [Math.max(place.clientWidth, 8 * unit), Math.max(place.clientHeight, 8 * unit)];
   const box = {left: 4.4 * unit, right: width - unit, top: (0.6 + top) * unit, bottom: height - 3.2 * unit};
   const small = 0.8125 * unit;
@@ -87,13 +91,44 @@ function axes(place, x, y, top = 0) {
     shape("defs", {}, shape("clipPath", {id: clip}, shape("rect", frame))),
     inside, lines, shape("rect", {...frame, style: "fill: none; stroke: var(--muted)"}), texts);
   place.replaceChildren(picture);
-  return Object.assign(place, {axes: {X, Y, box, frame, picture, inside, unit, small}}).axes;
+  if (place.tip) place.append(place.tip);
+  return Object.assign(place, {axes: {X, Y, x, y, wholeX, wholeY, box, frame, picture, inside, unit, small}}).axes;
 }
 
-/** What people do on axes: point, leave, pick, drag a rectangle, double-click. Called once; the axes may change. */
-function interactive(place, {point, leave, pick, zoom, all}) {
+// ---- Looking closer -------------------------------------------------------------------------------------------------
+
+const CLOSEST = 1e-3; // of an axis, the least that is looked at
+
+/** Look at an axis times as close about a position between 0 and 1 of it, or move by a share of it; never beyond its ends. */
+function lookAt({low, high, isLog}, {low: from, high: to}, times, about, move = 0) {
+  const [on, off] = isLog ? [Math.log, Math.exp] : [(value) => value, (value) => value];
+  const [start, span] = [on(from), on(to) - on(from)];
+  const whole = on(high) - on(low);
+  const size = Math.min(Math.max(span / times, CLOSEST * whole), whole);
+  const begin = Math.min(Math.max(start + about * (span - size) + move * span, on(low)), on(high) - size);
+  return size >= whole * (1 - 1e-9) ? null : [off(begin), off(begin + size)];
+}
+
+/** Look at axes of a plot closer, or all of them; `along` says which. */
+function look(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0, along = "xy"}) {
+  if (!place.axes?.X) return;
+  const {axes: now} = place;
+  const view = {...place.view};
+  if (along.includes("x")) view.x = lookAt(now.wholeX, now.x, times, x, moveX);
+  if (along.includes("y")) view.y = lookAt(now.wholeY, now.y, times, y, moveY);
+  place.view = view;
+  redrawn();
+}
+
+const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch pad comes as a wheel with Ctrl
+
+/** What people do on axes: point, leave, pick (which returns how to undo it), and look closer by dragging a rectangle, by
+ * Ctrl and the wheel, by two fingers, by Shift and dragging, and by keys. Called once; the axes may change. */
+function interactive(place, {point, leave, pick, redrawn}) {
   let from = null;
   let rectangle = null;
+  let undo = null;
+  const fingers = new Map();
   const at = (event) => {
     const {left, top} = place.getBoundingClientRect();
     return [event.clientX - left, event.clientY - top];
@@ -102,32 +137,105 @@ function interactive(place, {point, leave, pick, zoom, all}) {
     const {box} = place.axes ?? {};
     return box && x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
   };
+  const parts = ([x, y]) => {
+    const {frame} = place.axes;
+    return {x: (x - frame.x) / frame.width, y: 1 - (y - frame.y) / frame.height};
+  };
   const values = ([x, y]) => [place.axes.X.value(x), place.axes.Y.value(y)];
   place.addEventListener("pointerdown", (event) => {
+    if (event.pointerType === "touch") fingers.set(event.pointerId, at(event));
     from = isInside(at(event)) && event.isPrimary && event.button === 0 ? at(event) : null;
   });
+  const pinch = (event) => {
+    const before = [...fingers.values()];
+    fingers.set(event.pointerId, at(event));
+    const after = [...fingers.values()];
+    const size = ([one, other]) => Math.hypot(one[0] - other[0], one[1] - other[1]) || 1;
+    const middle = ([one, other]) => parts([(one[0] + other[0]) / 2, (one[1] + other[1]) / 2]);
+    const [was, is] = [middle(before), middle(after)];
+    look(place, redrawn, {times: size(after) / size(before), ...is, moveX: was.x - is.x, moveY: was.y - is.y});
+  };
+  const rectangleTo = (here) => {
+    const {box, picture} = place.axes;
+    const [x, y] = [Math.min(Math.max(here[0], box.left), box.right), Math.min(Math.max(here[1], box.top), box.bottom)];
+    rectangle?.remove();
+    rectangle = shape("rect", {x: Math.min(x, from[0]), y: Math.min(y, from[1]), width: Math.abs(x - from[0]),
+      height: Math.abs(y - from[1]), style: "fill: var(--accent); fill-opacity: 0.2; stroke: var(--accent)"});
+    rectangle.to = [x, y];
+    picture.append(rectangle);
+  };
   place.addEventListener("pointermove", (event) => {
     const here = at(event);
-    if (from && zoom && event.pointerType !== "touch" && Math.hypot(here[0] - from[0], here[1] - from[1]) > 8) {
-      const {box, picture} = place.axes;
-      const [x, y] = [Math.min(Math.max(here[0], box.left), box.right), Math.min(Math.max(here[1], box.top), box.bottom)];
-      rectangle?.remove();
-      rectangle = shape("rect", {x: Math.min(x, from[0]), y: Math.min(y, from[1]), width: Math.abs(x - from[0]),
-        height: Math.abs(y - from[1]), style: "fill: var(--accent); fill-opacity: 0.2; stroke: var(--accent)"});
-      rectangle.to = [x, y];
-      picture.append(rectangle);
+    if (fingers.size === 2 && fingers.has(event.pointerId)) return pinch(event);
+    if (from && event.pointerType !== "touch" && Math.hypot(here[0] - from[0], here[1] - from[1]) > 8) {
+      leave?.();
+      if (!event.shiftKey) return rectangleTo(here);
+      const [was, is] = [parts(from), parts(here)];
+      from = here;
+      from.moved = true;
+      return look(place, redrawn, {moveX: was.x - is.x, moveY: was.y - is.y});
     }
-    else if (isInside(here) && event.pointerType !== "touch") point?.(...values(here));
+    if (isInside(here) && event.pointerType !== "touch") point?.(...values(here), here);
     else leave?.();
   });
   place.addEventListener("pointerleave", () => leave?.());
-  window.addEventListener("pointerup", (event) => {
-    if (from && rectangle) zoom(values(from), values(rectangle.to));
-    else if (from && event.target instanceof Node && place.contains(event.target)) pick?.(...values(from));
-    rectangle?.remove();
+  const release = (event) => {
+    fingers.delete(event.pointerId);
+    if (from && rectangle) {
+      const [[x0, y0], [x1, y1]] = [values(from), values(rectangle.to)];
+      const ends = (one, other) => [Math.min(one, other), Math.max(one, other)];
+      place.view = {x: ends(x0, x1), y: ends(y0, y1)};
+      rectangle.remove();
+      redrawn();
+    }
+    else if (from && !from.moved && fingers.size === 0 && event.target instanceof Node && place.contains(event.target)) {
+      const isSecond = undo && performance.now() - undo.when < 500 && Math.hypot(from[0] - undo.at[0], from[1] - undo.at[1]) < 8;
+      if (!isSecond) undo = {of: pick?.(...values(from)), when: performance.now(), at: from};
+    }
     from = rectangle = null;
+  };
+  window.addEventListener("pointerup", release);
+  window.addEventListener("pointercancel", (event) => { fingers.delete(event.pointerId); from = null; });
+  place.addEventListener("dblclick", () => {
+    undo?.of?.(); // two clicks look at all, and pick nothing
+    undo = null;
+    place.view = null;
+    redrawn();
   });
-  place.addEventListener("dblclick", () => all?.());
+  place.addEventListener("wheel", (event) => {
+    if (!isNear(event) || !isInside(at(event))) return;
+    event.preventDefault();
+    look(place, redrawn, {times: Math.exp(-event.deltaY / 300), ...parts(at(event)), along: event.shiftKey ? "x" : event.altKey ? "y" : "xy"});
+  }, {passive: false});
+  place.addEventListener("keydown", (event) => {
+    const times = {"+": 1.5, "=": 1.5, "-": 1 / 1.5}[event.key];
+    const move = event.shiftKey && {ArrowLeft: [-0.2, 0], ArrowRight: [0.2, 0], ArrowUp: [0, 0.2], ArrowDown: [0, -0.2]}[event.key];
+    if (isNear(event) || event.altKey || !(times || move || event.key === "0")) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    if (event.key === "0") { place.view = null; redrawn(); }
+    else look(place, redrawn, times ? {times} : {moveX: move[0], moveY: move[1]});
+  });
+}
+
+/** Words beside a position in a plot, in place of those that were there; none take them away. */
+function tip(place, words, [x, y] = [0, 0]) {
+  place.tip ??= element("div", {class: "tip", "aria-hidden": "true"});
+  place.tip.hidden = !words;
+  if (!words) return;
+  if (place.tip.parentNode !== place) place.append(place.tip);
+  place.tip.textContent = words;
+  const {width, height} = place.tip.getBoundingClientRect();
+  place.tip.style.left = `${Math.max(0, Math.min(x + 14, place.clientWidth - width))}px`;
+  place.tip.style.top = `${Math.max(0, y - height - 10)}px`;
+}
+
+/** The words of the nearest of what a plot has drawn, where it is near enough: place.hits are {x, y, words}. */
+function tipOfNearest(place, here) {
+  const hits = place.hits ?? [];
+  const apart = ({x, y}) => Math.hypot(x - here[0], y - here[1]);
+  const best = hits.reduce((found, hit) => (!found || apart(hit) < apart(found) ? hit : found), null);
+  tip(place, best && apart(best) < 3 * rem() ? best.words : "", here);
 }
 
 // ---- Colours --------------------------------------------------------------------------------------------------------
@@ -165,6 +273,14 @@ function hatch(name, id) {
     shape("path", {d: lines, "stroke-width": 1.3, "stroke-linecap": "round", style: "stroke: var(--muted); fill: none"}));
 }
 
+/** White lines with dark edges over colours that stay what they are, on light and on dark pages: beyond the model. */
+function beyondModel(id) {
+  const d = "M-2 6L2 10M0 0L8 8M6 -2L10 2";
+  return shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"},
+    shape("path", {d, "stroke-width": 2.6, style: "stroke: #000000; stroke-opacity: 0.55; fill: none"}),
+    shape("path", {d, "stroke-width": 1.3, style: "stroke: #ffffff; fill: none"}));
+}
+
 function swatch(...shapes) {
   const frame = {x: 0.5, y: 0.5, width: 23, height: 15};
   return shape("svg", {width: 24, height: 16, "aria-hidden": "true"}, ...shapes.map((each) => each(frame)),
@@ -174,13 +290,13 @@ function swatch(...shapes) {
 const ringed = (x, y, size, width = 2.5) => [["var(--paper)", 2 * width + 1], ["var(--ring)", width]].map(([colour, w]) =>
   shape("circle", {cx: x, cy: y, r: size, "stroke-width": w, style: `fill: none; stroke: ${colour}`}));
 
-/** A quantity over dimension and load: map of `mapOf` between dimensions [first, last], colours between low and high, and
+/** A quantity over dimension and load: map of `mapOf`, colours between low and high, and
  * the picked cell [d, l]. Returns the entries of the legend. */
-function drawMap(place, {facts, map, loads, seen: [first, last], colours: [low, high], ticks, picked, title}) {
+function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked, title}) {
   const x = edges(facts.dimensions);
   const y = edges(loads.map(Math.log)).map(Math.exp);
   const {X, Y, box, frame, inside, picture, unit} = axes(
-    place, {low: x[first], high: x[last + 1], title: `fractal dimension _D_${facts.convention}`},
+    place, {low: x[0], high: x.at(-1), title: facts.cell.title},
     {low: y[0], high: y.at(-1), isLog: true, title: "normal load _F_~N~ (mN)"}, 2.4);
   const [xs, ys] = [x.map(X), y.map(Y)];
   const cell = (d, l) =>
@@ -211,13 +327,14 @@ function drawMap(place, {facts, map, loads, seen: [first, last], colours: [low, 
       facts.statuses[name].short]);
   }
   if (veiled.length) {
-    const veil = {style: "fill: var(--paper); fill-opacity: 0.5"};
+    const id = `${place.id}-beyond`;
     const lines = boundary(map.trusted, xs, ys).map(([x0, y0, x1, y1]) => `M${x0} ${y0}L${x1} ${y1}`).join("");
-    inside.append(shape("path", {d: veiled.join(""), ...veil}));
-    for (const [colour, width] of [["var(--paper)", 3.5], ["var(--ink)", 1.5]])
+    inside.append(beyondModel(id), shape("path", {d: veiled.join(""), fill: `url(#${id})`}));
+    for (const [colour, width] of [["#ffffff", 3.5], ["#000000", 1.5]])
       inside.append(shape("path", {d: lines, "stroke-width": width, style: `fill: none; stroke: ${colour}`}));
-    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[48]}), (each) => shape("rect", {...each, ...veil})),
-      "veiled: over half of the load beyond Hertz (overlap > radius / 10) or on radii below the grid spacing"]);
+    legend.push([swatch(() => beyondModel(`${id}-legend`), (each) => shape("rect", {...each, fill: LEVEL_COLOURS[48]}),
+      (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
+      "beyond the model: over half of the load beyond Hertz (overlap > radius / 10) or on radii below the grid spacing"]);
   }
   inside.append(...ringed((xs[picked[0]] + xs[picked[0] + 1]) / 2, (ys[picked[1]] + ys[picked[1] + 1]) / 2, 0.42 * unit));
   legend.push([swatch(() => shape("rect"), () => ringed(12, 8, 5)[1]), "picked point"]);
@@ -268,14 +385,46 @@ function rangeOf(points, isLog) {
   return [low / missing, high * missing];
 }
 
-/** Series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, one x of them ringed. The
- * points that are known are marked if there are few. Returns the range of values that is drawn. */
-function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScatter = false}) {
+/** Names of series in one row above axes, or in several where they do not fit; returns the rows, in rem. */
+function legendRows(place, series) {
+  const [unit, wide] = [rem(), Math.max(place.clientWidth, 8 * rem()) - 5.4 * rem()];
+  const rows = [[]];
+  let used = 0;
+  for (const each of series.filter(({name}) => name)) {
+    const width = Math.min((2.6 + 0.47 * each.name.length) * unit, wide);
+    if (used + width > wide && rows.at(-1).length) {
+      rows.push([]);
+      used = 0;
+    }
+    rows.at(-1).push({...each, x: used});
+    used += width;
+  }
+  return rows.filter((row) => row.length);
+}
+
+function drawLegend({picture, box, unit}, rows) {
+  rows.forEach((row, r) => row.forEach(({name, colour, dash, x}) => {
+    const [left, y] = [box.left + x, box.top - (0.55 + 1.25 * (rows.length - 1 - r)) * unit];
+    picture.append(
+      shape("path", {d: `M${left} ${y - 0.3 * unit}h${1.4 * unit}`, "stroke-width": 2.4, "stroke-dasharray": dash ?? "none", style: `fill: none; stroke: ${colour}`}),
+      shape("text", {x: left + 1.8 * unit, y}, name));
+  }));
+}
+
+/** Series {points of {x, value, lower, upper, trusted}, colour, name, dash} with bands over an axis, one x of them ringed,
+ * and level lines {value, name, colour}. The points that are known are marked if there are few. What is pointed at is said
+ * by `said(point, name)`. Returns the range of values that is drawn. */
+function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScatter = false, said}) {
   const all = series.flatMap(({points}) => points);
-  const isUsed = isLog && all.some(({value}) => value > 0);
+  const isUsed = (place.isLog ?? isLog) && all.some(({value}) => value > 0);
   const [low, high] = rangeOf([...all, ...levels.map((each) => ({...each, lower: NaN, upper: NaN}))], isUsed);
-  const {X, Y, box, inside, unit, small} = axes(place, x, {low, high, isLog: isUsed, title});
-  const at = ({x: value}, y) => [X(value), Y(Math.min(Math.max(y, low), high))];
+  const rows = legendRows(place, [...series, ...levels.map((each) => ({...each, dash: "7 4"}))]);
+  const drawn = axes(place, x, {low, high, isLog: isUsed, title}, rows.length ? 0.4 + 1.25 * rows.length : 0);
+  const {X, Y, y: shownY, box, inside, unit} = drawn;
+  drawLegend(drawn, rows);
+  const room = 0.05 * (isUsed ? 1 : shownY.high - shownY.low); // far out of the view a path is cut, not drawn
+  const inRange = (value) => (isUsed ? Math.min(Math.max(value, low / 2), high * 2) : Math.min(Math.max(value, low - room), high + room));
+  const at = ({x: value}, y) => [X(value), Y(inRange(y))];
   const isDrawn = ({value}) => Number.isFinite(value) && !(isUsed && value <= 0);
   for (const {points, colour} of series)
     for (const run of runs(points, ({lower, value}) => Number.isFinite(lower) && isDrawn({value})))
@@ -283,43 +432,27 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScat
         d: `${path([...run.map((p) => at(p, p.lower)), ...run.map((p) => at(p, p.upper)).reverse()])}z`,
         style: `fill: ${colour}; fill-opacity: 0.2`,
       }));
-  for (const {value, name, colour} of levels) {
+  for (const {value, colour} of levels)
     inside.append(shape("path", {d: path([[box.left, Y(value)], [box.right, Y(value)]]), "stroke-width": 1.5,
-      "stroke-dasharray": "7 4", style: `fill: none; stroke: ${colour}`}),
-    shape("text", {x: box.left + 0.5 * unit, y: Y(value) - 0.3 * unit,
-      style: "paint-order: stroke; stroke: var(--paper); stroke-width: 3px"}, name));
-  }
-  const taken = [];
-  for (const {points, colour, name} of series) {
+      "stroke-dasharray": "7 4", style: `fill: none; stroke: ${colour}`}));
+  place.hits = [];
+  for (const {points, colour, name, dash} of series) {
     const stroke = (d, more) => shape("path", {d, "stroke-width": 2.2, style: `fill: none; stroke: ${colour}`, ...more});
     for (const run of runs(points, isDrawn)) {
       if (!isScatter) inside.append(stroke(path(run.map((p) => at(p, p.value))), {"stroke-dasharray": "2 4"}));
-      for (const solid of runs(run, ({trusted}) => trusted)) inside.append(stroke(path(solid.map((p) => at(p, p.value)))));
+      for (const solid of isScatter ? [] : runs(run, ({trusted}) => trusted))
+        inside.append(stroke(path(solid.map((p) => at(p, p.value))), {"stroke-dasharray": dash ?? "none"}));
       if (isScatter || points.length <= 30) inside.append(...run.map((p) => at(p, p.value)).map(([cx, cy]) =>
         shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`})));
+      place.hits.push(...run.map((p) => ({x: at(p, p.value)[0], y: at(p, p.value)[1], words: said?.(p, name) ?? shown(p.value, 3)})));
     }
     const here = points.find((point) => point.x === picked && isDrawn(point));
     if (here) inside.append(...ringed(...at(here, here.value), 0.35 * unit));
-    const last = points.findLast(isDrawn);
-    if (series.length < 2 || !last) continue;
-    let y = Math.max(Y(last.value) - 0.5 * unit, box.top + small);
-    if (taken.some((other) => Math.abs(other - y) < 1.2 * unit)) y = taken[0] + 1.3 * unit;
-    taken.push(y);
-    inside.append(shape("text", {x: Math.min(at(last, 0)[0], box.right) - 0.4 * unit, y, "text-anchor": "end",
-      style: `fill: ${colour}; font-weight: 600; paint-order: stroke; stroke: var(--paper); stroke-width: 3px`}, name));
   }
   if (!all.some(isDrawn)) inside.append(shape("text", {x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2,
     "text-anchor": "middle"}, "no value in this range"));
   place.drawn = {series, low, high, x};
   return [low, high];
-}
-
-/** Words in the upper right corner of axes, in place of those that were there. */
-function note(place, words) {
-  const {picture, box, unit} = place.axes;
-  picture.querySelector(".note")?.remove();
-  if (words) picture.append(shape("text", {class: "note", x: box.right - 0.5 * unit, y: box.top + 1.2 * unit,
-    "text-anchor": "end", style: "paint-order: stroke; stroke: var(--paper); stroke-width: 4px"}, words));
 }
 
 // ---- Example profiles ----------------------------------------------------------------------------------------------
@@ -366,8 +499,17 @@ function drawExample(place, shear, spacing, {x, lower, upper, approach, contacts
 
 // ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
+/** A smooth closed path through points (Catmull-Rom), so that no corner looks like data. */
+function smooth(points) {
+  const at = (i) => points[(i + points.length) % points.length];
+  const bend = (from, before, after) => [from[0] + (after[0] - before[0]) / 6, from[1] + (after[1] - before[1]) / 6];
+  const text = (point) => point.map((each) => each.toFixed(1)).join(" ");
+  return `M${text(at(0))}${points.map((_, i) =>
+    `C${text(bend(at(i), at(i - 1), at(i + 1)))} ${text(bend(at(i + 1), at(i + 2), at(i)))} ${text(at(i + 1))}`).join("")}z`;
+}
+
 /** Friction in every direction, by series {points of {value, lower, upper}, colour, name}; one direction is ringed. */
-function drawCompass(place, directions, series, picked) {
+function drawCompass(place, directions, series, picked, said) {
   const unit = rem();
   const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];
   const [x, y, radius] = [width / 2, height / 2, Math.min(width, height) / 2 - 2.2 * unit];
@@ -386,14 +528,16 @@ function drawCompass(place, directions, series, picked) {
     picture.append(shape("path", {d: path([[x, y], at(angle, most)]), ...grid}),
       shape("text", {x: tx, y: ty + 0.3 * unit, "text-anchor": "middle"}, name));
   }
+  const hits = [];
   series.forEach(({points, colour, name}, s) => {
-    const round = (pick) => `${path(directions.map((angle, d) => at(angle, pick(points[d]))))}z`;
+    const round = (pick) => smooth(directions.map((angle, d) => at(angle, pick(points[d]))));
     if (points.every(({lower}) => Number.isFinite(lower))) picture.append(shape("path", {
       d: round(({upper}) => upper) + round(({lower}) => lower), "fill-rule": "evenodd", style: `fill: ${colour}; fill-opacity: 0.2`}));
     if (points.every(({value}) => Number.isFinite(value))) picture.append(shape("path", {d: round(({value}) => value),
       "stroke-width": 2.2, "stroke-dasharray": s ? "7 4" : "none", style: `fill: none; stroke: ${colour}`}));
     directions.forEach((angle, d) => {
       if (!Number.isFinite(points[d].value)) return;
+      hits.push({x: at(angle, points[d].value)[0], y: at(angle, points[d].value)[1], words: said(points[d], angle, name)});
       const [cx, cy] = at(angle, points[d].value);
       picture.append(shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`}));
       if (d === picked) picture.append(...ringed(cx, cy, 0.35 * unit));
@@ -401,20 +545,23 @@ function drawCompass(place, directions, series, picked) {
     picture.append(shape("text", {x: 0.5 * unit, y: (1.2 + 1.3 * s) * unit, style: `fill: ${colour}; font-weight: 600`}, name));
   });
   for (const {value, text} of ticks) {
-    const [tx, ty] = at(45, value);
+    const [tx, ty] = at(67.5, value);
     picture.append(shape("text", {x: tx, y: ty, style: "paint-order: stroke; stroke: var(--paper); stroke-width: 3px"}, text));
   }
   place.replaceChildren(picture);
+  if (place.tip) place.append(place.tip);
+  place.hits = hits;
   place.axes = {centre: [x, y], radius, most};
   place.drawn = {series: series.map((each) => ({...each, points: each.points.map((p, d) => ({...p, x: directions[d]}))}))};
 }
 
-/** Heights {bytes, rows, columns, extent} from the first row at the bottom on, with contacts {x, y, force, opposes}. */
-function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX]}, contacts) {
+/** Heights {bytes, rows, columns, extent, range} from the first row at the bottom on, with contacts {x, y, force, opposes}
+ * and what is said of each. */
+function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX], range: [lowest, highest]}, contacts, said) {
   const unit = rem();
   const wide = Math.max(place.clientWidth, 8 * unit) - 5.4 * unit;
-  place.style.height = `${Math.min((wide * alongY) / alongX, 40 * unit) + 3.8 * unit}px`;
-  const {X, Y, frame, inside} = axes(place, {low: 0, high: alongX, title: "_x_ (µm)"}, {low: 0, high: alongY, title: "_y_ (µm)"});
+  place.style.height = `${Math.min((wide * alongY) / alongX, 40 * unit) + 6.2 * unit}px`;
+  const {X, Y, wholeX, wholeY, frame, inside, picture} = axes(place, {low: 0, high: alongX, title: "_x_ (µm)"}, {low: 0, high: alongY, title: "_y_ (µm)"}, 2.4);
   const canvas = element("canvas", {width: columns, height: rows});
   const image = new ImageData(columns, rows);
   for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
@@ -422,35 +569,74 @@ function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX]}, c
     image.data.set([...colourAt(GREYS, level / 255), 255], 4 * (row * columns + column));
   }
   canvas.getContext("2d").putImageData(image, 0, 0);
-  inside.append(shape("image", {...frame, href: canvas.toDataURL("image/png"), preserveAspectRatio: "none"}));
+  const [left, right, bottom, top] = [X(wholeX.low), X(wholeX.high), Y(wholeY.low), Y(wholeY.high)];
+  inside.append(shape("image", {x: left, y: top, width: right - left, height: bottom - top, href: canvas.toDataURL("image/png"),
+    preserveAspectRatio: "none"}));
   const strongest = Math.max(...contacts.map(({force}) => force));
-  for (const {x, y, force, opposes} of contacts) {
-    const r = (0.15 + 0.65 * Math.sqrt(force / strongest)) * unit;
-    const [cx, cy] = [X(x), Y(y)];
-    const style = {"stroke-width": 2, style: `fill: none; stroke: ${opposes ? "#ff8c33" : "#3fa2ff"}`};
-    inside.append(shape("g", {}, shape("title", {}, `${shown(force, 3)} mN`), opposes
-      ? shape("path", {d: `M${cx - r} ${cy}l${r} ${-r}l${r} ${r}l${-r} ${r}z`, ...style})
-      : shape("circle", {cx, cy, r: 0.8 * r, ...style})));
+  place.hits = [];
+  for (const each of contacts) {
+    const r = (0.15 + 0.65 * Math.sqrt(each.force / strongest)) * unit;
+    const [cx, cy] = [X(each.x), Y(each.y)];
+    const mark = (colour, width) => {
+      const style = {"stroke-width": width, style: `fill: none; stroke: ${colour}`};
+      return each.opposes
+        ? shape("path", {d: `M${cx - r} ${cy}l${r} ${-r}l${r} ${r}l${-r} ${r}z`, ...style})
+        : shape("circle", {cx, cy, r: 0.8 * r, ...style});
+    };
+    inside.append(mark("#ffffff", 4), mark(each.opposes ? "#d55e00" : "#0072b2", 2.2));
+    place.hits.push({x: cx, y: cy, words: said(each)});
   }
+  const stops = GREYS.map((hex, i) => shape("stop", {offset: i / (GREYS.length - 1), "stop-color": `#${hex}`}));
+  const bar = {...frame, y: 0.5 * unit, height: 0.7 * unit};
+  const [from, to] = [1000 * lowest, 1000 * highest];
+  const at = scaleOf({low: from, high: to}, bar.x, bar.x + bar.width);
+  picture.append(shape("linearGradient", {id: `${place.id}-heights`}, ...stops),
+    shape("rect", {...bar, fill: `url(#${place.id}-heights)`, style: "stroke: var(--muted)"}),
+    ...ticksOf(from, to, false, 5).map(({value, text}) => shape("text", {x: at(value), y: bar.y + bar.height + 1.05 * unit, "text-anchor": "middle"}, text)),
+    rich("_z_ (nm)", {x: bar.x - 0.4 * unit, y: bar.y + 0.6 * unit, "text-anchor": "end"}));
 }
 
 // ---- Files ----------------------------------------------------------------------------------------------------------
 
-/** A picture of axes as text of SVG that stands by itself, in the colours of paper. */
-function pictureText(place) {
+/** Words in lines of at most so many letters. */
+function wrapped(words, most) {
+  const lines = [""];
+  for (const word of words.split(/\s+/).filter(Boolean)) {
+    if (lines.at(-1) && lines.at(-1).length + word.length >= most) lines.push("");
+    lines[lines.length - 1] += `${lines.at(-1) ? " " : ""}${word}`;
+  }
+  return lines.filter(Boolean);
+}
+
+/** A picture of axes as text of SVG that stands by itself, in the colours of paper, with a title, words below, and the
+ * address of the view. */
+function pictureText(place, title, words) {
   const picture = place.querySelector("svg").cloneNode(true);
-  picture.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-  picture.querySelector(".note")?.remove();
-  picture.prepend(shape("rect", {width: "100%", height: "100%", fill: "#ffffff"}));
+  const [width, height] = ["width", "height"].map((name) => Number(picture.getAttribute(name)));
+  const unit = rem();
+  const letters = Math.max(20, Math.floor(width / (0.44 * unit)));
+  const [above, below] = [wrapped(title, Math.floor(0.8 * letters)), wrapped(words, letters)];
+  const head = (0.6 + 1.3 * above.length) * unit;
+  const inner = shape("g", {transform: `translate(0 ${head})`});
+  inner.append(...picture.childNodes);
+  const whole = height + head + (0.6 + 1.15 * below.length) * unit;
+  for (const [name, value] of Object.entries({xmlns: "http://www.w3.org/2000/svg", width, height: whole, viewBox: `0 0 ${width} ${whole}`}))
+    picture.setAttribute(name, value);
+  picture.removeAttribute("aria-hidden");
+  const line = (text, y, more) => shape("text", {x: 0.6 * unit, y, ...more}, text);
+  picture.append(shape("title", {}, title), shape("desc", {}, `${words} View: ${location.hash}`),
+    shape("rect", {width: "100%", height: "100%", fill: "#ffffff"}),
+    ...above.map((text, i) => line(text, (1.4 + 1.3 * i) * unit, {"font-weight": "600", "font-size": 0.9375 * unit})),
+    inner, ...below.map((text, i) => line(text, head + height + (0.8 + 1.15 * i) * unit, {"font-size": 0.75 * unit})));
   const paper = [...document.styleSheets[0].cssRules].find((rule) => rule.selectorText === ":root").style;
   return new XMLSerializer().serializeToString(picture)
     .replaceAll(/var\((--\w+)\)/g, (_, name) => paper.getPropertyValue(name).trim());
 }
 
-/** A picture of axes as PNG, so many times as fine as the screen. */
-async function pictureBytes(place, times) {
+/** The text of an SVG as PNG, so many times as fine as the screen. */
+async function pictureBytes(text, times) {
   const image = new Image();
-  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(pictureText(place))}`;
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
   await image.decode();
   const canvas = element("canvas", {width: Math.round(times * image.width), height: Math.round(times * image.height)});
   canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);

@@ -1,0 +1,302 @@
+"""How rough bodies begin to slide: writes images/onset.png and generated/onset.md.
+
+Takes about two minutes of one core.
+"""
+
+import math
+import time
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import scipy.fft
+from matplotlib.figure import Figure
+from scipy.ndimage import uniform_filter
+from scipy.sparse.linalg import LinearOperator, cg
+from scipy.stats import t as student
+from stiction import Surface, half_space, press, self_affine_surface
+
+DOCS = Path(__file__).parents[1]
+
+MODULUS = 10.0
+MU0 = 0.3
+POISSON = 0.3
+STRENGTHS = (0.0, 0.02)
+"""tau0 in units of E*, at an rms gradient of the gap of 0.14."""
+BANDS = (8, 16, 32)
+"""Longest over shortest wave; half of the longest is not on the map."""
+LOADS = (0.002, 0.02, 0.1)
+"""Mean pressure in units of E* h'."""
+PAIRS = 6
+SEED = 2016
+ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # Okabe & Ito
+
+
+def body(band: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
+    """Periodic on a square of one with an rms gradient: two of its longest waves, so many points in the shortest."""
+    n = 2 * band * points
+    one = self_affine_surface(
+        SEED, hurst_exponent=0.8, rms=1.0, shape=(n, n), spacing=1 / n, longest_wavelength=0.5,
+        shortest_wavelength=0.5 / band, repetition=repetition, side=side,
+    )  # fmt: skip
+    return Surface(one.heights * slope / gradient(one.heights), spacing=1 / n)
+
+
+def gradient(heights: np.ndarray) -> float:
+    n = heights.shape[0]
+    return n * math.sqrt(sum(np.mean((np.roll(heights, -1, axis) - heights) ** 2) for axis in (0, 1)))
+
+
+def pair(band: int, repetition: int, **how: float) -> tuple[Surface, Surface, float]:
+    """Upper, lower, and the load that is a mean pressure of E* h'."""
+    upper, lower = (body(band, repetition, side, **how) for side in ("upper", "lower"))
+    return upper, lower, MODULUS * gradient(upper.heights - lower.heights)
+
+
+def header(*names: str) -> list[str]:
+    """Of a table."""
+    return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
+
+
+def interval(ratios: list[float]) -> str:
+    """Geometric mean with 95 %."""
+    logs = np.log(ratios)
+    half = student.ppf(0.975, logs.size - 1) * logs.std(ddof=1) / math.sqrt(logs.size)
+    return f"{math.exp(logs.mean()):.2f} [{math.exp(logs.mean() - half):.2f}, {math.exp(logs.mean() + half):.2f}]"
+
+
+def asperities() -> list[str]:
+    """Of asperities over the half-space, at equal elastic load."""
+    lines = header(
+        "longest / shortest wave",
+        "pressure / E\\* h'",
+        "stiffness at rest",
+        "creep, τ0 = 0",
+        "creep, τ0 = 2 % of E\\*",
+        "sliding load, τ0 = 2 % of E\\*",
+        "load that slips at half of it: half-space, asperities",
+    )
+    for band in BANDS:
+        found = [[[] for _ in range(6)] for _ in LOADS]
+        for repetition in range(PAIRS):
+            upper, lower, unit = pair(band, repetition)
+            exact = half_space(upper, lower, np.multiply(LOADS, unit), effective_modulus=MODULUS, boundary="periodic")
+            span = np.ptp(upper.heights - lower.heights)
+            ladder = np.geomspace(1e-3, 1, 300) * span
+            curve = press(upper, lower, ladder, effective_modulus=MODULUS)
+            at = np.interp(exact.load, np.maximum.accumulate(curve.normal_elastic), ladder)
+            curve = press(upper, lower, at, effective_modulus=MODULUS)
+            for k in range(len(LOADS)):
+                ways = [
+                    [one.onset(k, mu0=MU0, tau0=tau0 * MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
+                    for tau0 in STRENGTHS
+                ]
+                found[k][0].append(ways[0][0].stiffness / ways[0][1].stiffness)
+                for s in range(2):
+                    found[k][1 + s].append(ways[s][0].displacement_at_sliding / ways[s][1].displacement_at_sliding)
+                found[k][3].append(ways[1][0].sliding_load / ways[1][1].sliding_load)
+                found[k][4].append(ways[0][1].slipped_load[0])
+                found[k][5].append(ways[0][0].slipped_load[0])
+        for load, columns in zip(LOADS, found, strict=True):
+            ratios = " | ".join(interval(column) for column in columns[:4])
+            slips = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
+            lines.append(f"| {band} | {load:g} | {ratios} | {slips} |")
+            print(lines[-1], flush=True)
+    return lines
+
+
+def whole_kernel() -> list[str]:
+    """Stiffness at rest with the whole tangential kernel over that with the isotropic one, ν = 0.3."""
+    lines = header("roughness", "the kernel's direction", "and nothing moves across")
+    upper, lower, unit = pair(8, 0, points=32)
+    gap = upper.heights - lower.heights
+    n = gap.shape[0]
+    for name, axis in (("isotropic", None), ("four times as long along the motion", 0), ("four times across it", 1)):
+        if axis is not None:
+            gap = np.concatenate([np.take(upper.heights - lower.heights, np.arange(0, n, 4), axis)] * 4, axis)
+        bodies = Surface(gap, spacing=1 / n), Surface(np.zeros(gap.shape), spacing=1 / n)
+        curve = half_space(*bodies, [0.02 * unit], effective_modulus=MODULUS, boundary="periodic")
+        touching = curve.contact(0).pressure > 0
+        simple = curve.onset(0, mu0=MU0, poisson=POISSON, steps=1).stiffness
+        ratios = [_stuck(touching, both=both) / simple for both in (False, True)]
+        lines.append(f"| {name} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def _stuck(touching: np.ndarray, *, both: bool) -> float:
+    """Load for a displacement of 1 along x of all points in contact; with `both` held across as well."""
+    n = touching.shape[0]
+    k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
+    size = np.hypot(*k)
+    size[0, 0] = np.inf
+    # With G of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
+    scale = 2 / (MODULUS * (1 - POISSON) * size)
+    straight = [scale * (1 - POISSON * (k[axis] / size) ** 2) for axis in (1, 0)]
+    crossed = -scale * POISSON * k[0] * k[1] / size**2
+    count = int(touching.sum())
+
+    def moved(q: np.ndarray) -> np.ndarray:
+        waves = []
+        for part in q.reshape(-1, count):
+            grid = np.zeros(touching.shape)
+            grid[touching] = part
+            waves.append(scipy.fft.rfft2(grid))
+        ways = [straight[0] * waves[0]]
+        if both:
+            ways = [ways[0] + crossed * waves[1], straight[1] * waves[1] + crossed * waves[0]]
+        return np.concatenate([scipy.fft.irfft2(way, touching.shape)[touching] for way in ways])
+
+    size_of = count * (1 + both)
+    wanted = np.zeros(size_of)
+    wanted[:count] = 1.0
+    # The mean plane of all does not move: a constant is added to the kernel and taken off the compliance again.
+    lift = 10.0 / MODULUS
+
+    def lifted(q: np.ndarray) -> np.ndarray:
+        result = moved(q)
+        for part in range(1 + both):
+            result[part * count : (part + 1) * count] += (
+                lift * q[part * count : (part + 1) * count].mean() * count / n**2
+            )
+        return result
+
+    q, _ = cg(LinearOperator((size_of, size_of), lifted), wanted, rtol=1e-8, maxiter=5000)
+    load = q[:count].sum() / n**2
+    return float(1 / (1 / load - lift))
+
+
+def costs() -> list[str]:
+    lines = header("512², 0.02 E\\* h'", "a normal load", "20 steps of tangential load", "a step over the normal load")
+    upper, lower, unit = pair(32, 0)
+    for boundary in ("periodic", "free"):
+        half_space(upper, lower, [0.01 * unit], effective_modulus=MODULUS, boundary=boundary)
+        start = time.process_time()
+        curve = half_space(upper, lower, [0.02 * unit], effective_modulus=MODULUS, boundary=boundary)
+        normal = time.process_time() - start
+        start = time.process_time()
+        curve.onset(0, mu0=MU0, tau0=0.02 * MODULUS)
+        whole = time.process_time() - start
+        lines.append(f"| {boundary} | {normal:.2f} s | {whole:.1f} s | {whole / 20 / normal:.2f} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def fits() -> list[str]:
+    """Iwan's and LuGre's models of the curve."""
+    lines = header(
+        "boundary", "pressure / E\\* h'", "τ0 / E\\*", "Iwan: χ, β", "its load off, rms",
+        "its energy of a cycle off, rms", "LuGre: σ0 over stiffness at rest", "its load off, rms",
+    )  # fmt: skip
+    upper, lower, unit = pair(16, 0)
+    for boundary in ("periodic", "free"):
+        loads = np.multiply(LOADS, unit)
+        curve = half_space(upper, lower, loads, effective_modulus=MODULUS, boundary=boundary)
+        for k, tau0 in product(range(len(LOADS)), STRENGTHS):
+            onset = curve.onset(k, mu0=MU0, tau0=tau0 * MODULUS)
+            iwan, lugre = onset.iwan(), onset.lugre()
+            lost = onset.energy_lost(onset.tangential_load[4:])
+            miss = math.sqrt(np.mean((iwan.energy_lost(onset.displacement[4:]) / lost - 1) ** 2))
+            residuals = [math.sqrt(np.mean(one.residual**2)) / onset.sliding_load for one in (iwan, lugre)]
+            off = [f"{100 * one:.1f} %" for one in residuals]
+            lines.append(
+                f"| {boundary} | {LOADS[k]:g} | {tau0:g} | {iwan.chi:.2f}, {iwan.beta:.2f} | {off[0]} | "
+                f"{100 * miss:.0f} % | {lugre.stiffness / onset.stiffness:.2f} | {off[1]} |"
+            )
+            print(lines[-1], flush=True)
+    return lines
+
+
+def slopes() -> list[str]:
+    lines = header("h' of the gap", 'load that starts the sliding by the rule "all", over mu0 F + tau0 A')
+    for slope in (0.05, 0.1, 0.3, 0.6):
+        upper, lower, unit = pair(16, 0, slope=slope / math.sqrt(2))
+        curve = half_space(
+            upper,
+            lower,
+            [0.02 * unit],
+            effective_modulus=MODULUS,
+            boundary="periodic",
+            sliding="all",
+            direction=[0, 180],
+        )
+        onset = curve.onset(0, mu0=MU0, steps=1)
+        lines.append(f"| {slope:g} | {curve.tangential_load(mu0=MU0)[:, 0].mean() / onset.sliding_load:.4f} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def draw() -> None:
+    """A pair of ground steel faces: E* 115 GPa, hardness 5 GPa, 50 MPa, mu0 0.2, tau0 50 MPa."""
+    n, length, shown = 512, 20.0, 128
+    upper, lower = (
+        self_affine_surface(
+            SEED, hurst_exponent=0.8, rms=0.02, shape=(n, n), spacing=length / n, longest_wavelength=length / 4,
+            shortest_wavelength=8 * length / n, side=side,
+        )
+        for side in ("upper", "lower")
+    )  # fmt: skip
+    curve = half_space(upper, lower, [0.05 * length**2], effective_modulus=115.0, hardness=5.0, boundary="periodic")
+    onset = curve.onset(0, mu0=0.2, tau0=0.05, steps=40)
+    figure = Figure(figsize=(6.7, 2.3), dpi=300, layout="constrained")
+    left, middle, right = figure.subplots(1, 3, width_ratios=[1.15, 1, 1])
+    way, load = 1e3 * np.append(0, onset.displacement), np.append(0, onset.tangential_load)
+    left.plot(way, load, color="black", lw=1.2)
+    for part, colour in ((0.5, BLUE), (0.9, ORANGE)):
+        loop = onset.loop(part * onset.sliding_load)
+        left.fill(1e3 * loop[0], loop[1], color=colour, alpha=0.25, lw=0)
+        left.plot(1e3 * np.append(loop[0], loop[0][0]), np.append(loop[1], loop[1][0]), color=colour, lw=0.8)
+        lost = 1e3 * float(onset.energy_lost(part * onset.sliding_load))
+        left.annotate(
+            f"{part:g} $T_s$: {lost:.2g} pJ a cycle", (0.97, 0.06 if part > 0.5 else 0.16), xycoords="axes fraction",
+            ha="right", fontsize=6, color=colour,
+        )  # fmt: skip
+    left.axhline(onset.sliding_load, color=GREY, lw=0.6, ls=":")
+    left.set(xlabel="displacement (nm)", ylabel="tangential load (mN)")
+    part = load / onset.sliding_load
+    middle.plot(part, 100 * np.append(0, onset.slipped_load), color=ORANGE, lw=1.2, label="of the load")
+    middle.plot(part, 100 * np.append(0, onset.slipped_area), color=BLUE, lw=1.2, label="of the area")
+    middle.plot(part, 100 * (1 - (1 - part) ** (2 / 3)) ** 1.5, color=ORANGE, lw=0.8, ls="--")
+    middle.plot(part, 100 * (1 - (1 - part) ** (2 / 3)), color=BLUE, lw=0.8, ls="--")
+    middle.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
+    middle.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
+    slips = onset.slip_load().reshape(n, n) / onset.sliding_load
+    # Where most touches.
+    touching = curve.contact(0).pressure > 0
+    busy = uniform_filter(touching.astype(float), shown)[shown // 2 : -shown // 2, shown // 2 : -shown // 2]
+    row, column = np.unravel_index(busy.argmax(), busy.shape)
+    image = right.imshow(
+        slips[row : row + shown, column : column + shown], origin="lower", vmin=0, vmax=1, cmap="viridis",
+        interpolation="nearest", extent=(0, shown * length / n, 0, shown * length / n),
+    )  # fmt: skip
+    bar = figure.colorbar(image, ax=right)
+    bar.set_label("slips at $T/T_s$", size=7)
+    bar.ax.tick_params(labelsize=6, width=0.4)
+    right.set(xlabel="x (µm)", ylabel="y (µm)", facecolor="#f4f4f4")
+    for axes in (left, middle, right):
+        axes.tick_params(labelsize=6, width=0.4)
+        axes.xaxis.label.set_size(7)
+        axes.yaxis.label.set_size(7)
+    figure.savefig(DOCS / "images/onset.png")
+    print(
+        f"mu_s {onset.sliding_load / onset.normal_load:.4f}, creep {1e3 * onset.displacement_at_sliding:.3g} nm, "
+        f"at half of it {100 * onset.slipped_load[19]:.0f} % of the load slips, stiffness {onset.stiffness:.3g} mN/µm"
+    )
+
+
+def main() -> None:
+    tables = {
+        "asperities": asperities(),
+        "kernel": whole_kernel(),
+        "slopes": slopes(),
+        "fits": fits(),
+        "costs": costs(),
+    }
+    for name, lines in tables.items():
+        target = DOCS / f"generated/onset_{name}.md"
+        target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    draw()
+
+
+if __name__ == "__main__":
+    main()

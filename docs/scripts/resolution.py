@@ -1,0 +1,392 @@
+"""Answers over the resolution of a scan: docs/generated/resolution.md and docs/images/resolution.png.
+
+Takes the part to compute, "settling", "bracketing", "continuing" or "joining", or none to write page and picture from
+what is in the folder `resolution` of the working directory. Seeds are fixed; 15 minutes in all on two busy cores.
+"""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+from stiction import (
+    Surface,
+    half_space,
+    joined_spectrum,
+    resolution,
+    scale_dependent_roughness,
+    self_affine_surface,
+    surface_spectrum,
+)
+
+DOCS = Path(__file__).parent.parent
+RESULTS = Path("resolution")
+WHOLE, POINTS, SPACING = 1024, 512, 0.01  # of what settles, of what is continued, µm
+MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
+PRESSURE, HIGHER = 0.02, 0.2  # GPa
+HURST = (0.4, 0.8)
+SLOPES = {0.4: 0.6, 0.8: 0.25}
+"""Root-mean-square gradient of the gap with all waves from four points on."""
+SEEN = (8, 16, 32, 64)
+"""Cut-offs in points, beside the surface itself, whose waves begin at four."""
+PER_DECADE = 5
+TOLERANCE = 0.005
+"""Of an answer, what the grid leaves uncertain."""
+
+PAIRS, BRACKETED, CONTINUED = 6, 50, 50
+"""Pairs of each Hurst exponent."""
+
+
+def gradient(bodies):
+    gap = Surface(bodies[0].heights - bodies[1].heights, spacing=bodies[0].spacing)
+    return float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
+
+
+def pair(hurst, index, points, longest):
+    """Two self-affine surfaces with waves from four points to a number of them, of one slope."""
+    bodies = [
+        self_affine_surface(
+            28, hurst_exponent=hurst, rms=0.01, shape=(points, points), spacing=SPACING, side=side, repetition=index,
+            longest_wavelength=longest * SPACING, shortest_wavelength=4 * SPACING,
+        )
+        for side in ("upper", "lower")
+    ]  # fmt: skip
+    factor = SLOPES[hurst] / gradient(bodies)
+    return [Surface(factor * body.heights, spacing=SPACING) for body in bodies]
+
+
+def settling():
+    """Pairs seen at their own resolution and coarser ones, with a hardness and without."""
+    found = []
+    for hurst in HURST:
+        for index in range(PAIRS):
+            bodies = pair(hurst, index, WHOLE, WHOLE // 4)
+            found.append({"hurst": hurst, **answers(bodies, SEEN, HARDNESS, "plastic")})
+            found[-1] |= answers(bodies, SEEN, None, "elastic")
+            print(hurst, index, found[-1]["plastic"]["area"], found[-1]["plastic"]["all"], flush=True)
+            save("settling", found)
+
+
+def bracketing():
+    """Many smaller pairs with a hardness: whether finer answers are where coarser ones say."""
+    found = []
+    for hurst in HURST:
+        for index in range(BRACKETED):
+            bodies = pair(hurst, 2000 + index, WHOLE // 4, WHOLE // 16)
+            found.append({"hurst": hurst, **answers(bodies, SEEN[:2], HARDNESS, "plastic")})
+            print(hurst, index, found[-1]["plastic"]["area"], flush=True)
+            save("bracketing", found)
+
+
+def answers(bodies, seen, hardness, name):
+    load = PRESSURE * math.prod(bodies[0].extent)
+    result = resolution(
+        *bodies, [load], hardness=hardness, cut_offs=[each * SPACING for each in seen], mu0=MU0, tau0=TAU0,
+        effective_modulus=MODULUS, boundary="periodic",
+    )  # fmt: skip
+    by_rule = result.friction_coefficient[..., 0]
+    answer = {
+        "area": result.contact_area_fraction[:, 0].values.tolist(),
+        "pressure": result.mean_pressure[:, 0].values.tolist(),
+        "all": by_rule.sel(sliding="all").values.tolist(),
+        "opposing": by_rule.sel(sliding="opposing").values.tolist(),
+        "capped": result.load_fraction_at_hardness[:, 0].values.tolist(),
+        "gradient": result.rms_gradient.values.tolist(),
+    }
+    if hardness is None:
+        return {name: answer}
+    limit = [float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])]
+    return {name: answer, "limit": limit}
+
+
+def coarser(body, shortest, step):
+    """A surface without waves shorter than a length (in points), on every `step`-th point."""
+    waves = np.fft.fft2(body.heights)
+    k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(POINTS),) * 2, indexing="ij"))
+    smooth = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, waves, 0)).real
+    return Surface(smooth[::step, ::step], spacing=step * SPACING)
+
+
+def continuing():
+    """From a scan cut at 32 points: the elastic answer at 4 points, and where plasticity is reached."""
+    from stiction.mechanics.continuation import gap_exponent
+
+    load = HIGHER * (POINTS * SPACING) ** 2
+    found = []
+    for hurst in HURST:
+        for index in range(CONTINUED):
+            fine = pair(hurst, 1000 + index, POINTS, POINTS)
+            coarse = [coarser(body, 32, 4) for body in fine]
+            # The mean pressure of the elastic answer reaches this hardness at about 10 points.
+            hardness = MODULUS * SLOPES[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
+            options = {"mu0": MU0, "tau0": TAU0, "effective_modulus": MODULUS, "boundary": "periodic", "cut_offs": []}
+            said = resolution(*coarse, [load], hardness=hardness, **options)
+            truth = half_space(
+                *fine, [load], effective_modulus=MODULUS, boundary="periodic", sliding="all",
+                direction=[0.0, 90.0, 180.0, 270.0],
+            )  # fmt: skip
+            friction = float(
+                truth.tangential_load(mu0=MU0, tau0=TAU0).mean() / truth.normal_load(mu0=MU0, tau0=TAU0).mean()
+            )
+            kappa = float(truth.contact_area[0]) * MODULUS * gradient(fine) / load
+            gap = Surface(fine[0].heights - fine[1].heights, spacing=SPACING)
+            reached = scale_dependent_roughness(gap, periodic=True).wavelength_of(kappa * hardness / MODULUS)
+            at = said.sel(finer_wavelength=4 * SPACING, method="nearest")
+            seen = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
+            estimate = gap_exponent(seen, True)
+            one = {
+                "hurst": hurst, "index": index, "friction": friction, "wavelength": reached, "kappa": kappa,
+                "said_kappa": float(said.elastic_kappa[0]),
+                "said_friction": at.continued_elastic_friction_coefficient[0].values.tolist(),
+                "said_wavelength": said.plastic_wavelength[0, 0].values.tolist(),
+                "gradient": gradient(fine), "said_gradient": at.continued_rms_gradient.values.tolist(),
+                "exponent": None if estimate is None else [estimate.value, estimate.lower, estimate.upper],
+                "at_scan": float(said.friction_coefficient.sel(sliding="all")[0, 0]),
+                "finer_wavelength": float(at.finer_wavelength),
+            }  # fmt: skip
+            found.append(one)
+            print(hurst, index, one["friction"], one["said_friction"], flush=True)
+            save("continuing", found)
+
+
+def joining():
+    """One surface seen by three simulated instruments, and its spectrum from them."""
+    from scipy.ndimage import grey_dilation
+
+    points, radius = 2048, 0.01  # µm
+    whole = self_affine_surface(
+        28, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=SPACING, longest_wavelength=2.56
+    )
+    random = np.random.default_rng(28)
+
+    def mean(heights, pixel, noise):
+        size = heights.shape[0] // pixel
+        means = heights.reshape(size, pixel, size, pixel).mean((1, 3))
+        return Surface(means + noise * random.normal(size=means.shape), spacing=pixel * SPACING)
+
+    reach = int(np.ceil(np.sqrt(2 * radius * np.ptp(whole.heights)) / SPACING))
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1] * SPACING
+    tip = -(x**2 + y**2) / (2 * radius)
+    pieces = [whole.heights[row : row + 512, column : column + 512] for row in (0, 1024) for column in (0, 1024)]
+    scans = {
+        "microscope": [mean(whole.heights, 16, 0.5e-3)],
+        "large probe": [mean(whole.heights[:1024, side : side + 1024], 4, 0.1e-3) for side in (0, 1024)],
+        "fine probe": [
+            Surface(grey_dilation(piece, structure=tip, mode="nearest"), spacing=SPACING) for piece in pieces
+        ],
+    }
+    names = [name for name, each in scans.items() for _ in each]
+    joined = joined_spectrum(
+        [scan for each in scans.values() for scan in each],
+        tip_radii=[radius if name == "fine probe" else None for name in names],
+        per_decade=PER_DECADE,
+    )
+    q, _, density = surface_spectrum(whole, periodic=True).waves()
+    half = 10 ** (0.5 / PER_DECADE)
+    known = []
+    for middle in joined.wave_number:
+        here = (q >= middle / half) & (q < middle * half)
+        known.append(float((density[here] * (q[here] / middle) ** 3).mean()))
+    slopes = joined.roughness(), scale_dependent_roughness(whole, periodic=True)
+    lengths = 2 * math.pi / joined.wave_number
+    result = {
+        "names": names, "wavelength": lengths.tolist(), "density": joined.density.tolist(), "known": known,
+        "count": joined.count.tolist(), "contribution": joined.contribution.tolist(), "ratio": joined.ratio.tolist(),
+        "bands": joined.bands, "reasons": joined.reasons, "disagreement": joined.disagreement.tolist(),
+        "gradient": slopes[0].gradient.tolist(), "known_gradient": slopes[1].gradient_at(lengths).tolist(),
+    }  # fmt: skip
+    save("joining", result)
+
+
+def save(name, found):
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / f"{name}.json").write_text(json.dumps(found), encoding="utf-8")
+
+
+def found(name):
+    return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def settled_lines(rows):
+    """The table of one Hurst exponent, and how far answers at coarser cut-offs are from the finest."""
+
+    def mean(model, name, factor=1.0, digits=3):
+        values = np.mean([row[model][name] for row in rows], axis=0)
+        return " | ".join(f"{factor * value:.{digits}f}" for value in values)
+
+    lines = [
+        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{each} points' for each in (4, *SEEN))} |",
+        "|" + "---|" * (2 + len(SEEN)),
+        f"| h' of the gap | {mean('plastic', 'gradient')} |",
+        f"| elastic: A/A0 (%) | {mean('elastic', 'area', 100)} |",
+        f"| elastic: mean pressure (GPa) | {mean('elastic', 'pressure', 1, 1)} |",
+        f"| elastic: μ_s, all rub | {mean('elastic', 'all')} |",
+        f"| H = 4 GPa: A/A0 (%), F/H is {100 * rows[0]['limit'][0]:.3f} | {mean('plastic', 'area', 100)} |",
+        f"| H = 4 GPa: fraction of the load at the hardness | {mean('plastic', 'capped', 1, 2)} |",
+        f"| H = 4 GPa: μ_s, all rub; limit {rows[0]['limit'][1]:.3f} | {mean('plastic', 'all')} |",
+        f"| H = 4 GPa: μ_s, opposing rub | {mean('plastic', 'opposing')} |",
+    ]
+    for name, words in (("all", "μ_s, all rub"), ("area", "A/A0")):
+        values = np.array([row["plastic"][name] for row in rows])
+        off = 100 * np.abs(values / values[:, :1] - 1).max(axis=0)
+        lines.append(f"| {words}: furthest from the finest (%) | {' | '.join(f'{each:.1f}' for each in off)} |")
+    return lines
+
+
+def inside(rows, name, limit):
+    """Pairs of which every finer answer is between the limit and that at the coarser cut-off, but for second order."""
+    count = 0
+    for row in rows:
+        values, steep = row["plastic"][name], row["plastic"]["gradient"]
+        pairs = [(fine, coarse) for coarse in range(len(values)) for fine in range(coarse)]
+        count += all(
+            row["limit"][limit] <= values[fine] * (1 + TOLERANCE)
+            and values[fine] <= values[coarse] * (1 + steep[fine] ** 2 / 8) * (1 + TOLERANCE)
+            for fine, coarse in pairs
+        )
+    return count
+
+
+def covered(rows, name):
+    """Pairs whose truth is in the interval that was said; a wavelength that is never reached by it is 0."""
+    ends = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
+    truth = np.array([row[name] for row in rows])
+    return f"{int(((ends[:, 0] <= truth) & (truth <= ends[:, 1])).sum())} of {len(rows)}"
+
+
+def continued_lines(ahead):
+    groups = [[row for row in ahead if row["hurst"] == hurst] for hurst in HURST]
+    known = [[row for row in rows if row["exponent"] is not None] for rows in groups]
+
+    def median(rows, name):
+        return np.median(np.nan_to_num([row[name] for row in rows]), axis=0)
+
+    columns = {
+        "pairs; without a self-affine band": [
+            f"{len(a)}; {len(a) - len(b)}" for a, b in zip(groups, known, strict=True)
+        ],
+        "elastic μ_s at the scan's 32 points": [f"{median(rows, 'at_scan'):.4f}" for rows in known],
+        "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in known],
+        "said from the scan": ["{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in known],
+        "in its interval": [covered(rows, "friction") for rows in known],
+        "wavelength at which plasticity reaches, solved (nm)": [
+            f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in known
+        ],
+        "said from the scan (nm)": [
+            "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength")) for rows in known
+        ],
+        "in its interval ": [covered(rows, "wavelength") for rows in known],
+    }
+    head = f"| medians; {POINTS}² points, {1e3 * HIGHER:g} MPa | {' | '.join(f'Hurst {each}' for each in HURST)} |"
+    return [
+        head,
+        "|---|" + "---|" * len(HURST),
+        *(f"| {name} | {' | '.join(each)} |" for name, each in columns.items()),
+    ]
+
+
+def joined_lines(together):
+    wanted = list(dict.fromkeys(together["names"]))
+    lines = [
+        "| wavelength (µm) | waves | joined over known spectrum | h' down to it over the known one "
+        f"| {' | '.join(wanted)} |",
+        "|---|---|---|---|" + "---|" * len(wanted),
+    ]
+    contribution = np.array(together["contribution"])
+    for index, length in enumerate(together["wavelength"]):
+        parts = [
+            sum(contribution[scan, index] for scan, name in enumerate(together["names"]) if name == each)
+            for each in wanted
+        ]
+        lines.append(
+            f"| {length:.3g} | {together['count'][index]:.0f} "
+            f"| {together['density'][index] / together['known'][index]:.3f} "
+            f"| {together['gradient'][index] / together['known_gradient'][index]:.3f} "
+            f"| {' | '.join(f'{100 * part:.0f} %' for part in parts)} |"
+        )
+    firsts = {name: together["names"].index(name) for name in wanted}
+    ends = ", ".join(
+        f"{name} from {1e3 * together['bands'][scan][0]:.0f} nm ({together['reasons'][scan]})"
+        for name, scan in firsts.items()
+    )
+    return [*lines, "", f"Each is taken from where it is to be trusted: {ends}."]
+
+
+def page():
+    settled, bracketed, ahead, together = (found(name) for name in ("settling", "bracketing", "continuing", "joining"))
+    by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST}
+    lines = []
+    for rows in by_hurst.values():
+        lines += [*settled_lines(rows), ""]
+    lines += [
+        f"Pairs of {WHOLE}² points, E\\* {MODULUS:g} GPa, {1e3 * PRESSURE:g} MPa, μ0 {MU0:g}, τ0 {1e3 * TAU0:g} MPa, "
+        "waves from 4 points to a quarter of the length, means over pairs, Gaussian cut-offs.",
+        "",
+        "| the answer at every finer cut-off is between the plastic limit and that at the coarser one | A/A0 "
+        "| μ_s, all rub |",
+        "|---|---|---|",
+    ]
+    for words, rows in ((f"{WHOLE}², 4 to 64 points", settled), (f"{WHOLE // 4}², 4 to 16 points", bracketed)):
+        counts = [f"{inside(rows, *each)} of {len(rows)} pairs" for each in (("area", 0), ("all", 1))]
+        lines.append(f"| {words} | {' | '.join(counts)} |")
+    lines += [
+        "",
+        "The factor 1 + h'²/8 of the finer answer's slopes is allowed, and "
+        f"{100 * TOLERANCE:g} % for what the grid leaves uncertain.",
+        "",
+        *continued_lines(ahead),
+        "",
+        *joined_lines(together),
+    ]
+    (DOCS / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    picture(by_hurst, together)
+
+
+def picture(by_hurst, together):
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
+    colours = dict(zip(HURST, ("#0072b2", "#d55e00"), strict=True))
+    lengths = 1e3 * SPACING * np.array([4, *SEEN])
+    for hurst, rows in by_hurst.items():
+        for axis, name, factor in ((axes[0], "area", 100), (axes[1], "all", 1)):
+            for model, line in (("plastic", "-o"), ("elastic", "--s")):
+                values = factor * np.array([row[model][name] for row in rows])
+                label = f"Hurst {hurst}, {'H = 4 GPa' if model == 'plastic' else 'elastic'}"
+                axis.plot(lengths, values.mean(axis=0), line, color=colours[hurst], markersize=4, label=label)
+                axis.fill_between(
+                    lengths, values.min(axis=0), values.max(axis=0), color=colours[hurst], alpha=0.12, lw=0
+                )
+    limit = by_hurst[HURST[0]][0]["limit"]
+    for axis, value, words in ((axes[0], 100 * limit[0], "F/H"), (axes[1], limit[1], "μ0 + τ0/H")):
+        axis.axhline(value, color="black", lw=1)
+        axis.text(lengths[0], value, f"plastic limit {words}", va="top", fontsize=8)
+        axis.set(xscale="log", xlabel="cut-off wavelength (nm)")
+        axis.set_xticks(lengths, [f"{each:g}" for each in lengths])
+        axis.set_xticks([], minor=True)
+    axes[0].set(yscale="log", ylabel="true contact area A/A0 (%)", title="area")
+    axes[0].set_yticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])
+    axes[0].set_yticks([], minor=True)
+    axes[0].legend(fontsize=7.5, loc="lower right")
+    axes[1].set(ylabel="μ_s, all contacts rub", title="friction")
+    lengths, q = np.array(together["wavelength"]), 2 * math.pi / np.array(together["wavelength"])
+    axes[2].plot(lengths, q**3.6 * together["known"], color="black", lw=1, label="known")
+    ratio = np.array(together["ratio"], dtype=float)
+    looks = {"microscope": ("o", "#0072b2"), "large probe": ("s", "#009e73"), "fine probe": ("^", "#d55e00")}
+    for name, (marker, colour) in looks.items():
+        scans = [scan for scan, each in enumerate(together["names"]) if each == name]
+        for scan in scans:
+            label = name if scan == scans[0] else None
+            density = ratio[scan] * together["density"]
+            axes[2].plot(lengths, q**3.6 * density, marker, markersize=4, alpha=0.6, color=colour, label=label)
+    axes[2].plot(lengths, q**3.6 * together["density"], color="#cc79a7", lw=1.5, label="joined")
+    axes[2].set(xscale="log", yscale="log", xlabel="wavelength (µm)", ylabel="$q^{3.6}\\,C$ (arbitrary)")
+    axes[2].set_title("one surface, three instruments")
+    axes[2].legend(fontsize=7.5)
+    figure.savefig(DOCS / "images/resolution.png", dpi=110)
+
+
+if __name__ == "__main__":
+    parts = {"settling": settling, "bracketing": bracketing, "continuing": continuing, "joining": joining}
+    (parts[sys.argv[1]] if len(sys.argv) > 1 else page)()

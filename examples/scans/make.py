@@ -1,0 +1,99 @@
+"""Makes the sample scans beside this file: generated faces, written down as instruments would.
+
+    python examples/scans/make.py FOLDER
+
+Two traces of a stylus over lapped steel as text, and two maps of an interferometer over ground steel as X3P: with the
+tilt of a specimen that nobody levelled, the noise of the instrument, and heights in whole steps of its converter.
+"""
+
+import hashlib
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+from stiction import self_affine, self_affine_surface
+
+POINTS = 4000
+STYLUS_SPACING = 0.1  # µm
+STYLUS_STEP = 0.1  # nm
+SIZE = 256
+PIXEL = 0.2  # µm
+CONVERTER_STEP = 5e-11  # m
+SIDES = ("upper", "lower")
+
+MAIN = """<?xml version="1.0" encoding="UTF-8"?>
+<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
+<Record1><Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>
+<CX><AxisType>I</AxisType><DataType>D</DataType><Increment>{pixel!r}</Increment><Offset>0.0</Offset></CX>
+<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>{pixel!r}</Increment><Offset>0.0</Offset></CY>
+<CZ><AxisType>A</AxisType><DataType>I</DataType><Increment>{step!r}</Increment><Offset>0.0</Offset></CZ>
+</Axes></Record1>
+<Record2><Comment>Generated, not measured: stiction, examples/scans/make.py</Comment></Record2>
+<Record3><MatrixDimension><SizeX>{columns}</SizeX><SizeY>{rows}</SizeY><SizeZ>1</SizeZ></MatrixDimension>
+<DataLink><PointDataLink>bindata/data.bin</PointDataLink>
+<MD5ChecksumPointData>{checksum}</MD5ChecksumPointData></DataLink></Record3>
+<Record4><ChecksumFile>md5checksum.hex</ChecksumFile></Record4>
+</p:ISO5436_2>
+"""
+
+
+def trace(side: str) -> str:
+    """A stylus' text: positions in µm, heights in nm."""
+    face = self_affine(
+        11,
+        hurst_exponent=0.8,
+        rms=0.05,
+        points=POINTS,
+        spacing=STYLUS_SPACING,
+        longest_wavelength=40.0,
+        shortest_wavelength=1.0,
+        side=side,
+    )
+    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 0.3, POINTS)
+    nanometres = 1000.0 * face.heights + 0.4 * face.x + noise
+    steps = np.round(nanometres / STYLUS_STEP)
+    lines = [f"{x:.1f},{step * STYLUS_STEP:.1f}\n" for x, step in zip(face.x, steps, strict=True)]
+    return "".join(["# generated, not measured: lapped steel, stylus\n", "x (um),z (nm)\n", *lines])
+
+
+def converter_steps(side: str) -> np.ndarray:
+    """An interferometer's map in steps of its converter; the grinding marks run along y."""
+    face = self_affine_surface(
+        12,
+        hurst_exponent=0.8,
+        rms=0.05,
+        shape=(SIZE, SIZE),
+        spacing=(PIXEL / 5.0, PIXEL),  # and then drawn out five times along y
+        longest_wavelength=6.0,
+        shortest_wavelength=1.0,
+        side=side,
+    )
+    y, x = np.indices((SIZE, SIZE)) * PIXEL
+    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (SIZE, SIZE))
+    micrometres = face.heights + 2e-3 * x - 1e-3 * y + noise
+    return np.round((micrometres - micrometres.mean()) * 1e-6 / CONVERTER_STEP).astype("<i2")
+
+
+def write_x3p(path: Path, steps: np.ndarray) -> None:
+    """A surface on a grid by ISO 25178-72, of the same bytes whenever it is written."""
+    data = steps.tobytes()
+    rows, columns = steps.shape
+    checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
+    main = MAIN.format(pixel=PIXEL * 1e-6, step=CONVERTER_STEP, columns=columns, rows=rows, checksum=checksum).encode()
+    of_main = f"{hashlib.md5(main, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, content in (("main.xml", main), ("bindata/data.bin", data), ("md5checksum.hex", of_main)):
+            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+
+
+def main(folder: Path) -> None:
+    """Write the four files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for side in SIDES:
+        (folder / f"lapped_{side}.csv").write_text(trace(side), encoding="utf-8")
+        write_x3p(folder / f"ground_{side}.x3p", converter_steps(side))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)

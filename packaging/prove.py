@@ -1,0 +1,309 @@
+"""Prove one wheel: what is in it, what it needs, and that it works where there is no compiler, no Eigen and no GSL.
+
+    python packaging/prove.py [--quick] WHEEL [TESTS ...]
+
+`--quick` leaves out the tests, and TESTS are those to run instead of all. cibuildwheel runs this for each wheel,
+packaging/wheel.py for those made without it.
+What a rule forbids ends it with a message and exit status 1.
+"""
+
+import argparse
+import email
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+import zipfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import NoReturn
+
+ROOT = Path(__file__).resolve().parents[1]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = PYPROJECT["project"]
+STEM = f"{PROJECT['name']}-{PROJECT['version']}"
+
+NEWEST_GLIBC = (2, 34)
+"""That a wheel may ask for: docs/installing.md names it."""
+
+SECONDS_OF_AN_IMPORT = 5.0
+"""More than that is no slow machine, but something that should be imported later; 0.3 s where nothing else runs."""
+
+# The dynamic libraries that every Linux with glibc has.
+SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
+COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
+SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
+
+# Run where compilers, Eigen and GSL are out of sight, and once where they are not: prints those that it sees.
+LOOK = """
+import os, shutil, sys
+path = os.environ["PATH"] + os.pathsep + sys.argv[1]
+for name in ("cc", "c++", "gcc", "g++", "clang++", "cmake"):
+    if program := shutil.which(name, path=path):
+        print(program)
+for root in sys.argv[2:]:
+    for folder, _, names in os.walk(root):
+        for name in names:
+            whole = os.path.join(folder, name)
+            found = name.startswith("libgsl") or whole.endswith(("/gsl/gsl_version.h", "/Eigen/Core"))
+            if found and os.path.isfile(whole):
+                print(whole)
+"""
+
+
+def say(what: str) -> None:
+    print(f"wheel: {what}", flush=True)
+
+
+def fail(what: str) -> NoReturn:
+    print(f"wheel: {what}", file=sys.stderr)
+    sys.exit(1)
+
+
+def call(
+    *command: str | Path,
+    cwd: Path = ROOT,
+    env: Mapping[str, str] = os.environ,
+    quiet: bool = True,
+    within: Iterable[str] = (),
+) -> str:
+    """Run a command, within another, and return what it said; end with that if it fails."""
+    whole = [*within, *map(str, command)]
+    said = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
+    done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **said)  # type: ignore[call-overload]
+    if done.returncode != 0:
+        fail(f"{(done.stdout or '').strip()}\n{shlex.join(map(str, command))} ended with {done.returncode}".strip())
+    return done.stdout or ""
+
+
+def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
+    """End where two sets of names differ, saying how. `what` names the thing and what it should hold."""
+    extra, missing = sorted(set(found) - set(expected)), sorted(set(expected) - set(found))
+    if extra:
+        fail(f"{what}: there is also {', '.join(extra)}")
+    if missing:
+        fail(f"{what}: missing {', '.join(missing)}")
+
+
+# ---- What is in it --------------------------------------------------------------------------------------------------
+
+
+def check_wheel(wheel: Path, folder: Path) -> None:
+    """That it holds the package, its licences and nothing else, and an extension that needs nothing else."""
+    package = [
+        str(path.relative_to(ROOT / "python"))
+        for path in (ROOT / "python/stiction").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    ]
+    about = ["METADATA", "WHEEL", "RECORD", "entry_points.txt", *(f"licenses/{n}" for n in PROJECT["license-files"])]
+    with zipfile.ZipFile(wheel) as archive:
+        names = {name for name in archive.namelist() if not name.endswith("/")}
+        extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
+        if len(extensions) != 1:
+            fail(f"{wheel.name} holds {len(extensions)} extensions, not one")
+        # auditwheel notes what it bundles, here nothing, in a bill of materials.
+        said = {name for name in names if name.startswith(f"{STEM}.dist-info/sboms/")}
+        compare(
+            "the wheel, of the package and its licences",
+            names - said,
+            [*package, *extensions, *(f"{STEM}.dist-info/{name}" for name in about)],
+        )
+        check_metadata(archive.read(f"{STEM}.dist-info/METADATA"))
+        extension = Path(archive.extract(extensions[0], folder))
+    if sys.platform == "linux":
+        check_floor(wheel)
+        check_extension(extension)
+
+
+def check_metadata(text: bytes) -> None:
+    said = email.message_from_bytes(text)
+    for field, key in (
+        ("Name", "name"),
+        ("Version", "version"),
+        ("Requires-Python", "requires-python"),
+        ("License-Expression", "license"),
+    ):
+        if said[field] != PROJECT[key]:
+            fail(f"the metadata say {field}: {said[field]}, pyproject.toml {PROJECT[key]}")
+
+
+def check_floor(wheel: Path) -> None:
+    """That it asks for no newer glibc than the documents say."""
+    floors = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
+    if not floors:
+        fail(f"{wheel.name}: not the name of a manylinux wheel")
+    if min(floors) > NEWEST_GLIBC:
+        fail(f"{wheel.name} needs a newer glibc than the {NEWEST_GLIBC[0]}.{NEWEST_GLIBC[1]} that is promised")
+    promise = f"glibc {NEWEST_GLIBC[0]}.{NEWEST_GLIBC[1]} or newer"
+    page = ROOT / "docs/installing.md"
+    if page.exists() and promise not in page.read_text(encoding="utf-8"):
+        fail(f"docs/installing.md does not say {promise!r}")
+
+
+def check_extension(extension: Path) -> None:
+    dynamic = call("readelf", "--wide", "--dynamic", extension)
+    needed = re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic)
+    foreign = [library for library in needed if not SYSTEM_LIBRARY.fullmatch(library)]
+    if foreign or not needed:
+        fail(f"the extension needs {', '.join(foreign) or 'no library at all'}")
+    if re.search(r"\((RPATH|RUNPATH)\)", dynamic):
+        fail("the extension looks for libraries in a folder of its own")
+    exported = [line.split()[0] for line in call("nm", "-D", "--defined-only", "-P", extension).splitlines()]
+    compare("symbols that the extension exports", exported, ["PyInit__core"])
+
+
+# ---- Where it is installed ------------------------------------------------------------------------------------------
+
+
+class Elsewhere:
+    """A new environment where neither this tree nor compilers, Eigen or GSL can be seen."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.bin = folder / "environment/bin"
+        tools = folder / "tools"
+        tools.mkdir()
+        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # what the tests use
+            if found := shutil.which(name):
+                (tools / name).symlink_to(found)
+        kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+        self.environment = kept | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
+        self.mounts = self.hides()
+        call(sys.executable, "-m", "venv", folder / "environment")
+        # Dependency groups need pip 25.1.
+        self.pip("pip>=25.1")
+
+    def hides(self) -> bool:
+        """Whether mounts can hide; they need root, and are seen by nobody else."""
+        able = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
+        return able and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
+
+    def hiding(self) -> str:
+        """Shell commands that hide folders under empty ones, and programs and libraries under /dev/null."""
+        folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
+        programs = [
+            program
+            for place in {*SYSTEM_PATH, *map(Path, os.environ["PATH"].split(os.pathsep))}
+            if place.is_dir()
+            for program in place.iterdir()
+            if COMPILER.fullmatch(program.name)
+        ]
+        libraries = [path for place in ("/usr/lib", "/usr/local/lib") for path in Path(place).rglob("libgsl*")]
+        files = {path.resolve() for path in (*programs, *libraries) if path.is_file()}
+        mount = shutil.which("mount")
+        lines = [f"{mount} -t tmpfs none {shlex.quote(str(path))}" for path in folders if path.is_dir()]
+        lines += [f"{mount} --bind /dev/null {shlex.quote(str(path))}" for path in sorted(files)]
+        return "\n".join(["set -e", *lines, 'exec "$@"'])
+
+    def call(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
+        unshare, shell = shutil.which("unshare") or "", shutil.which("sh") or ""
+        hidden = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding(), shell)
+        within = hidden if self.mounts else ()
+        return call(*command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, within=within)
+
+    def check_hidden(self) -> None:
+        """That nothing is seen here of what is seen outside."""
+        system = os.pathsep.join(map(str, SYSTEM_PATH))
+        if self.mounts:
+            seen_outside = call(sys.executable, "-c", LOOK, system, "/usr").splitlines()
+            for part in ("c++", "cmake", "libgsl.a", "gsl_version.h", "Eigen/Core"):
+                if not any(path.endswith(part) for path in seen_outside):
+                    fail(f"no {part} was found here, so that hiding it shows nothing")
+            seen = self.call(self.bin / "python", "-I", "-c", LOOK, system, "/usr", "/opt", ROOT)
+        else:
+            seen = self.call(self.bin / "python", "-I", "-c", LOOK, "")
+        if seen:
+            fail(f"these are not hidden: {', '.join(seen.split())}")
+
+    def pip(self, *wanted: str | Path) -> None:
+        """From wheels alone, so that nothing is compiled."""
+        pip = (self.bin / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
+        self.call(*pip, "--only-binary=:all:", *wanted)
+
+    def check_installed(self) -> None:
+        """That it is the wheel that is imported."""
+        code = "import stiction, stiction._core as core; print(stiction.__version__, stiction.__file__, core.__file__)"
+        version, *files = self.call(self.bin / "python", "-I", "-c", code).split()
+        for file in files:
+            if self.folder / "environment" not in Path(file).parents:
+                fail(f"{file} is imported, which is not the installed wheel")
+        if version != PROJECT["version"]:
+            fail(f"version {version} is imported, not {PROJECT['version']}")
+
+    def seconds_of_an_import(self) -> float:
+        """The least of three, by the clock of a new interpreter each time."""
+        code = "import time; a = time.perf_counter(); import stiction; stiction.press; print(time.perf_counter() - a)"
+        return min(float(self.call(self.bin / "python", "-I", "-c", code)) for _ in range(3))
+
+    def run_quick(self) -> None:
+        self.call(self.bin / "stiction", "run", "quick", "--output", "quick")
+        for name in ("study.toml", "area.png"):
+            if not (self.folder / "quick" / name).exists():
+                fail(f"stiction run quick wrote no {name}")
+
+    def press_samples(self) -> None:
+        """The sample scans, as text and in an instrument's format."""
+        shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
+        for kind, ending, softer in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
+            scans = [f"scans/{kind}_{side}.{ending}" for side in ("upper", "lower")]
+            said = self.call(
+                self.bin / "stiction", "pair", *scans, "--young", "210 GPa", "--poisson", "0.3", "--mu0", "0.2",
+                "--tau0", "50 MPa", *softer, "--load", "20 mN", "--output", kind,
+            )  # fmt: skip
+            if not re.search(r"μ_s = 0\.\d+ \[0\.\d+, 0\.\d+\]", said):
+                fail(f"stiction pair of the {kind} scans gave no coefficient:\n{said}")
+
+    def run_tests(self, wanted: Iterable[str]) -> None:
+        """The tests, from a copy without the sources of what they test."""
+        tests = self.folder / "tests"
+        left_out = shutil.ignore_patterns("build", ".*", "__pycache__")
+        shutil.copytree(ROOT, tests, ignore=left_out)
+        for part in ("python", "cpp"):
+            shutil.rmtree(tests / part)
+        self.pip("--group", f"{tests / 'pyproject.toml'}:test")
+        self.check_installed()
+        self.call(
+            self.bin / "python", "-I", "-m", "pytest", "-q", "-p", "no:cacheprovider", *wanted, cwd=tests, quiet=False
+        )
+
+
+def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
+    began = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary:
+        folder = Path(temporary).resolve()
+        check_wheel(wheel, folder)
+        say(f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol")
+        elsewhere = Elsewhere(folder)
+        elsewhere.check_hidden()
+        by = "a mount namespace and PATH" if elsewhere.mounts else "PATH alone"
+        say(f"installing it where neither compilers nor Eigen nor GSL are seen, hidden by {by}")
+        kept = shutil.copy(wheel, folder)  # this tree is out of sight
+        elsewhere.pip(kept)
+        elsewhere.check_installed()
+        if (seconds := elsewhere.seconds_of_an_import()) > SECONDS_OF_AN_IMPORT:
+            fail(f"import stiction takes {seconds:.1f} s")
+        elsewhere.run_quick()
+        elsewhere.press_samples()
+        say(f"import {seconds:.2f} s; run quick, pair of four sample scans: all right")
+        if with_tests:
+            say("the tests")
+            elsewhere.run_tests(wanted)
+    say(f"proven in {time.perf_counter() - began:.0f} s{'' if with_tests else ', without the tests'}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Prove one wheel.")
+    parser.add_argument("--quick", action="store_true", help="without the tests")
+    parser.add_argument("wheel", type=Path)
+    parser.add_argument("tests", nargs="*", help="instead of all of them")
+    asked = parser.parse_args()
+    prove(asked.wheel.resolve(), with_tests=not asked.quick, wanted=asked.tests)
+
+
+if __name__ == "__main__":
+    main()

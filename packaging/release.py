@@ -1,0 +1,176 @@
+"""Walk the list of docs/releasing.md: each line is looked at, not remembered.
+
+    python packaging/release.py                  what is so, and what is not yet
+    python packaging/release.py --tagged         for the tag that is being released, by its workflow
+    python packaging/release.py --address URL    write the public address of the sources wherever it belongs
+
+It ends with exit status 1 while anything is open, and changes nothing but for --address.
+"""
+
+import argparse
+import re
+import sys
+import tomllib
+from collections.abc import Callable, Iterator
+
+from prove import PROJECT, ROOT, call, fail
+from wheel import DIST, RECORD, commit
+
+VERSION = PROJECT["version"]
+LINK = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
+"""Of Markdown, to a place beside the page."""
+
+ADDRESSES = ("Source", "Documentation", "Issues", "Changelog")
+
+Check = Callable[[], str | None]
+CHECKS: list[tuple[str, Check]] = []
+
+
+def check(line: str) -> Callable[[Check], Check]:
+    """A line of the list, and the function that says what is missing, or None."""
+
+    def keep(function: Check) -> Check:
+        CHECKS.append((line, function))
+        return function
+
+    return keep
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+@check("the version is that of a release")
+def version_is_final() -> str | None:
+    return None if re.fullmatch(r"\d+\.\d+\.\d+", VERSION) else f"pyproject.toml says {VERSION}"
+
+
+@check("the changelog has it, with its date")
+def changelog_is_dated() -> str | None:
+    found = re.search(rf"^## {re.escape(VERSION)}(.*)$", text("CHANGELOG.md"), re.MULTILINE)
+    if found is None:
+        return f"CHANGELOG.md has no ## {VERSION}"
+    if not re.fullmatch(r" \(\d{4}-\d{2}-\d{2}\)", found[1]):
+        return f"## {VERSION}{found[1]} should read ## {VERSION} (YYYY-MM-DD)"
+    return None
+
+
+@check("CITATION.cff has the version, the date and the address")
+def citation_agrees() -> str | None:
+    said = text("CITATION.cff")
+    dated = re.search(rf"^## {re.escape(VERSION)} \((.*)\)$", text("CHANGELOG.md"), re.MULTILINE)
+    wanted = [f"version: {VERSION}", f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}", "repository-code: http"]
+    return absent("CITATION.cff has no", (line for line in wanted if line not in said))
+
+
+@check("the addresses of the project are public ones")
+def addresses_are_there() -> str | None:
+    missing = absent("[project.urls] has no", (name for name in ADDRESSES if name not in PROJECT["urls"]))
+    return missing and f"{missing}: ./dev release --address URL"
+
+
+@check("links of README.md work on PyPI")
+def links_are_absolute() -> str | None:
+    found = LINK.findall(text("README.md"))
+    return f"{len(found)} are relative, as {found[0]}: ./dev release --address URL" if found else None
+
+
+@check("the conda recipe asks for what pyproject.toml does")
+def recipe_agrees() -> str | None:
+    return absent("packaging/conda/recipe.yaml has no", recipe_lacks())
+
+
+def recipe_lacks() -> Iterator[str]:
+    """Lines that the recipe should have."""
+    lines = {line.strip() for line in text("packaging/conda/recipe.yaml").splitlines()}
+    if f'version: "{VERSION}"' not in lines:
+        yield f'version: "{VERSION}"'
+    python = f"python{PROJECT['requires-python']}"
+    for each in (python, *PROJECT["dependencies"]):
+        name, bound = re.fullmatch(r"([\w-]+)(>=.+)", each).groups()  # type: ignore[union-attr]
+        wanted = f"- {'matplotlib-base' if name == 'matplotlib' else name} {bound}"
+        if wanted not in lines:
+            yield wanted
+
+
+@check("packaging/tested.txt has a version of every dependency")
+def tested_is_whole() -> str | None:
+    tested = {line.split("==")[0].lower() for line in text("packaging/tested.txt").splitlines() if "==" in line}
+    names = [re.split(">=", each)[0].lower() for each in PROJECT["dependencies"]]
+    return absent("./dev tested, for it lacks", (name for name in names if name not in tested))
+
+
+@check("nothing is uncommitted")
+def tree_is_clean() -> str | None:
+    changed = call("git", "status", "--porcelain").splitlines()
+    return f"{len(changed)} files are changed or new" if changed else None
+
+
+@check("source distribution and wheels of this commit are built and proven, with the tests")
+def wheels_are_proven() -> str | None:
+    record = RECORD.read_text(encoding="utf-8") if RECORD.exists() else ""
+    if record != f"{commit()} with the tests\n":
+        return f"./dev wheel, for {record.strip() or 'nothing'} was proven"
+    return None if list(DIST.glob("*.whl")) else f"{DIST.relative_to(ROOT)} is empty"
+
+
+def tag_is_here() -> str | None:
+    tags = call("git", "tag", "--points-at", "HEAD").split()
+    return None if f"v{VERSION}" in tags else f"git tag v{VERSION}; this commit has {', '.join(tags) or 'none'}"
+
+
+def absent(what: str, missing: Iterator[str]) -> str | None:
+    names = ", ".join(missing)
+    return f"{what} {names}" if names else None
+
+
+def walk(*, tagged: bool) -> bool:
+    """Whether nothing is open. The workflow of a tag builds and proves by itself."""
+    checks = [each for each in CHECKS if not (tagged and each[1] is wheels_are_proven)]
+    if tagged:
+        checks.append((f"the tag v{VERSION} is on this commit", tag_is_here))
+    opened = 0
+    for line, function in checks:
+        problem = function()
+        opened += problem is not None
+        print(f"[{' ' if problem else 'x'}] {line}{f': {problem}' if problem else ''}")
+    if not tagged:
+        print(f"then: git tag --sign v{VERSION}; git push origin v{VERSION}" if not opened else f"{opened} are open")
+    return opened == 0
+
+
+def write_address(url: str) -> None:
+    """Into pyproject.toml, CITATION.cff and the links of README.md."""
+    if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
+        fail(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
+    name = url.rpartition("/")[2]
+    lines = [
+        f'Source = "{url}"', f'Documentation = "https://{name}.readthedocs.io"', f'Issues = "{url}/issues"',
+        f'Changelog = "{url}/blob/main/CHANGELOG.md"',
+    ]  # fmt: skip
+    whole = text("pyproject.toml")
+    head = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", whole, re.MULTILINE)
+    if head is None or tomllib.loads(whole)["project"]["urls"].keys() & set(ADDRESSES):
+        fail("pyproject.toml has addresses already")
+    (ROOT / "pyproject.toml").write_text(
+        whole[: head.end()] + "".join(f"{line}\n" for line in lines) + whole[head.end() :], encoding="utf-8"
+    )
+    citation = text("CITATION.cff").replace("type: software\n", f"type: software\nrepository-code: {url}\n", 1)
+    (ROOT / "CITATION.cff").write_text(citation, encoding="utf-8")
+    readme = re.sub(r"(?<=\]\()(?=[^)\s]+\.png\))(?!https?:)", f"{url}/raw/main/", text("README.md"))
+    (ROOT / "README.md").write_text(LINK.sub(rf"{url}/blob/main/\1", readme), encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Walk the list of docs/releasing.md.")
+    parser.add_argument("--tagged", action="store_true", help="for the tag that is being released")
+    parser.add_argument("--address", metavar="URL", help="write the public address of the sources where it belongs")
+    asked = parser.parse_args()
+    if asked.address:
+        write_address(asked.address)
+    elif not walk(tagged=asked.tagged):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

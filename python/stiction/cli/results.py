@@ -1,0 +1,109 @@
+"""Commands on results of every kind, generated or measured: info, plot, report, export."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stiction._text import named
+from stiction.cli.application import command, tell
+from stiction.cli.options import Json, Verbose, listed
+from stiction.cli.showing import draw_result, opened, show_result, write_table
+
+Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")]
+
+
+@command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
+def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) -> None:
+    """Show what a result is, how far it has come, its friction at a few loads and how far to trust it."""
+    from stiction.studies.store import open_stored
+    from stiction.studies.study import Study, differences
+    from stiction.views.text import fitted
+
+    stored = open_stored(directory)
+    study, finished = stored.study, int(stored.finished.size)
+    if as_json:
+        about = {
+            "study": study.to_toml(), "finished": finished, "repetitions": study.ensemble.repetitions,
+            "bytes": stored.size, "versions": {"stiction": stored.version},
+        }  # fmt: skip
+        show_result(stored, command="info", as_json=True, about=about)
+        return
+    if study.surfaces.kind != "measured":
+        changes = [f"{key} = {value}" for key, _, value in differences(Study(), study)]
+        words = ["the defaults, but", *changes] if changes else ["the defaults"]
+        for index, each in enumerate(words):
+            tell(fitted(f"{'' if index else 'study':<13}{each}", hang=" " * 15))
+    elif verbose:
+        tell(study.to_toml())
+    tell(f"repetitions  {finished} of {study.ensemble.repetitions} finished")
+    tell(f"size         {stored.size / 2**20:.1f} MiB, by stiction {stored.version}")
+    if finished:
+        tell("")
+        show_result(stored, command="info", verbose=verbose)
+
+
+@command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")
+def plot(
+    directory: Directory,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the figures go.", show_default="DIR")
+    ] = None,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="FORMATS", help='Of the figures, some of "png,pdf,svg".')
+    ] = "png",
+) -> None:
+    """Draw the figures of a result again, or of what is finished of it."""
+    from stiction.views.style import checked_formats
+
+    wanted = checked_formats(listed(formats))
+    stored = opened(directory)
+    where = directory if output is None else output
+    try:
+        where.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"{named(where)}: cannot be written: {error.strerror or error}") from None
+    draw_result(stored, where, formats=wanted)
+
+
+@command("report", "stiction report figure6", "stiction report quick figure6 -o both.html")
+def report(
+    directories: Annotated[
+        list[Path],
+        typer.Argument(metavar="DIR", help="Where a study or a pair was written; two studies are compared."),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.html", help="The page to write.", show_default="DIR/report.html"),
+    ] = None,
+) -> None:
+    """Make one interactive page, for any browser, of a result, or of what is finished of it."""
+    from stiction.views.report import save_report
+
+    path = output if output is not None else directories[0] / "report.html"
+    save_report([opened(each) for each in directories], path, names=[each.resolve().name for each in directories])
+    tell(f"wrote {path}")
+
+
+@command("export", "stiction export figure6 figure6.nc", "stiction export pair pair.csv")
+def export(
+    directory: Directory,
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="The file to write, .nc or .csv; it must not exist yet.")
+    ],
+) -> None:
+    """Write a result, or what is finished of it, to one netCDF file; or its values at the loads of `info` to CSV."""
+    from stiction.studies.export import export as to_netcdf
+
+    if file.suffix.lower() not in (".nc", ".csv"):
+        raise ValueError(f"{named(file)}: its name must end in .nc (the whole result) or .csv (a table)")
+    stored = opened(directory)
+    if file.suffix.lower() == ".csv":
+        if file.exists():
+            raise ValueError(f"{named(file)}: exists already; remove it, or choose another name")
+        write_table(stored, file)
+    else:
+        to_netcdf(stored, file)
+    tell(f"wrote {file}")

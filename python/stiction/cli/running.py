@@ -1,0 +1,227 @@
+"""How commands compute what a folder lacks of a study: where, by how many workers, and what is said of it."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Callable
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stiction._core import __version__
+from stiction._text import named
+from stiction._units import shortened
+from stiction.cli.application import INTERRUPTED, announce, say, tell
+from stiction.studies.executors import threads
+from stiction.studies.measured_surfaces import Measured
+from stiction.studies.runner import fill
+from stiction.studies.same_study import computed_otherwise
+from stiction.studies.store import BLOCKS, STUDY, Stored, StoreError, open_stored
+from stiction.studies.study import Study
+from stiction.studies.text import StudyError
+
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers", "-w", metavar="N", min=1, help="Threads that compute.", show_default="one for each core",
+        rich_help_panel="Computing",
+    ),
+]  # fmt: skip
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler", metavar="ADDRESS", help="Compute on the workers of a Dask scheduler, as in tcp://host:8786.",
+        show_default=False, rich_help_panel="Computing",
+    ),
+]  # fmt: skip
+
+Part = Annotated[
+    str | None,
+    typer.Option(
+        "--part", metavar="I/N", help="Only the I-th of N parts, as in 3/16, beside others.", show_default=False,
+        rich_help_panel="Computing",
+    ),
+]  # fmt: skip
+
+_FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip", ".toml")
+
+
+def executor_of(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
+    """What computes: threads, or the workers of a scheduler."""
+    if scheduler is None:
+        return threads(workers)
+    if workers is not None:
+        raise StudyError("--workers and --scheduler exclude each other")
+    from stiction.studies.cluster import connected
+
+    return connected(scheduler)
+
+
+def part_of(text: str | None) -> tuple[int, int] | None:
+    """Which of how many parts, of the option `--part`."""
+    if text is None:
+        return None
+    match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
+    if not match or int(match[1]) > int(match[2]):
+        raise StudyError(f"--part must be one of so many, as in 3/16, got {shortened(text)}")
+    return int(match[1]), int(match[2])
+
+
+def check_folder(directory: Path) -> None:
+    """Refuse a folder for results that is, or is named as, a file."""
+    if directory.is_file():
+        raise StudyError(f"{named(directory)} is a file; say where the results shall go with --output DIR")
+    if directory.suffix.lower() in _FILES and not directory.exists():
+        raise StudyError(f"--output {named(directory)}: is the name of a file; results go into a directory")
+
+
+def fill_folder(
+    study: Study,
+    directory: Path,
+    executor: Executor,
+    *,
+    said: Callable[[str], None] = tell,
+    part: tuple[int, int] | None = None,
+    replace: bool = False,
+    beside: bool = True,
+    onset: int | None = None,
+    progress: bool = True,
+) -> Stored:
+    """Compute what a folder lacks of a study, or of one of its parts, and say what was done.
+
+    Parameters
+    ----------
+    study : Study
+    directory : Path
+    executor : concurrent.futures.Executor
+    said : callable
+        What tells of files that were written.
+    part : (int, int), optional
+        Which of how many parts.
+    replace : bool
+        Whether the result of another study that lies there is removed.
+    beside, onset
+        Whether the picture of contacts and what `fill_beside` computes are wanted too, and its onset.
+    progress : bool
+        Whether to draw a progress bar.
+
+    Returns
+    -------
+    Stored
+        What the folder holds now.
+    """
+    check_folder(directory)
+    if replace and (directory / STUDY).exists():
+        remove_result(directory)
+    before = open_stored(directory).finished.size if (directory / STUDY).exists() else 0
+    total = study.ensemble.repetitions
+    try:
+        held = fill(study, directory, part=part, executor=executor, progress=progress, say=said)
+    except KeyboardInterrupt:
+        # Said at once; the members that are being computed come to their end first.
+        say(f"interrupted{_how_to_go_on(directory)}")
+        raise typer.Exit(INTERRUPTED) from None
+    stored = open_stored(directory)
+    if part is not None:
+        said(
+            f"part {part[0]}/{part[1]} is finished, {held} repetitions; {stored.finished.size} of {total} are in "
+            f"{directory}"
+        )
+    elif before < total:
+        if beside:
+            write_picture(stored)
+        said(f"wrote {directory}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
+    else:
+        by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
+        said(f"{directory} holds this study already{by}")
+    if beside and part is None:
+        fill_beside(stored, executor, said, onset, progress=progress)
+    return stored
+
+
+def write_picture(stored: Stored) -> None:
+    """Write the contacts of a typical member of measured areas beside its blocks, for figures and pages."""
+    surfaces = stored.study.surfaces
+    if not isinstance(surfaces, Measured) or not surfaces.is_areal:
+        return
+    from stiction.studies.contact_picture import FILE, contact_picture
+    from stiction.studies.export import export
+
+    try:
+        picture = contact_picture(stored)
+    except ValueError:  # the files are not there any more
+        return
+    if picture is not None:
+        export(picture, stored.path / FILE, replace=(stored.path / FILE).exists())
+
+
+def fill_beside(
+    stored: Stored,
+    executor: Executor,
+    said: Callable[[str], None],
+    onset: int | None = None,
+    *,
+    progress: bool = True,
+) -> None:
+    """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset of sliding.
+
+    Parameters
+    ----------
+    stored : Stored
+    executor : concurrent.futures.Executor
+    said : callable
+        What tells of files that were written.
+    onset : int, optional
+        Members whose onset is computed, 0 for none; a few by default.
+    progress : bool
+        Whether to draw progress bars.
+    """
+    from stiction.studies.export import export
+    from stiction.studies.onset import FILE, TABLE, backbone, onset_beside, onset_of_result
+    from stiction.studies.resolution import FOLDER, resolution_study
+
+    if not isinstance(stored.study.surfaces, Measured):
+        return
+    try:
+        over = resolution_study(stored.study)
+        if over is not None:
+            folder = stored.path / FOLDER
+            if (folder / STUDY).exists() and computed_otherwise(open_stored(folder).study, over):
+                remove_result(folder)  # of another pair, or of other loads
+            announce("over cut-offs")
+            fill_folder(over, folder, executor, said=said, beside=False, progress=progress)
+        there = onset_beside(stored)
+        if onset == 0 or (there is not None and onset in (None, int(there.attrs["members"]))):
+            return
+        announce("onset of sliding")
+        curve = onset_of_result(stored.study, executor, members=onset)
+    except ValueError as error:  # the files are not there any more
+        say(f"without cut-offs or onset: {error}")
+        return
+    if curve is not None:
+        export(curve, stored.path / FILE, replace=(stored.path / FILE).exists())
+        (stored.path / TABLE).write_text(backbone(curve), encoding="utf-8")
+        said(f"wrote {stored.path / TABLE}")
+
+
+def remove_result(directory: Path) -> None:
+    """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
+    from stiction.studies.onset import FILE, TABLE
+
+    for block in open_stored(directory).blocks:
+        (directory / BLOCKS / block.name).unlink(missing_ok=True)
+    for name in (STUDY, FILE, TABLE) if (directory / FILE).exists() else (STUDY,):
+        (directory / name).unlink(missing_ok=True)
+
+
+def _how_to_go_on(directory: Path) -> str:
+    try:
+        stored = open_stored(directory)
+    except StoreError:
+        return ""
+    finished, total = stored.finished.size, stored.study.ensemble.repetitions
+    return f"; {finished} of {total} repetitions are finished and kept: the same command goes on from there"

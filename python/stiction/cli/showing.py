@@ -1,0 +1,89 @@
+"""What every command does with a result: open it, say what may be quoted of it, write its table, draw it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stiction.cli.application import announce, say, show_warning, tell
+
+if TYPE_CHECKING:
+    from stiction.studies.store import Stored
+    from stiction.views.answer import Doubt
+
+
+def opened(directory: Path) -> Stored:
+    """The result in a directory, and a warning if it is not finished."""
+    from stiction.studies.store import StoreError, open_stored
+
+    stored = open_stored(directory)
+    total = stored.study.ensemble.repetitions
+    if not stored.finished.size:
+        raise StoreError(f"{directory}: none of its {total} repetitions is finished yet")
+    if stored.finished.size < total:
+        show_warning(
+            f"{directory}: {stored.finished.size} of {total} repetitions are finished; the result has only those"
+        )
+    return stored
+
+
+def show_result(
+    stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False,
+    beside: Sequence[Doubt] | None = None, about: dict[str, Any] | None = None,
+) -> None:  # fmt: skip
+    """Print what a result says at the loads of its study: text, or JSON; its files are read for doubts not given."""
+    from stiction.studies.onset import onset_beside
+    from stiction.studies.resolution import resolution_at
+    from stiction.studies.store import StoreError
+    from stiction.views import rows, text
+    from stiction.views.asked import at_asked_loads
+    from stiction.views.inputs import doubts_of_study
+
+    study = stored.study
+    beside = doubts_of_study(study) if beside is None else beside
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of tau0, which was told when the study was made
+            at = at_asked_loads(stored)
+    except StoreError:
+        raise
+    except ValueError as error:  # nothing touches
+        if as_json:
+            tell(rows.record(command, [], **(about or {}), remark=str(error)))
+        else:
+            tell(f"μ_s  none: {error}")
+        return
+    besides: dict[str, Any] = {"beside": beside, "over": resolution_at(stored), "onset": onset_beside(stored)}
+    if as_json:
+        tell(rows.record_text(command, at, study, **besides, **(about or {})))
+    elif study.surfaces.kind == "measured":
+        tell(text.result_text(at, study, verbose=verbose, **besides))
+    else:
+        tell(text.overview_text(at, study))
+
+
+def write_table(stored: Stored, path: Path, *, beside: Sequence[Doubt] | None = None) -> None:
+    """Write the values of a result at the loads of its study as CSV; its files are read for doubts not given."""
+    from stiction.views.asked import at_asked_loads
+    from stiction.views.inputs import doubts_of_study
+    from stiction.views.rows import csv_text
+
+    beside = doubts_of_study(stored.study) if beside is None else beside
+    path.write_text(csv_text(at_asked_loads(stored), stored.study, beside=beside), encoding="utf-8")
+
+
+def draw_result(
+    stored: Stored, directory: Path, said: Callable[[str], None] = tell, *, formats: Sequence[str] = ("png",)
+) -> None:
+    """Draw the figures of a result into a directory, and say which."""
+    from stiction.views.figures import drawn
+
+    announce("drawing")
+    for path in drawn(stored, directory, formats=formats):
+        said(f"wrote {path}")
+
+
+def said_by(as_json: bool) -> Callable[[str], None]:
+    """Where messages go: beside JSON, which is alone on standard output, to standard error."""
+    return say if as_json else tell

@@ -1,0 +1,239 @@
+"""Displacement of an elastic half-space under pressures on a grid, and what resembles the inverse of that."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections import deque
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+
+Singles = NDArray[np.float32]
+
+ROWS = 1024
+"""Of a line that is folded: as many measure fastest."""
+
+STENCIL_SUM = 0.04
+"""Of the weights of the stencil, over the one of the point itself: patches are many points wide."""
+
+MOST_KEPT = 2**20
+"""Points of a grid whose kernels are kept when nobody uses them: 35 MB; a quarter of a free load takes to make them."""
+
+FEWEST_POINTS = 16
+"""Along an axis of the coarsest grid."""
+
+
+class Grids:
+    """The grid of a problem and coarser ones down to some 16 points an axis, for as many problems as have that shape.
+
+    Attributes
+    ----------
+    levels : list of (shape, spacing)
+        From the grid itself on, each with about half of the points along an axis.
+    """
+
+    def __init__(
+        self, shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
+    ) -> None:
+        self.effective_modulus, self.periodic = effective_modulus, periodic
+        self.levels = [(shape, spacing)]
+        self._kernels: dict[int, Kernel] = {}
+        while (coarser := tuple(_halved(n, periodic) for n in shape)) != shape:
+            steps = [(n / m if periodic else 2) if n != m else 1 for n, m in zip(shape, coarser, strict=True)]
+            shape, spacing = coarser, tuple(a * b for a, b in zip(spacing, steps, strict=True))
+            self.levels.append((shape, spacing))
+
+    @cached_property
+    def even_deviation(self) -> float:
+        """µm/GPa, root-mean-square deviation of displacements under an even pressure, which only a free grid has."""
+        return float(np.std(self.kernel().displacement(np.ones(self.levels[0][0]))))
+
+    def kernel(self, level: int = 0) -> Kernel:
+        """Of a level, made when first asked for."""
+        if level not in self._kernels:
+            self._kernels[level] = Kernel(*self.levels[level], self.effective_modulus, periodic=self.periodic)
+        return self._kernels[level]
+
+
+_shared: weakref.WeakValueDictionary[tuple[Any, ...], Grids] = weakref.WeakValueDictionary()
+_last: deque[Grids] = deque(maxlen=1)
+
+
+def grids_of(shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool) -> Grids:
+    """The grids of a problem: the same ones as long as anyone holds them, as a curve does, and the last ones if small.
+
+    One pair after the other on one grid, as of shifts or repetitions, then shares their kernels.
+    """
+    key = shape, spacing, effective_modulus, periodic
+    grids = _shared.get(key)
+    if grids is None:
+        grids = _shared[key] = Grids(shape, spacing, effective_modulus, periodic=periodic)
+    if math.prod(shape) <= MOST_KEPT:
+        _last.append(grids)
+    return grids
+
+
+class Kernel:
+    """Displacement of a half-space under pressures on a grid, and what resembles its inverse.
+
+    Periodic: 2/(E*|k|), 0 for k = 0. Free: a uniformly loaded cell (Love 1929; on a line the logarithm), on a grid of
+    twice the size. Inner iterations work on small steps in single precision; `displacement` is in double. The near
+    inverse is periodic for both: that is half the transform, and ends that feel each other do no harm there.
+    """
+
+    def __init__(
+        self, shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
+    ) -> None:
+        self.shape, self.spacing, self.effective_modulus, self.periodic = shape, spacing, effective_modulus, periodic
+        if periodic:
+            self.padded = shape
+            with np.errstate(divide="ignore"):
+                self.compliance = np.divide(1.0, self._stiffness())
+            self.compliance.flat[0] = 0.0
+        else:
+            self.padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
+            influence = _influence(self.padded, shape, spacing, effective_modulus)
+            self.compliance = np.ascontiguousarray(scipy.fft.rfftn(influence, overwrite_x=True).real)
+        self.stencil = _stencil(spacing, effective_modulus) if len(shape) == 2 else None
+        self._response = _filter(self.compliance, shape, self.padded)
+
+    @cached_property
+    def _near_inverse(self) -> _Filter | _FoldedFilter:
+        return _filter(self._stiffness(), self.shape, self.shape)
+
+    def _stiffness(self) -> Floats:
+        """E*|k|/2, GPa/µm."""
+        return 0.5 * self.effective_modulus * _wave_numbers(self.shape, self.spacing)
+
+    def displacement(self, pressure: Floats) -> Floats:
+        """µm, of a pressure in GPa."""
+        return _filtered(pressure, self.compliance, self.padded)
+
+    def response(self, step: Singles) -> Singles:
+        """The same of a step of pressure, in single precision."""
+        return self._response(step)
+
+    def preconditioned(self, residual: Singles) -> Singles:
+        """E*|k|/2 times a residual of displacement."""
+        return self._near_inverse(residual)
+
+
+def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ...]) -> NDArray[Any]:
+    """Values times factors of their waves, on a grid that zeros fill up."""
+    shape = values.shape
+    axes = range(len(shape) - 1)
+    waves = scipy.fft.rfft(values, padded[-1], axis=-1)
+    for axis in axes:
+        waves = scipy.fft.fft(waves, padded[axis], axis=axis, overwrite_x=True)
+    waves *= factors
+    for axis in axes:
+        waves = scipy.fft.ifft(waves, axis=axis, overwrite_x=True)
+        if padded[axis] != shape[axis]:
+            waves = waves[tuple([slice(None)] * axis + [slice(shape[axis])])]
+    result: NDArray[Any] = scipy.fft.irfft(waves, padded[-1], axis=-1, overwrite_x=True)
+    if padded[-1] != shape[-1]:
+        result = np.ascontiguousarray(result[..., : shape[-1]])
+    return result
+
+
+def _filter(factors: Floats, shape: tuple[int, ...], padded: tuple[int, ...]) -> _Filter | _FoldedFilter:
+    return _Filter(factors, padded) if len(shape) == 2 else _FoldedFilter(factors, shape, padded)
+
+
+class _Filter:
+    """Factors of the waves of an area, in single precision."""
+
+    def __init__(self, factors: Floats, padded: tuple[int, ...]) -> None:
+        self.factors, self.padded = factors.astype(np.float32), padded
+
+    def __call__(self, values: Singles) -> Singles:
+        return _filtered(values, self.factors, self.padded)
+
+
+class _FoldedFilter:
+    """The same of the waves of a line, folded to an area, of which several rows are transformed at once.
+
+    Bailey, Journal of Supercomputing 4 (1990) 23: point columns*i + j, wave rows*b + a; transforms along i to a, turned
+    by exp(-2πi a j/points), then along j to b.
+    """
+
+    def __init__(self, factors: Floats, shape: tuple[int, ...], padded: tuple[int, ...]) -> None:
+        (self.used,), (self.points,) = shape, padded
+        self.rows = _divisor_near(self.points, ROWS)
+        columns = self.points // self.rows
+        first = np.arange(self.rows // 2 + 1)[:, np.newaxis]
+        wave = first + self.rows * np.arange(columns)
+        self.factors = factors[np.minimum(wave, self.points - wave)].astype(np.float32)
+        self.turn = np.exp(-2j * np.pi / self.points * (first * np.arange(columns))).astype(np.complex64)
+        self.turn_back = self.turn.conj()
+
+    def __call__(self, values: Singles) -> Singles:
+        if self.used != self.points:
+            values = np.concatenate((values, np.zeros(self.points - self.used, np.float32)))
+        waves = scipy.fft.rfft(values.reshape(self.rows, -1), axis=0)
+        waves *= self.turn
+        waves = scipy.fft.fft(waves, axis=1, overwrite_x=True)
+        waves *= self.factors
+        waves = scipy.fft.ifft(waves, axis=1, overwrite_x=True)
+        waves *= self.turn_back
+        result: Singles = scipy.fft.irfft(waves, self.rows, axis=0, overwrite_x=True).ravel()
+        return result[: self.used]
+
+
+def _divisor_near(number: int, wanted: int) -> int:
+    """The divisor of a number that is nearest to another by ratio."""
+    small = [n for n in range(1, int(number**0.5) + 1) if number % n == 0]
+    return min([*small, *(number // n for n in small)], key=lambda n: max(n / wanted, wanted / n))
+
+
+def _wave_numbers(shape: tuple[int, ...], spacing: tuple[float, ...]) -> Floats:
+    squares = np.square(2 * np.pi * scipy.fft.rfftfreq(shape[-1], spacing[-1]))
+    for axis in range(len(shape) - 2, -1, -1):
+        other = np.square(2 * np.pi * scipy.fft.fftfreq(shape[axis], spacing[axis]))
+        squares = other.reshape(-1, *[1] * squares.ndim) + squares
+    return np.asarray(np.sqrt(squares))
+
+
+def _stencil(spacing: tuple[float, ...], effective_modulus: float) -> Floats:
+    """E*|k|/2 of a point on the points around it, (9,), whose sum is small."""
+    shape = (2 * FEWEST_POINTS, 2 * FEWEST_POINTS)
+    near = np.roll(scipy.fft.irfft2(0.5 * effective_modulus * _wave_numbers(shape, spacing), shape), (1, 1), (0, 1))
+    stencil: Floats = np.minimum(near[:3, :3].ravel(), 0.0)
+    stencil[4] = stencil.sum() / (STENCIL_SUM - 1)
+    return stencil
+
+
+def _influence(
+    padded: tuple[int, ...], shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float
+) -> Floats:
+    """Displacement of every point under 1 GPa on the cell at the origin, negative distances wrapped around."""
+    # Corners of cells at distances from 0 on, as far as points are apart.
+    corners = [(np.arange(n + 1) - 0.5) * step for n, step in zip(shape, spacing, strict=True)]
+    if len(shape) == 1:
+        (x,) = corners
+        # The integral of -2/(π E*) ln|x - s| over the cell; the unit of the logarithm shifts all alike.
+        influence = -2 / (np.pi * effective_modulus) * np.diff(x * (np.log(np.abs(x)) - 1.0))
+    else:
+        y, x = corners[0][:, np.newaxis], corners[1][np.newaxis, :]
+        # The integral of 1/(π E* r) from the origin to a corner (Johnson, Contact Mechanics (1985), eq. 3.25).
+        integral = (x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))) / (np.pi * effective_modulus)
+        influence = np.diff(np.diff(integral, axis=0), axis=1)
+    for axis, (n, used) in enumerate(zip(padded, shape, strict=True)):
+        index = np.arange(n)
+        influence = np.take(influence, np.minimum(np.minimum(index, n - index), used - 1), axis)
+    return np.asarray(influence)
+
+
+def _halved(n: int, periodic: bool) -> int:
+    """Points of the next coarser grid along an axis."""
+    if n < 2 * FEWEST_POINTS:
+        return n
+    if n % 2 == 0 or not periodic:
+        return (n + 1) // 2
+    return int(scipy.fft.next_fast_len((n + 1) // 2, real=True))

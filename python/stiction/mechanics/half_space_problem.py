@@ -1,0 +1,220 @@
+"""A pair of bodies as an elastic half-space: what is asked of it, checked, and what comes out at one load."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, float_array, read_only
+from stiction.mechanics.elastic_kernel import Grids, grids_of
+from stiction.mechanics.elastic_pressure import Solution, Solver, linear_compliance
+from stiction.mechanics.half_space import WIDTH
+from stiction.mechanics.patches import PatchSums, labelled, patch_sums, slopes, true_share
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+LONGEST_CELL = 1e6
+"""Ratio of the sides of a grid's cell, above which heights on it are no surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Heights of two bodies, their gap (µm, its least is 0), the lower one's share of the compliance, and kernels."""
+
+    upper: Floats
+    lower: Floats
+    gap: Floats
+    compliance_share: float
+    grids: Grids
+    hardness: float | None
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the bodies go on beyond the edges."""
+        return self.grids.periodic
+
+    @property
+    def spacing(self) -> tuple[float, ...]:
+        """µm, along y and x, or x."""
+        return self.grids.levels[0][1]
+
+    @property
+    def cell(self) -> float:
+        """µm², of a grid point."""
+        return float(np.prod(self.spacing)) * (WIDTH if len(self.spacing) == 1 else 1.0)
+
+    @property
+    def has_approach(self) -> bool:
+        """Whether far points stay: not on a free half-plane."""
+        return self.periodic or len(self.spacing) == 2
+
+    @cached_property
+    def slope(self) -> list[Floats]:
+        """Of the deformed interface along y and x, or x, at every point."""
+        share = self.compliance_share
+        interface = (1 - share) * self.lower + share * self.upper
+        return [along.ravel() for along in slopes(interface, self.spacing, periodic=self.periodic)]
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """The contact at a load (mN): points, pressures (GPa) and patches, from 1 on; approach (µm), error, iterations."""
+
+    problem: Problem
+    load: float
+    points: NDArray[np.int64]
+    values: Floats
+    patch: NDArray[np.int32]
+    approach: float
+    error: float
+    iterations: int
+
+    def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values at the points, 0 elsewhere."""
+        grid = np.zeros(self.problem.gap.size, values.dtype)
+        grid[self.points] = values
+        return grid.reshape(self.problem.gap.shape)
+
+    def share(self) -> Floats:
+        """Of each point's cell that is in contact."""
+        least = 0.0 if self.problem.hardness is None else self.values / self.problem.hardness
+        touching = self.on_grid(np.ones(self.points.size, np.bool_))
+        return true_share(touching, periodic=self.problem.periodic, least=least)
+
+    def sums(self, directions: Floats) -> PatchSums:
+        """Sums over each patch, for directions as (m, 2) horizontal unit vectors."""
+        problem = self.problem
+        return patch_sums(
+            self.values * problem.cell,
+            self.share() * problem.cell,
+            [along[self.points] for along in problem.slope],
+            self.patch,
+            directions,
+        )
+
+    def row(self) -> dict[str, Any]:
+        """What the solution says without friction."""
+        capped = self.values == self.problem.hardness
+        return {
+            "load": self.load,
+            "approach": self.approach if self.problem.has_approach else np.nan,
+            "error": self.error,
+            "iterations": self.iterations,
+            "contact_count": int(self.patch.max()),
+            "load_share_at_hardness": float(self.values[capped].sum() / self.values.sum()),
+            "area_share_at_hardness": float(capped.mean()),
+        }
+
+    @cached_property
+    def stiffness(self) -> float:
+        """dF/dδ, mN/µm, of the points as they are; infinite at full periodic contact, NaN without an approach."""
+        problem = self.problem
+        hardness = np.inf if problem.hardness is None else problem.hardness
+        free = self.values < hardness
+        if not (problem.has_approach and free.any()):
+            return np.nan
+        compliance = linear_compliance(problem.grids.kernel(), self.on_grid(free))
+        return problem.cell / compliance if compliance > 0 else np.inf
+
+
+def problem_of(
+    upper: Profile | Surface,
+    lower: Profile | Surface,
+    effective_modulus: float,
+    *,
+    periodic: bool,
+    compliance_share: float,
+    hardness: float | None,
+) -> Problem:
+    """Of two bodies on one grid; the rest is checked."""
+    if upper.heights.shape != lower.heights.shape:
+        raise ValueError(
+            f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
+        )
+    spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing
+    cell = float(np.prod(spacing))
+    if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= LONGEST_CELL * min(spacing)):
+        raise ValueError(
+            f"spacing must give cells of {np.finfo(np.float64).tiny:.0e} µm² or more whose sides differ by a factor of "
+            f"at most {LONGEST_CELL:g}, got {upper.spacing!r} µm"
+        )
+    gap = upper.heights - lower.heights
+    gap -= gap.min()
+    grids = grids_of(gap.shape, spacing, effective_modulus, periodic=periodic)
+    return Problem(upper.heights, lower.heights, gap, compliance_share, grids, hardness)
+
+
+Asked = Literal["loads", "approaches"]
+
+
+def steps_of(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | None) -> tuple[Asked, Floats]:
+    """What is asked for and its values, which the problem has an answer to."""
+    name: Asked = "loads" if approaches is None else "approaches"
+    asked = loads if approaches is None else approaches
+    if asked is None or (loads is not None and approaches is not None):
+        raise ValueError("half_space takes loads or approaches, one of them")
+    steps = float_array(name, asked, ndim=1)
+    if not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
+        unit = "mN" if name == "loads" else "µm"
+        raise ValueError(f"{name} must be above 0 {unit} and strictly increasing, got {asked!r}")
+    gap, hardness = problem.gap, problem.hardness
+    if name == "loads":
+        most = np.inf if hardness is None else hardness * problem.cell * gap.size
+        if not steps[-1] < most:
+            raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
+        return name, steps
+    if hardness is not None:
+        raise ValueError(f"approaches are for bodies without hardness; give loads, got hardness={hardness!r}")
+    if not problem.has_approach:
+        raise ValueError("approaches: a free half-plane has none; give loads, or boundary='periodic'")
+    if problem.periodic and not steps[-1] < gap.mean():
+        raise ValueError(f"approaches must be below {gap.mean():g} µm, where all points touch, got {approaches!r}")
+    return name, steps
+
+
+def pressed(
+    problem: Problem,
+    name: Asked,
+    steps: Floats,
+    *,
+    tolerance: float,
+    progress: Callable[[int, int, float], object] | None,
+) -> list[Pressed]:
+    """The contact at each load (mN) or approach (µm)."""
+    contacts: list[Pressed] = []
+    report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
+    solver = Solver(problem.gap, problem.grids, bound=problem.hardness, tolerance=tolerance, progress=report)
+    solution = None
+    for step in steps.tolist():
+        if name == "loads":
+            solution = solver.at(step / (problem.cell * problem.gap.size), near=solution)
+        else:
+            solution = solver.at_approach(step, near=solution)
+        if not solution.error <= tolerance:
+            raise RuntimeError(
+                f"no solution at {step:g} {'mN' if name == 'loads' else 'µm'}: error {solution.error:.2g} after "
+                f"{solution.iterations} iterations, above the tolerance {tolerance:g}"
+            )
+        contacts.append(_pressed(problem, solution, step if name == "loads" else None))
+    return contacts
+
+
+def _pressed(problem: Problem, solution: Solution, load: float | None) -> Pressed:
+    points = np.flatnonzero(solution.pressure)
+    values = solution.pressure.ravel()[points]
+    labels, _ = labelled(solution.pressure > 0, periodic=problem.periodic)
+    return Pressed(
+        problem,
+        float(values.sum()) * problem.cell if load is None else load,
+        read_only(points),
+        read_only(values),
+        read_only(labels.ravel()[points]),
+        solution.approach,
+        solution.error,
+        solution.iterations,
+    )

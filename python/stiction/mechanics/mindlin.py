@@ -1,0 +1,162 @@
+"""The onset of sliding of asperities: each contact a patch that slips from its edge inwards, all in parallel.
+
+A traction that falls from the middle of an ellipse outwards is a sum of those of flat punches on smaller ellipses with
+the same ratio of axes, t from 0 to 1, under each of which the displacement is even. So a contact behaves as springs
+along t that stick while they are below their own strength Q(t): exactly Cattaneo's and Mindlin's solution, for any
+bound mu0 p + tau0 (on circles Jäger 1998; Popov & Heß, Method of Dimensionality Reduction, 2015, chapter 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics.law import HertzCylinder, law_of
+from stiction.mechanics.model import ContactModel
+from stiction.mechanics.onset import Slip, poisson_ratios
+
+if TYPE_CHECKING:
+    from stiction.mechanics.contact import Contacts
+
+NODES = 24
+"""Of Gauss and Legendre, over a smooth function of an angle."""
+
+
+def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
+    """E*/E*_t: how much more two bodies give way to tractions along the motion than to pressures.
+
+    A point moves along the motion under a force there in proportion to 1 - ν sin², of the angle between the motion and
+    the way to the force (Cerruti; Johnson, Contact Mechanics, 1985, eq. 3.75), and under pressures to 1 - ν. `across`
+    is the mean of sin²: 1/2 on circles, which gives Mindlin's (2 - ν)/(2 (1 - ν)) for equal bodies, and 1 where forces
+    lie on lines across the motion, as on profiles, which gives 1. The lower body's part of the compliance under
+    pressures weighs its own ratio.
+    """
+    upper, lower = poisson_ratios(poisson)
+    ratios = [(1 - one * np.asarray(across)) / (1 - one) for one in (upper, lower)]
+    return np.asarray((1 - compliance_share) * ratios[0] + compliance_share * ratios[1])
+
+
+def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
+    """Normal stiffness (mN/µm) of flat elliptic punches with (c, 2) semi-axes, the larger first: π E* a/K(1 - b²/a²).
+
+    Johnson, Contact Mechanics (1985), section 3.8.
+    """
+    from scipy.special import ellipkm1
+
+    return np.asarray(np.pi * effective_modulus * axes[:, 0] / ellipkm1((axes[:, 1] / axes[:, 0]) ** 2))
+
+
+def load_across(axes: Floats, angle: Floats) -> Floats:
+    """The mean of sin² between the motion and the way from the middle of an ellipse, as `compliance_ratio` wants it.
+
+    Angles are those (rad) between the motion and the larger axis. Each way weighs as the ellipse is long along it.
+    """
+    from scipy.special import ellipkm1, elliprd
+
+    square = (axes[:, 1] / axes[:, 0]) ** 2
+    # The mean of cos² from the larger axis, (K - E)/(m K) with m = 1 - b²/a².
+    along = elliprd(0, square, 1) / 3 / ellipkm1(square)
+    return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
+
+
+class Asperities:
+    """Contacts that are pushed together: `Held` of `onset`. Angles are those (degrees) of the motion.
+
+    frictional, adhesive : (c,) ndarray, mN
+        mu0 times normal load, tau0 times area.
+    spring : (c,) ndarray, mN/µm
+        Tangential stiffness while all sticks.
+    """
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        model: ContactModel,
+        *,
+        mu0: float,
+        tau0: float,
+        angle: float,
+        poisson: float | Sequence[float],
+        compliance_share: float,
+    ) -> None:
+        if isinstance(law_of(model.law), HertzCylinder):
+            raise ValueError(
+                "law must not be HertzCylinder for an onset, because a line load moves far points without limit: take "
+                "HertzSphere, or half_space with boundary='periodic'"
+            )
+        if len(contacts) == 0:
+            raise ValueError("index must be that of an approach at which something touches: here there is no contact")
+        load, area = contacts.force * contacts.normal[:, 2], contacts.area
+        turned = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
+        ratio = compliance_ratio(poisson, compliance_share, load_across(contacts.axes, turned))
+        self.spring = punch_stiffness(contacts.axes, float(model.effective_modulus)) / ratio
+        self.load, self.area = load, area
+        self.frictional, self.adhesive = mu0 * load, tau0 * area
+        self.points: NDArray[Any] = np.arange(load.size)
+        self.size = load.size
+        self.bound = (self.frictional + self.adhesive) / area
+        self.normal_load = float(load.sum())
+        self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
+        self.stiffness = float(self.spring.sum())
+        self.farthest = self._way(np.ones(load.size))
+
+    def at(self, load: float, near: Slip | None = None) -> Slip:
+        """Where all contacts together hold a load."""
+        from scipy.optimize import brentq
+
+        del near  # it is as quick without
+        end = float(self.farthest.max())
+        way = end
+        if load < self.sliding_load:
+            # The curve is concave, so that the line at rest is to the left.
+            start = min(load / self.stiffness, end)
+            way = brentq(lambda one: self._held(self._depth(one)).sum() - load, 0.5 * start, end, xtol=1e-300)
+        depth = self._depth(way)
+        held = self._held(depth)
+        slides = depth >= 1
+        return Slip(
+            load=load,
+            displacement=way,
+            slipped_area=float(self.area @ depth**2 / self.area.sum()),
+            slipped_load=float(self.load @ depth**3 / self.load.sum()),
+            traction=np.where(slides, self.bound, held / self.area),
+        )
+
+    def dissipated(self, slip: Slip) -> float:
+        """Σ Q (δ - 2 Q/k) over the springs that slip."""
+        depth = self._depth(slip.displacement)
+        nodes, weights = np.polynomial.legendre.leggauss(NODES)
+        # t = cos φ, from the edge, where φ = 0, to where it sticks.
+        end = np.arcsin(depth)[:, np.newaxis]
+        sine = np.sin(0.5 * end * (nodes + 1))
+        strength = self._strength(sine)
+        slipped = slip.displacement - 2 * strength / self.spring[:, np.newaxis]
+        return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
+
+    def _strength(self, sine: Floats) -> Floats:
+        """Q at t = sqrt(1 - sine²), (c, n): 3/4 mu0 F (1 - t²) of Hertz's pressure, 2/π tau0 A (1 - t²)^(1/2)."""
+        return np.asarray(
+            0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
+        )
+
+    def _way(self, depth: Floats) -> Floats:
+        """Displacement at which each contact slips where t² > 1 - depth²."""
+        return 2 * self._strength(depth[:, np.newaxis])[:, 0] / self.spring
+
+    def _depth(self, way: float) -> Floats:
+        """How deep each has slipped: 0 not at all, 1 as a whole."""
+        square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
+        depth = 2 * way / (linear + np.sqrt(linear**2 + 4 * square * way))
+        return np.asarray(np.where(way >= self.farthest, 1.0, np.minimum(depth, 1.0)))
+
+    def _held(self, depth: Floats) -> Floats:
+        """mN, of each."""
+        stuck = 1 - depth**2
+        whole = depth >= 1
+        by_friction = np.where(whole, 1.0, -np.expm1(1.5 * np.log1p(-(np.where(whole, 0.0, depth) ** 2))))
+        by_adhesion = 2 / np.pi * (np.arcsin(depth) + depth * np.sqrt(stuck))
+        return np.asarray(self.frictional * by_friction + self.adhesive * by_adhesion)

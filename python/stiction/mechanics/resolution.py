@@ -1,0 +1,450 @@
+"""How the answer of a pair depends on the finest wave that was seen, and the limit that a hardness sets to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stiction._checks import Floats, float_array, number
+from stiction.mechanics.continuation import (
+    FINER,
+    continued,
+    elastic_area,
+    friction_stretch,
+    gap_exponent,
+    interface_stretch,
+    kappa_spread,
+    plastic_wavelength,
+    rms_gradient,
+)
+from stiction.mechanics.friction import friction_parameter
+from stiction.mechanics.half_space import Boundary, HalfSpaceCurve, half_space
+from stiction.mechanics.model import Direction, Sliding, check_pair, modulus_for
+from stiction.surfaces.cut_off import LONGEST, cut_off
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import instrument_limit, scale_dependent_roughness
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+"""GPa, from polymers and soft metals to ceramics: where none is given, each has a wavelength at which it is reached."""
+
+_COARSEST = 1 / 30
+"""Of the shortest side: the longest cut-off by default."""
+
+_RULES: tuple[Sliding, ...] = ("all", "opposing")
+"""All contacts first, because mu0 is measured on faces where all rub."""
+
+_AROUND = (0.0, 90.0, 180.0, 270.0)
+
+_SUMS = {
+    "normal_elastic": ("mN", "normal load without friction"),
+    "tangential_elastic": ("mN", "tangential load by slopes"),
+    "normal_frictional": ("mN", "normal load per unit mu0"),
+    "tangential_frictional": ("mN", "tangential load per unit mu0"),
+    "normal_adhesive": ("mN/GPa", "normal load per tau0"),
+    "tangential_adhesive": ("mN/GPa", "tangential load per tau0"),
+}
+
+
+def resolution(
+    upper: Profile | Surface,
+    lower: Profile | Surface,
+    loads: ArrayLike,
+    *,
+    hardness: float | None,
+    cut_offs: Sequence[float] | None = None,
+    mu0: float | None = None,
+    tau0: float = 0.0,
+    effective_modulus: float | None = None,
+    boundary: Boundary = "free",
+    compliance_share: float = 0.5,
+    direction: Sequence[Direction] | None = None,
+    tip_radius: float | None = None,
+    tolerance: float = 1e-6,
+    progress: Callable[[int, int], object] | None = None,
+) -> xr.Dataset:
+    r"""Area, pressure and friction of a pair over cut-off wavelengths, and the plastic limit of any finer scan.
+
+    Parameters
+    ----------
+    upper, lower : Profile or Surface
+        As for `half_space`.
+    loads : (k,) array_like of float, mN
+        Above 0 and strictly increasing.
+    hardness : float, GPa, or None
+        Of the softer body, the most that the pressure can be. None is elastic: then the answer has no limit, and the
+        dataset says for typical hardnesses from which wavelength on it cannot be.
+    cut_offs : sequence of float, µm, optional
+        Wavelengths for `cut_off`, 0 being the scan as it is, which is always there. By default 0, four points and its
+        doubles up to a thirtieth of the shortest side.
+    mu0, tau0 : float, GPa for tau0
+        With a mu0, friction is evaluated; the sums serve any other, see `resolution_friction`.
+    effective_modulus, boundary, compliance_share, tolerance
+        As for `half_space`.
+    direction : sequence of {"+x", "-x"} or float, optional
+        Over which friction is averaged, its loads one by one: by default the four sides of an area, both of a line.
+    tip_radius : float, µm, optional
+        Of the instrument, for `instrument_limit`.
+    progress : callable, optional
+        Called with how many solutions are there and how many there will be.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `cut_off` (µm), `normal_load` (mN) and `sliding` ("all", "opposing"): `rms_gradient` of the gap,
+        `contact_area`, `contact_area_fraction`, `mean_pressure`, `contact_count`, `load_fraction_at_hardness`, the six
+        sums, and with a mu0 `friction_coefficient`. NaN where no solution was found.
+
+        Over `normal_load`: `elastic_kappa`, and with a hardness `plastic_area`, `plastic_area_fraction` and
+        `plastic_friction_coefficient`: what no finer scan can pass.
+
+        Over `hardness` (GPa), `normal_load` and `statistic` (value, lower, upper): `plastic_wavelength` (µm), at which
+        the mean pressure of the elastic answer reaches the hardness; the longest where even
+        that does, NaN where the power law never does.
+
+        The attributes have the wavelength below which the scans are of the instrument, the Hurst exponent of the gap
+        with its interval, and the histories.
+
+        Over `finer_wavelength` (µm) and `statistic`: `continued_rms_gradient`, and over loads too
+        `continued_elastic_area_fraction` and `continued_elastic_friction_coefficient` ("all"), by the Hurst exponent.
+
+    Raises
+    ------
+    ValueError
+        As `half_space` and `cut_off`, or if the bodies touch everywhere alike.
+
+    Notes
+    -----
+    A finer scan has steeper slopes, so that the elastic area, :math:`A = κ F/(E^* h')`, never settles. Pressures are
+    capped by the hardness H from the wavelength on at which :math:`h'(λ) = κ H/E^*`, and with it
+
+    .. math:: F/H \le A \le A_{scan}, \qquad μ_0 + τ_0/H \le μ_s \le μ_{s,scan}
+
+    where all contacts rub, but for terms of second order in slopes: the interface of a gap with the gradient h' is
+    longer than its ground plan by the factor 1 + h'²/8, and so is the area. The opposing rule's slope term has no such
+    limit: its number belongs to a resolution.
+
+    Finer than the fitted band, h' is continued by the power law of the gap's Hurst exponent. `lower` and `upper` take
+    the 95 % interval of the exponent about the middle of the band, and κ within a factor, which is larger the fewer
+    contacts there are. Work hardening, the indentation size effect and the shape that flow leaves behind are not in it.
+
+    Examples
+    --------
+    >>> from stiction import resolution, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (128, 128), "spacing": 0.02}
+    >>> upper, lower = (self_affine_surface(1, side=side, **rough) for side in ("upper", "lower"))
+    >>> found = resolution(upper, lower, [0.1], hardness=4.0, effective_modulus=100.0, mu0=0.2, tau0=0.1)
+    >>> found.cut_off.values.round(3)
+    array([0.  , 0.08])
+    >>> round(float(found.plastic_friction_coefficient[0]), 3)
+    0.225
+    """
+    check_pair(upper, lower)
+    effective_modulus = modulus_for(effective_modulus, upper, lower)
+    pair = _Pair(upper, lower, boundary)
+    lengths = pair.cut_offs(cut_offs)
+    if hardness is not None:
+        hardness = number("hardness", hardness, unit="GPa", above=0)
+    parameters = None if mu0 is None else (_strength("mu0", mu0), _strength("tau0", tau0))
+    areal = isinstance(upper, Surface)
+    along: tuple[Direction, ...] = (_AROUND if areal else ("+x", "-x")) if direction is None else tuple(direction)
+    options: dict[str, Any] = {
+        "effective_modulus": effective_modulus, "boundary": boundary, "compliance_share": compliance_share,
+        "direction": along if areal else along[0], "sliding": "all", "tolerance": tolerance,
+    }  # fmt: skip
+    steps = float_array("loads", loads, ndim=1)
+    tell = progress or (lambda done, of: None)
+    count = len(lengths) + (hardness is not None)
+    capped = []
+    for done, length in enumerate(lengths):
+        tell(done, count)
+        capped.append(_solved(*pair.cut_off_at(length), steps, hardness=hardness, **options))
+    if hardness is None:
+        elastic = capped[0]
+    else:
+        tell(len(lengths), count)
+        elastic = _solved(upper, lower, steps, hardness=None, **options)
+    tell(count, count)
+    result = _over_cut_offs(pair, lengths, steps, capped, along, effective_modulus, hardness)
+    if parameters is not None:
+        result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
+    result.attrs |= _instrument(pair, tip_radius)
+    return _with_limits(result, pair, steps, elastic, effective_modulus, hardness, parameters)
+
+
+def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
+    """mu_s of a dataset of `resolution` for any mu0 and tau0 (GPa), the loads of its directions averaged one by one.
+
+    Examples
+    --------
+    >>> from stiction import resolution, resolution_friction, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (128, 128), "spacing": 0.02}
+    >>> upper, lower = (self_affine_surface(1, side=side, **rough) for side in ("upper", "lower"))
+    >>> found = resolution(upper, lower, [0.1], hardness=4.0, effective_modulus=100.0, cut_offs=[])
+    >>> resolution_friction(found, mu0=0.3).sel(sliding="all").values.round(2)
+    array([[0.3]])
+    """
+    mu, tau = _strength("mu0", mu0), _strength("tau0", tau0)
+    normal = result.normal_elastic + mu * result.normal_frictional + tau * result.normal_adhesive
+    tangential = result.tangential_elastic + mu * result.tangential_frictional + tau * result.tangential_adhesive
+    found = (tangential / normal).where(normal > 0)
+    found.attrs = {"units": "1", "long_name": "coefficient of static friction", "mu0": mu, "tau0_GPa": tau}
+    ordered: xr.DataArray = found.transpose("sliding", "cut_off", "normal_load")
+    return ordered
+
+
+def _strength(name: str, value: Any) -> float:
+    return float(friction_parameter(name, number(name, value)))
+
+
+# ---- Solving --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Pair:
+    upper: Profile | Surface
+    lower: Profile | Surface
+    boundary: Boundary
+
+    @property
+    def periodic(self) -> bool:
+        return self.boundary == "periodic"
+
+    @property
+    def spacing(self) -> tuple[float, ...]:
+        return (self.upper.spacing,) if isinstance(self.upper, Profile) else self.upper.spacing
+
+    @property
+    def nominal_area(self) -> float:
+        """µm²; a profile is 1 µm thick."""
+        return math.prod(self.spacing) * self.upper.heights.size
+
+    @property
+    def shortest(self) -> float:
+        """µm, two points of the coarser spacing."""
+        return 2 * max(self.spacing)
+
+    def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
+        return replace(upper, heights=upper.heights - lower.heights, history=())
+
+    def cut_offs(self, wanted: Sequence[float] | None) -> list[float]:
+        side = min(size * step for size, step in zip(self.upper.heights.shape, self.spacing, strict=True))
+        if wanted is None:
+            doubles = 2 * self.shortest * 2.0 ** np.arange(40)
+            return [0.0, *doubles[doubles <= _COARSEST * side * (1 + 1e-9)].tolist()]
+        lengths = [number("cut_offs", each, unit="µm") for each in wanted]
+        if any(each != 0 and not self.shortest * (1 - 1e-9) <= each <= LONGEST * side for each in lengths):
+            raise ValueError(
+                f"cut_offs must be 0 or from two points, {self.shortest:g} µm, to a third of the shortest side, "
+                f"{LONGEST * side:g} µm, got {wanted!r}"
+            )
+        return sorted({0.0, *lengths})
+
+    def cut_off_at(self, length: float) -> tuple[Any, Any]:
+        if length == 0:
+            return self.upper, self.lower
+        return tuple(
+            body if body.is_flat else cut_off(body, length, periodic=self.periodic) for body in (self.upper, self.lower)
+        )  # type: ignore[return-value]
+
+
+_Solution = tuple[HalfSpaceCurve, int]
+"""A curve and the index of a load in it."""
+
+
+def _solved(upper: Any, lower: Any, loads: Floats, **options: Any) -> list[_Solution | None]:
+    """A solution for each load; None where none is found."""
+    try:
+        curve = half_space(upper, lower, loads, **options)
+        return [(curve, index) for index in range(loads.size)]
+    except RuntimeError:  # of one load, which the others need not share
+        if loads.size == 1:
+            return [None]
+    return [_solved(upper, lower, loads[index : index + 1], **options)[0] for index in range(loads.size)]
+
+
+def _sums(found: list[_Solution | None], sliding: Sliding, along: tuple[Direction, ...]) -> dict[str, Floats]:
+    """Means of the sums of each load over directions, by a sliding rule; NaN without a solution."""
+    means = {name: np.full(len(found), np.nan) for name in _SUMS}
+    ruled: dict[int, list[HalfSpaceCurve]] = {}
+    for load, solution in enumerate(found):
+        if solution is None:
+            continue
+        curve, index = solution
+        if id(curve) not in ruled:
+            by_rule = curve if sliding == curve.sliding else curve.with_sliding(sliding)
+            areal = curve.direction.ndim > 0
+            ruled[id(curve)] = [by_rule] if areal else [by_rule.with_direction(each) for each in along]
+        for name, values in means.items():
+            values[load] = np.mean([np.atleast_2d(getattr(each, name))[:, index] for each in ruled[id(curve)]])
+    return means
+
+
+# ---- Over cut-offs --------------------------------------------------------------------------------------------------
+
+
+def _over_cut_offs(
+    pair: _Pair,
+    lengths: list[float],
+    loads: Floats,
+    curves: list[list[_Solution | None]],
+    along: tuple[Direction, ...],
+    modulus: float,
+    hardness: float | None,
+) -> xr.Dataset:
+    """Areas, pressures and sums, NaN where there is no solution."""
+    import xarray as xr
+
+    shape = len(lengths), loads.size
+    gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
+    gradient = [rms_gradient(gap, periodic=pair.periodic) for gap in gaps]
+    area, count, capped, error = (np.full(shape, np.nan) for _ in range(4))
+    for i, row in enumerate(curves):
+        for j, found in enumerate(row):
+            if found is not None:
+                curve, at = found
+                area[i, j], count[i, j] = curve.contact_area[at], curve.contact_count[at]
+                capped[i, j], error[i, j] = curve.load_share_at_hardness[at], curve.error[at]
+    by_rule = [[_sums(row, sliding, along) for row in curves] for sliding in _RULES]
+    sums = {name: np.array([[row[name] for row in rows] for rows in by_rule]) for name in _SUMS}
+    fraction = area / pair.nominal_area
+    grid = ("cut_off", "normal_load")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pressure = loads / area
+        kappa = area * modulus * np.array(gradient)[:, np.newaxis] / loads
+    variables: dict[str, Any] = {
+        "shortest_wavelength": ("cut_off", [max(each, pair.shortest) for each in lengths], "µm", "shortest wave seen"),
+        "rms_gradient": ("cut_off", gradient, "1", "root-mean-square gradient of the gap"),
+        "contact_area": (grid, area, "µm²", "true contact area"),
+        "contact_area_fraction": (grid, fraction, "1", "true over nominal area"),
+        "mean_pressure": (grid, pressure, "GPa", "mean pressure in contact"),
+        "kappa": (grid, kappa, "1", "A E* h'/F"),
+        "contact_count": (grid, count, "1", "patches of connected points"),
+        "load_fraction_at_hardness": (grid, capped, "1", "fraction of the load where the pressure is the hardness"),
+        "error": (grid, error, "1", "error of the solution"),
+        **{name: (("sliding", *grid), sums[name], unit, text) for name, (unit, text) in _SUMS.items()},
+    }
+    return xr.Dataset(
+        {name: (at, values, _said(unit, text)) for name, (at, values, unit, text) in variables.items()},
+        coords={
+            "cut_off": ("cut_off", lengths, _said("µm", "wavelength cut off, 0 for none")),
+            "normal_load": ("normal_load", loads, _said("mN", "elastic normal load")),
+            "sliding": ("sliding", list(_RULES), {"long_name": "which contacts rub"}),
+        },
+        attrs={
+            "model": "elastic half-space" + (", perfectly plastic at the hardness" if hardness is not None else ""),
+            "effective_modulus_GPa": modulus,
+            "hardness_GPa": math.nan if hardness is None else hardness,
+            "nominal_area_um2": pair.nominal_area,
+            "boundary": pair.boundary,
+            "upper_history": "; ".join(pair.upper.history),
+            "lower_history": "; ".join(pair.lower.history),
+        },
+    )
+
+
+def _said(unit: str, text: str) -> dict[str, str]:
+    return {"units": unit, "long_name": text}
+
+
+def _instrument(pair: _Pair, tip_radius: float | None) -> dict[str, Any]:
+    """The wavelength below which one of the scans is of the instrument, and why."""
+    limits = [
+        instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic)
+        for body in (pair.upper, pair.lower) if not body.is_flat
+    ]  # fmt: skip
+    worst = max(limits, key=lambda limit: limit.wavelength)
+    return {"instrument_limit_um": worst.wavelength, "instrument_limit_reason": worst.reason}
+
+
+# ---- Limits ---------------------------------------------------------------------------------------------------------
+
+
+def _with_limits(
+    result: xr.Dataset,
+    pair: _Pair,
+    loads: Floats,
+    elastic: list[_Solution | None],
+    modulus: float,
+    hardness: float | None,
+    parameters: tuple[float, float] | None,
+) -> xr.Dataset:
+    """The plastic limit, the wavelength at which it is reached, and the elastic answer down to it."""
+    gap = pair.gap(pair.upper, pair.lower)
+    roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
+    estimate = gap_exponent(gap, pair.periodic)
+    area = np.array([math.nan if found is None else found[0].contact_area[found[1]] for found in elastic])
+    kappa = area * modulus * float(result.rms_gradient[0]) / loads
+    count = np.array([math.nan if found is None else found[0].contact_count[found[1]] for found in elastic])
+    spread = kappa_spread(count)
+    variables: dict[str, Any] = {
+        "elastic_kappa": ("normal_load", kappa, _said("1", "A E* h'/F of the elastic answer at the scan")),
+        "elastic_area_fraction": (
+            "normal_load", area / pair.nominal_area, _said("1", "true over nominal area of the elastic answer")
+        ),
+    }  # fmt: skip
+    if hardness is not None:
+        least = loads / hardness
+        variables |= {
+            "plastic_area": ("normal_load", least, _said("µm²", "least true area, F/H")),
+            "plastic_area_fraction": (
+                "normal_load", least / pair.nominal_area, _said("1", "least true over nominal area, F/(H A0)")
+            ),
+        }  # fmt: skip
+        if parameters is not None:
+            limit = np.full(loads.size, parameters[0] + parameters[1] / hardness)
+            variables["plastic_friction_coefficient"] = (
+                "normal_load", limit, _said("1", "mu0 + tau0/H, least where all contacts rub")
+            )  # fmt: skip
+    hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
+    reached = np.array([
+        [plastic_wavelength(roughness, estimate, *one) for one in zip(kappa * each / modulus, spread, strict=True)]
+        for each in hardnesses
+    ])  # fmt: skip
+    variables["plastic_wavelength"] = (
+        ("hardness", "normal_load", "statistic"),
+        reached,
+        _said("µm", "wavelength at which the elastic mean pressure reaches the hardness"),
+    )
+    own = float(result.rms_gradient[0])
+    gradients = continued(roughness, estimate, pair.shortest, own)
+    flat = kappa * loads / (modulus * pair.nominal_area * interface_stretch(np.array(own)))
+    ground = elastic_area(gradients, flat, spread)
+    middle = gradients[:, :1, np.newaxis]  # steepness hardly differs within the interval
+    grid = ("finer_wavelength", "normal_load", "statistic")
+    variables |= {
+        "continued_rms_gradient": (
+            ("finer_wavelength", "statistic"), gradients, _said("1", "gradient of the gap by its Hurst exponent")
+        ),
+        "continued_elastic_area_fraction": (
+            grid, ground * interface_stretch(middle), _said("1", "elastic true over nominal area by the same")
+        ),
+    }  # fmt: skip
+    if parameters is not None:
+        friction = parameters[0] + parameters[1] * ground * pair.nominal_area / loads[:, np.newaxis]
+        variables["continued_elastic_friction_coefficient"] = (
+            grid,
+            friction * friction_stretch(middle, roughness.dimensions),
+            _said("1", "elastic mu_s by the same where all contacts rub"),
+        )
+    finer = np.array(FINER) * pair.shortest
+    found = result.assign(variables).assign_coords(
+        hardness=("hardness", list(hardnesses), _said("GPa", "hardness")),
+        statistic=("statistic", ["value", "lower", "upper"]),
+        finer_wavelength=("finer_wavelength", finer, _said("µm", "shortest wave of a finer scan")),
+    )
+    if estimate is not None:
+        found.attrs |= {
+            "hurst_exponent": estimate.value, "hurst_exponent_lower": estimate.lower,
+            "hurst_exponent_upper": estimate.upper, "hurst_caution": estimate.caution or "",
+            "band_um": (estimate.shortest_wavelength, estimate.longest_wavelength),
+        }  # fmt: skip
+    return found

@@ -1,0 +1,340 @@
+"""What a result says at a load: one reader for every result, with the load meant in one of three ways.
+
+*mean*: the ensemble's mean normal load reaches it (a ratio of means, as the paper's figures have it). *elastic*: each
+member's own load before anything slides is it. *normal*: each member's own normal load at the onset of sliding is it,
+with what friction on slopes adds. On gentle slopes the three agree to four digits.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, choice, float_array
+from stiction.mechanics import friction
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
+from stiction.mechanics.quantities import VALIDITY, attributes_of
+from stiction.studies import intervals
+from stiction.studies.maps import CELLS, cells_of, ensemble_map, head_of, material_of, means, study_of_result
+from stiction.studies.member_values import Kind, Reading, member_values
+from stiction.studies.result import is_measured, measured
+from stiction.studies.study import Study, step_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.maps import Result
+
+STATISTIC = ["mean", "lower", "upper"]
+
+SPREAD = (0.1, 0.9)
+"""Between these quantiles four of five single members lie."""
+
+__all__ = ["Reading", "at_load", "axes_of", "means", "member_values", "reached_loads"]
+
+
+def at_load(
+    result: Result,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+    reading: Reading | None = None,
+    of: Kind | None = None,
+) -> xarray.Dataset:
+    """Friction, true area and statistics of contacts at given loads, with 95 % intervals.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored
+        What `run` returns, or a stored result.
+    loads : (l,) array_like of float, mN
+        Above 0.
+    mu0 : (m,) array_like of float, optional
+    tau0 : (t,) array_like of float, GPa, optional
+        Those of the study by default; nothing is computed again for others.
+    reading : {"mean", "elastic", "normal"}, optional
+        Which load is meant: "mean" of generated bodies by default, "elastic" of measured ones.
+    of : {"shifts", "surrogates"}, optional
+        Of measured areas, which members: those at relative positions of the two maps, where there are any, or the pairs
+        of surrogates.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the cells of the result, sliding and direction where it has several, load, mu0 and tau0:
+        friction_coefficient and status; friction_by_axis, the mean over both senses of an axis, and friction_all_round,
+        the mean over all directions, where there are opposite directions; contact_area (µm²), normal_stiffness and
+        figures of validity over cells and load. Of measured bodies also their statistics of contacts, quantiles of
+        areas and pressures, slopes of the gap and `gentle_friction`. All with a last dimension statistic ("mean",
+        "lower", "upper"). spread_low and spread_high say between which values four of five single members lie,
+        reading_difference by how much, relatively, the three readings differ, ok and members how many have an answer.
+
+    Raises
+    ------
+    ValueError
+        If a load, mu0 or tau0 is outside its range, or there are no members of the kind.
+    """
+    study = study_of_result(result)
+    measured = is_measured(study)
+    reading = reading or ("elastic" if measured else "mean")
+    choice("reading", reading, Reading)
+    values = np.unique(np.atleast_1d(float_array("loads", loads)))
+    if not values.size or not (values > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+    material = material_of(head_of(result), mu0, tau0)
+    if reading == "mean":
+        point = _of_ensemble(result, values, *material)
+    else:
+        members = member_values(result, values, mu0=material[0], tau0=material[1], reading=reading, of=of)
+        point = _of_members(study, members)
+        if measured:
+            point = point.assign(_beside(study, point))
+    if measured:
+        point["reading_difference"] = _difference(result, point, values, material, reading, of)
+    return point.assign_attrs(reading=reading)
+
+
+# ---- Directions ------------------------------------------------------------------------------------------------------
+
+
+def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Axes (degrees, 0 to 180) both senses of which are among directions, and where these are, (a, 2)."""
+    angles = np.mod(directions, 360.0)
+    found, places = [], []
+    for index, angle in enumerate(angles):
+        opposite = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
+        if angle < 180.0 and opposite.size:
+            found.append(float(angle))
+            places.append((index, int(opposite[0])))
+    order = np.argsort(found)
+    return np.array(found)[order], np.array(places, np.intp).reshape(-1, 2)[order]
+
+
+# ---- The ensemble's mean load ----------------------------------------------------------------------------------------
+
+
+def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.Dataset:
+    """What `friction_map` and its kin say, with a dimension statistic."""
+    import xarray
+
+    head = head_of(result)
+    by_name = {}
+    for what in ("friction_coefficient", "contact_area", "normal_stiffness"):
+        try:
+            by_name[what] = ensemble_map(result, loads, mu0, tau0, what)
+        except ValueError:
+            if what != "normal_stiffness":  # of too few steps, or of a half-plane
+                raise
+    first = by_name["friction_coefficient"]
+    variables: dict[str, Any] = {name: _with_statistic(each, name) for name, each in by_name.items()}
+    # Area and stiffness of an ensemble at its mean load depend, a little, on what friction adds to the load.
+    variables["status"] = first["status"].variable
+    variables |= {name: first[name].variable for name in VALIDITY}
+    members = head.sizes["repetition"] if not hasattr(result, "finished") else result.finished.size
+    variables |= {"members": ((), members, {"units": "1", "long_name": "members"})}
+    if "direction" in head.dims:
+        axes, places = axes_of(head["direction"].values)
+        changes = {"friction_all_round": (np.arange(head.sizes["direction"])[np.newaxis], "round", np.zeros(1))}
+        if axes.size:
+            changes["friction_by_axis"] = (places, "axis", axes)
+        for name, (groups, dim, coordinate) in changes.items():
+            change = _put_together(groups)
+            table = ensemble_map(result, loads, mu0, tau0, "friction_coefficient", change)
+            merged = _with_statistic(table, "friction_coefficient")
+            dims = [dim if each == "direction" else each for each in merged.dims]
+            if dim == "round":
+                index = tuple(0 if each == "round" else slice(None) for each in dims)
+                merged = xarray.Variable([each for each in dims if each != "round"], merged.values[index], merged.attrs)
+            else:
+                merged = xarray.Variable(dims, merged.values, merged.attrs)
+                first = first.assign_coords(axis=("axis", coordinate, attributes_of("axis")))
+            variables[name] = merged
+    dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=STATISTIC)
+    return dataset.transpose(*cells_of(dataset), ...)
+
+
+def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
+    import xarray
+
+    first = table[name]
+    values = np.stack([table[each].values for each in (name, "lower", "upper")], axis=-1)
+    return xarray.Variable((*first.dims, "statistic"), values, first.attrs)
+
+
+def _put_together(groups: NDArray[np.intp]) -> Any:
+    """A function that replaces the directions of a result by means over groups of them."""
+    import xarray
+
+    def change(piece: xarray.Dataset) -> xarray.Dataset:
+        variables = {}
+        for name, each in piece.data_vars.items():
+            if "direction" not in each.dims:
+                variables[name] = each.variable
+                continue
+            axis = each.dims.index("direction")
+            parts = [np.take(each.values, group, axis=axis).mean(axis=axis) for group in groups]
+            variables[name] = xarray.Variable(each.dims, np.stack(parts, axis=axis), each.attrs)
+        coordinates = {name: each.variable for name, each in piece.coords.items() if name != "direction"}
+        return xarray.Dataset(variables, coordinates, piece.attrs).assign_coords(
+            direction=("direction", np.arange(len(groups), dtype=float), piece["direction"].attrs)
+        )
+
+    return change
+
+
+def reached_loads(result: Result, steps: int = 80) -> Floats:
+    """Loads in equal ratios (mN), from what the lightest step carries to the most that the mean of any cell reaches.
+
+    The lower end is the largest of the cells' loads at the first step, so that none of them starts above it.
+
+    Raises
+    ------
+    ValueError
+        If nothing touches.
+    """
+    elastic = means(result, ["normal_elastic"])["normal_elastic"]
+    highest = float(elastic.max())
+    if not highest > 0:
+        raise ValueError("no pair of this result touches within its steps, so there is nothing to draw")
+    lowest = float(elastic.isel({step_of(elastic.to_dataset(name="load_of_step")): 0}).max())
+    if not 1e-6 * highest < lowest < 0.5 * highest:
+        lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
+    return np.asarray(np.geomspace(lowest, highest, steps))
+
+
+# ---- Means over members ----------------------------------------------------------------------------------------------
+
+
+def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
+    """Means over members with their intervals."""
+    import xarray
+
+    order = _Members.of(study, members)
+    several = members.sizes["direction"] > 1
+    dims = [dim for dim in members["friction_coefficient"].dims if dim != "repetition"]
+    variables: dict[str, Any] = {}
+    for name, values in members.data_vars.items():
+        if values.dtype.kind == "f" and "repetition" in values.dims:
+            own = [dim for dim in values.dims if dim != "repetition"]
+            found = order.mean(values.transpose("repetition", *own).values)
+            if "share" in str(name) or "fraction" in str(name):
+                found = np.where(found > 1, np.maximum(1.0, found[..., :1]), found) if name not in _NOT_ONE else found
+            variables[str(name)] = ((*own, "statistic"), found, values.attrs)
+    coefficient = members["friction_coefficient"].transpose("repetition", *dims).values
+    at = dims.index("direction") + 1
+    status = members["status"].transpose("repetition", *dims).values
+    ok = status == friction.STATUS_OK
+    words = attributes_of("friction_coefficient")
+    rest = [dim for dim in dims if dim != "direction"]
+    coordinates: dict[str, Any] = {
+        str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
+    }
+    round_mean = coefficient.mean(axis=at)
+    variables["friction_all_round"] = (
+        (*rest, "statistic"), order.mean(round_mean), words | {"long_name": "friction coefficient, mean of directions"},
+    )  # fmt: skip
+    axes, places = axes_of(members["direction"].values)
+    if several and axes.size:
+        by_axis = np.stack([np.take(coefficient, pair, axis=at).mean(axis=at) for pair in places], axis=at)
+        named = ("axis" if dim == "direction" else dim for dim in dims)
+        variables["friction_by_axis"] = (
+            (*named, "statistic"), order.mean(by_axis), words | {"long_name": "friction coefficient, both senses"},
+        )  # fmt: skip
+        coordinates["axis"] = ("axis", axes, attributes_of("axis"))
+    low, high = _quantiles(coefficient, (0, at))
+    variables |= {
+        "spread_low": (rest, low, words | {"long_name": "a tenth of the members are below"}),
+        "spread_high": (rest, high, words | {"long_name": "a tenth of the members are above"}),
+        "status": (dims, _common_status(status), attributes_of("status")),
+        "ok": (dims, ok.sum(axis=0), {"units": "1", "long_name": "members with an answer"}),
+        "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
+    }  # fmt: skip
+    return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
+
+
+_NOT_ONE = ("contact_area_fraction",)
+"""Fractions that may come out above 1, which a reader must see."""
+
+
+def _quantiles(values: Floats, axes: tuple[int, ...]) -> tuple[Floats, Floats]:
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # where no member has an answer there is none
+        low, high = np.nanquantile(values, SPREAD, axis=axes)
+    return low, high
+
+
+def _common_status(status: NDArray[Any]) -> NDArray[Any]:
+    """The status is "ok" where any member is, else the most frequent reason."""
+    counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
+    first = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
+    return np.asarray(np.where(counts[STATUSES.index("ok")] > 0, np.array("ok", STATUS_DTYPE), first))
+
+
+class _Members:
+    """How members belong together: independent of each other, or neighbours on lines."""
+
+    def __init__(self, order: NDArray[np.intp], lines: NDArray[np.intp] | None) -> None:
+        self._order, self._lines = order, lines
+
+    @classmethod
+    def of(cls, study: Study, members: xarray.Dataset) -> _Members:
+        """Neighbours are the lines of maps, side by side, and the positions on one line."""
+        count = members.sizes["repetition"]
+        if not is_measured(study) or measured(study).press != "lines":
+            return cls(np.arange(count), None)
+        lines = members["line"].values
+        order = np.lexsort((members["x"].values, lines, members["y"].values))
+        return cls(order, lines[order])
+
+    def mean(self, values: Floats) -> Floats:
+        """(..., 3): mean, lower and upper end of values (members, ...)."""
+        if self._lines is None:
+            return np.stack(intervals.of_sample(values), axis=-1)
+        flat = values[self._order].reshape(values.shape[0], -1)
+        known = np.isfinite(flat)
+        found = [
+            intervals.of_positions(column[there], self._lines[there])
+            for column, there in zip(flat.T, known.T, strict=True)
+        ]
+        return np.array(found).reshape(*values.shape[1:], 3)
+
+
+def _beside(study: Study, point: xarray.Dataset) -> dict[str, Any]:
+    """What the slopes of the gap alone say of friction."""
+    gradient = point["rms_gradient"].sel(statistic="mean")
+    slope = point["rms_slope"].sel(statistic="mean")
+    dims = [*gradient.dims, "sliding", "direction", "mu0", "tau0"]
+    shape = [point.sizes[str(dim)] for dim in dims]
+    found = np.full(shape, np.nan)
+    modulus = float(study.contact.effective_modulus)
+    rub, stick = point["mu0"].values[:, np.newaxis], point["tau0"].values[np.newaxis]
+    gradients = gradient.values.reshape(-1)
+    slopes = slope.transpose(*gradient.dims, "direction").values.reshape(gradients.size, -1)
+    table = found.reshape(gradients.size, *shape[len(gradient.dims) :])
+    for cell, steep in enumerate(gradients):
+        for way, along in enumerate(slopes[cell]):
+            if not (steep > 0 and along > 0):
+                continue
+            for rule, sliding in enumerate(point["sliding"].values):
+                table[cell, rule, way] = gentle_friction(
+                    rub, stick, rms_gradient=steep, rms_slope=along, effective_modulus=modulus, sliding=str(sliding),  # type: ignore[arg-type]
+                )  # fmt: skip
+    return {"gentle_friction": (dims, table.reshape(shape), attributes_of("gentle_friction"))}
+
+
+def _difference(
+    result: Result, point: xarray.Dataset, loads: Floats, material: tuple[Floats, Floats], reading: Reading, of: Any
+) -> Any:
+    """The largest relative difference of friction between each member's elastic and its normal load."""
+    other: Reading = "normal" if reading == "elastic" else "elastic"
+    members = member_values(result, loads, mu0=material[0], tau0=material[1], reading=other, of=of)
+    there = members["friction_coefficient"].mean(("repetition", "direction"))
+    here = point["friction_all_round"].sel(statistic="mean")
+    others = [str(dim) for dim in here.dims if dim not in (*CELLS, "load")]
+    return abs(there / here - 1).max(others).variable

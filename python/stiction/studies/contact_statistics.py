@@ -1,0 +1,203 @@
+"""Statistics of the contacts of one pair of bodies: their sizes, pressures, places, and the slopes that they lie on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics.contact import Contacts
+from stiction.mechanics.half_space import HalfSpaceContact
+from stiction.studies.result import QUANTILES
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+STEEPEST = 0.1
+"""The fraction of a body whose slopes are its steepest."""
+
+SMALL = 4
+"""Grid cells of the largest contact that a scan hardly resolves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Slopes of a pair at every point of its grid, along (y and) x.
+
+    Attributes
+    ----------
+    upper, lower : list of ndarray
+    steep : dict
+        Where each body is steepest, as a mask.
+    limits : dict of float
+        The slope from which on it is.
+    """
+
+    upper: list[Floats]
+    lower: list[Floats]
+    steep: dict[str, NDArray[np.bool_]]
+    limits: dict[str, float]
+
+    @classmethod
+    def of(cls, upper: Profile | Surface, lower: Profile | Surface) -> Slopes:
+        """Those of a pair on one grid, by natural cubic splines."""
+        along = {side: _slopes(body) for side, body in (("upper", upper), ("lower", lower))}
+        magnitude = {side: np.sqrt(sum(np.square(each) for each in values)) for side, values in along.items()}
+        limits = {side: float(np.quantile(each, 1 - STEEPEST)) for side, each in magnitude.items()}
+        return cls(
+            along["upper"], along["lower"], {side: magnitude[side] > limit for side, limit in limits.items()}, limits
+        )
+
+    def of_gap(self, angles: Floats) -> tuple[float, Floats]:
+        """Root-mean-square gradient of the gap, and its root-mean-square slope along directions (degrees)."""
+        gap = [above - below for above, below in zip(self.upper, self.lower, strict=True)]
+        squares = [float(np.square(each).mean()) for each in gap]
+        if len(gap) == 1:
+            return float(np.sqrt(squares[0])), np.full(angles.size, np.sqrt(squares[0]))
+        radians = np.radians(angles)
+        along = (
+            squares[1] * np.cos(radians) ** 2
+            + squares[0] * np.sin(radians) ** 2
+            + float((gap[0] * gap[1]).mean()) * np.sin(2 * radians)
+        )
+        return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(along, 0.0))
+
+    def deformed(self, compliance_share: float) -> list[Floats]:
+        """Slopes of the deformed interface."""
+        return [
+            (1 - compliance_share) * below + compliance_share * above
+            for above, below in zip(self.upper, self.lower, strict=True)
+        ]
+
+
+def _slopes(body: Profile | Surface) -> list[Floats]:
+    from stiction.mechanics.patches import slopes
+
+    spacing = (body.spacing,) if isinstance(body, Profile) else body.spacing
+    return slopes(body.heights, spacing, periodic=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The contacts of a pair at one load, one row each, and the pressures over the true area.
+
+    Attributes
+    ----------
+    x, y : (c,) ndarray, µm
+        Middle, weighted with the pressure; y is 0 of profiles.
+    force : (c,) ndarray, mN
+    area : (c,) ndarray, µm²
+        On the ground plan.
+    slope_x, slope_y : (c,) ndarray
+        Mean slope; a contact opposes the directions in which it rises.
+    cells : (c,) ndarray
+        How many cells of the grid it covers.
+    at_edge : (c,) ndarray of bool
+        Whether it reaches the edge of the grid.
+    pressure, weight : (p,) ndarray, GPa
+        Pressures, and how much of the true area each stands for.
+    """
+
+    x: Floats
+    y: Floats
+    force: Floats
+    area: Floats
+    slope_x: Floats
+    slope_y: Floats
+    cells: Floats
+    at_edge: NDArray[np.bool_]
+    pressure: Floats
+    weight: Floats
+
+    def statistics(self) -> dict[str, Any]:
+        """What a result keeps of them: fractions of the load, and quantiles of areas and pressures."""
+        total = self.force.sum()
+        order = np.argsort(self.pressure, kind="stable")
+        below = np.cumsum(self.weight[order])
+        return {
+            "share_on_largest": self.force.max() / total,
+            "share_at_edge": self.force[self.at_edge].sum() / total,
+            "fraction_on_small": self.force[self.cells <= SMALL].sum() / total,
+            "patch_area": np.quantile(self.area, QUANTILES),
+            "pressure": np.interp(
+                QUANTILES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
+            ),
+        }  # fmt: skip
+
+
+def patches_of(contact: HalfSpaceContact, slope: list[Floats], spacing: tuple[float, ...]) -> Table:
+    """The patches of a half-space contact; slopes are those of the deformed interface."""
+    touching = contact.pressure > 0
+    pressure, patch = contact.pressure[touching], contact.patches[touching] - 1
+    cell = float(np.prod(spacing))
+    share = contact.share[touching]
+
+    def mean(values: Floats) -> Floats:
+        return np.asarray(np.bincount(patch, weights=pressure * values) / total, np.float64)
+
+    total = np.bincount(patch, weights=pressure)
+    places: list[Floats] = [
+        (index * step).astype(np.float64) for index, step in zip(np.nonzero(touching), spacing, strict=True)
+    ]
+    along = [each[touching] for each in slope]
+    nothing = np.zeros(pressure.size)
+    edge = np.zeros(contact.pressure.shape, dtype=bool)
+    for axis in range(edge.ndim):
+        view = np.moveaxis(edge, axis, 0)
+        view[0] = view[-1] = True
+    return Table(
+        x=mean(places[-1]),
+        y=mean(places[0] if len(places) == 2 else nothing),
+        force=np.asarray(cell * total, np.float64),
+        area=np.asarray(cell * np.bincount(patch, weights=share), np.float64),
+        slope_x=mean(along[-1]),
+        slope_y=mean(along[0] if len(along) == 2 else nothing),
+        cells=np.bincount(patch).astype(np.float64),
+        at_edge=np.bincount(patch, weights=edge[touching]) > 0,
+        pressure=pressure,
+        weight=np.ones(pressure.size),
+    )
+
+
+def asperities_of(touching: Contacts, spacing: tuple[float, ...], extent: tuple[float, ...]) -> Table:
+    """The contacts of the asperity model."""
+    normal = touching.normal
+    steep = -normal[:, :2] / normal[:, 2:]
+    x, y = touching.centre[:, 0], touching.centre[:, 1]
+    half = touching.axes[:, 0]
+    if len(spacing) == 1:
+        cells = 2 * half / spacing[0]
+        at_edge = (x - half < 0) | (x + half > extent[0])
+    else:
+        cells = touching.area / float(np.prod(spacing))
+        at_edge = (x - half < 0) | (x + half > extent[1]) | (y - half < 0) | (y + half > extent[0])
+    return Table(
+        x=x,
+        y=y if len(spacing) == 2 else np.zeros(x.size),
+        force=touching.force * normal[:, 2],
+        area=touching.area,
+        slope_x=steep[:, 0],
+        slope_y=steep[:, 1] if len(spacing) == 2 else np.zeros(x.size),
+        cells=cells,
+        at_edge=at_edge,
+        pressure=touching.force / touching.area,
+        weight=touching.area,
+    )
+
+
+def on_steepest(table: Table, found: Slopes) -> dict[str, float]:
+    """The fraction of the load on the steepest tenth of each body, contact by contact."""
+    magnitude = np.hypot(table.slope_x, table.slope_y)
+    total = table.force.sum()
+    return {
+        f"share_on_steepest_{side}": float(table.force[magnitude > limit].sum() / total)
+        for side, limit in found.limits.items()
+    }
+
+
+def pressed_on_steepest(pressure: Floats, found: Slopes) -> dict[str, float]:
+    """The same, point by point of a half-space."""
+    total = pressure.sum()
+    return {f"share_on_steepest_{side}": float(pressure[mask].sum() / total) for side, mask in found.steep.items()}

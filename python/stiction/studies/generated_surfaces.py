@@ -1,0 +1,201 @@
+"""The table `[surfaces]` of a study whose surfaces are generated: fractal profiles, and two kinds of areas."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from stiction._checks import Floats
+from stiction._units import quantity
+from stiction.studies.values import (
+    MOST_VALUES,
+    DimensionRange,
+    DimensionsOrRange,
+    Length,
+    Lengths,
+    Side,
+    Table,
+    array_of,
+    as_tuple,
+    fault_at,
+)
+from stiction.surfaces.fractal import Convention
+from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
+from stiction.surfaces.spectrum import ROUND_UP
+from stiction.surfaces.surface import SurfaceAmplitude
+
+LengthScale = Annotated[Length, Field(description="L of Eq. 1, the scale of its longest waves.")]
+Gamma = Annotated[float, Field(gt=1, description="Ratio of neighbouring frequencies in Eq. 1.")]
+WaveDirections = Annotated[int, Field(ge=1, le=MOST_VALUES, description="M of Eq. 1: directions of its waves.")]
+Frequencies = Annotated[int, Field(ge=1, le=MOST_VALUES, description="n_max of Eq. 1: frequencies of each direction.")]
+BandLimit = Annotated[
+    Literal["none", "nyquist"],
+    Field(description="Whether waves that the grid cannot carry fold back, as in the paper, or are left out."),
+]
+ConventionOfEquation = Annotated[
+    Convention, Field(description="The paper's D, H = 4 - 2D, or the textbooks', H = 2 - D.")
+]
+AreaExtent = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and along x.")]
+Shape = Annotated[tuple[Side, Side], as_tuple, Field(description="Rows and columns of a surface.")]
+AreaAmplitude = Annotated[
+    SurfaceAmplitude,
+    Field(description="Which height the amplitude is: total, mean (Sa) or root mean square (Sq)."),
+]
+
+MOST_HARMONICS = 1_000_000
+"""Largest number of directions times frequencies; each harmonic takes a phase, and time at every point."""
+
+
+class FractalParameters(Table):
+    """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
+
+    fractal_dimension: DimensionsOrRange = Field(
+        default=DimensionRange(start=1.0, stop=1.7, count=50),
+        description="D, in the measure of `convention`; of surfaces that of a section.",
+    )
+    amplitude: Lengths = Field(
+        default=(quantity("0.1 um", "length"),),
+        description="Height that each profile or surface is scaled to, in the measure of `amplitude_measure`.",
+    )
+
+    def fractal_dimensions(self) -> Floats:
+        """All values of the fractal dimension."""
+        return array_of(self.fractal_dimension)
+
+    def amplitudes(self) -> Floats:
+        """All amplitudes, µm."""
+        return array_of(self.amplitude)
+
+    def cells(self) -> dict[str, Floats]:
+        """The dimensions of a result that come before its members, and their values."""
+        return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
+
+
+def _check_harmonics(directions: int, frequencies: int) -> None:
+    if directions * frequencies > MOST_HARMONICS:
+        product = directions * frequencies
+        raise fault_at("directions", f"times frequencies must be at most {MOST_HARMONICS}, got {product}")
+
+
+class Profiles(FractalParameters):
+    """Pairs of fractal profiles by Eq. 1 of the paper."""
+
+    case: ClassVar[str] = "fractal profiles"
+
+    kind: Literal["profile"] = Field(default="profile", description="What is pressed together: lines or areas.")
+    amplitude_measure: AmplitudeMeasure = Field(
+        default="height", description="Which height the amplitude is: total, mean (Ra) or root mean square (Rq)."
+    )
+    length_scale: LengthScale = quantity("1 um", "length")
+    extent: Length = Field(default=quantity("40 um", "length"), description="Length of a profile.")
+    points: int = Field(
+        default=150_000,
+        ge=FEWEST_POINTS,
+        le=MOST_POINTS,
+        description="Points of a profile; the spacing is the extent over the points.",
+    )
+    gamma: Gamma = 1.5
+    directions: WaveDirections = 40
+    frequencies: Frequencies = 40
+    convention: ConventionOfEquation = "paper"
+    band_limit: BandLimit = "none"
+
+    @model_validator(mode="after")
+    def _has_few_harmonics(self) -> Profiles:
+        _check_harmonics(self.directions, self.frequencies)
+        return self
+
+    def longest(self) -> float:
+        """The longest wavelength of Eq. 1, µm."""
+        return float(self.length_scale)
+
+
+class Areas(FractalParameters):
+    """A grid over an area."""
+
+    kind: Literal["surface"] = Field(default="surface", description="What is pressed together: lines or areas.")
+    extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
+    shape: Shape = (512, 512)
+
+    @model_validator(mode="after")
+    def _has_few_points(self) -> Areas:
+        if self.shape[0] * self.shape[1] > MOST_POINTS:
+            raise fault_at("shape", f"must hold at most {MOST_POINTS} points, got {list(self.shape)}")
+        return self
+
+    def extents(self) -> tuple[float, float]:
+        """Lengths along y and x, µm."""
+        along_y, along_x = self.extent
+        return float(along_y), float(along_x)
+
+    def spacings(self) -> tuple[float, float]:
+        """Distances between rows and between columns, µm."""
+        (along_y, along_x), (rows, columns) = self.extents(), self.shape
+        return along_y / rows, along_x / columns
+
+
+class WeierstrassMandelbrotSurfaces(Areas):
+    """Pairs of fractal surfaces by Eq. 1 of the paper."""
+
+    case: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
+
+    generator: Literal["weierstrass-mandelbrot"] = Field(
+        default="weierstrass-mandelbrot", description="The paper's Eq. 1 over an area."
+    )
+    amplitude_measure: AreaAmplitude = "height"
+    length_scale: LengthScale = quantity("1 um", "length")
+    gamma: Gamma = 1.5
+    directions: WaveDirections = 40
+    frequencies: Frequencies = 40
+    convention: ConventionOfEquation = "paper"
+    band_limit: BandLimit = "none"
+
+    @model_validator(mode="after")
+    def _has_few_harmonics(self) -> WeierstrassMandelbrotSurfaces:
+        _check_harmonics(self.directions, self.frequencies)
+        return self
+
+    def longest(self) -> float:
+        """The longest wavelength of Eq. 1, µm."""
+        return float(self.length_scale)
+
+
+class SelfAffineSurfaces(Areas):
+    """Pairs of surfaces with Gaussian heights and a spectrum that is a power law."""
+
+    case: ClassVar[str] = "self-affine surfaces"
+
+    generator: Literal["self-affine"] = Field(
+        default="self-affine", description="Gaussian roughness with a power-law spectrum."
+    )
+    amplitude_measure: AreaAmplitude = "height"
+    longest_wavelength: Length | None = Field(
+        default=None, description="Roll-off of the spectrum: the longer side unless given."
+    )
+    shortest_wavelength: Length | None = Field(
+        default=None, description="Cut-off of the spectrum: twice the larger spacing unless given."
+    )
+    convention: Literal["classical"] = Field(default="classical", description="The textbooks' D, H = 2 - D.")
+
+    @model_validator(mode="after")
+    def _has_waves_that_fit(self) -> SelfAffineSurfaces:
+        longer, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
+        shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
+        if longest > longer * ROUND_UP:
+            raise fault_at("longest_wavelength", f"must be at most the longer side, {longer:g} um, got {longest:g} um")
+        if shortest * ROUND_UP < finest:
+            raise fault_at(
+                "shortest_wavelength", f"must be at least twice the larger spacing, {finest:g} um, got {shortest:g} um"
+            )
+        if not shortest < longest:
+            raise fault_at("shortest_wavelength", f"must be below the longest, {longest:g} um, got {shortest:g} um")
+        return self
+
+    def longest(self) -> float:
+        """The longest wavelength, µm."""
+        return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
+
+
+Generated = Profiles | WeierstrassMandelbrotSurfaces | SelfAffineSurfaces
+"""The table `[surfaces]` of a generated ensemble."""

@@ -1,0 +1,285 @@
+"""The netCDF file of some members of a result: how it is made, and how it is checked when it is read.
+
+What a file holds is compared with its study in one place, before anybody else sees it: names, kinds of numbers,
+dimensions and ranges. Units and names are never taken from a file, because the study says them.
+"""
+
+from __future__ import annotations
+
+import functools
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.studies.members import about
+from stiction.studies.result import (
+    OF_MEMBERS,
+    TITLE,
+    About,
+    Array,
+    Arrays,
+    coordinates_of,
+    dataset_of,
+    is_measured,
+    variables_of,
+)
+from stiction.studies.study import Study, study_from_text
+
+if TYPE_CHECKING:
+    import xarray
+
+SAME = 1e-9
+"""Largest relative difference between a coordinate and what its study says: another machine may round otherwise."""
+
+LARGEST = 1e100
+"""Largest magnitude of a number in a file, far above any in core units, so that sums of squares do not overflow."""
+
+TEXT_OF_BODIES = ("upper", "lower")
+NUMBERS_OF_BODIES = (
+    "shape",
+    "spacing_um",
+    "fraction_used",
+    "upper_spacing_um",
+    "lower_spacing_um",
+    "upper_extent_um",
+    "lower_extent_um",
+)
+"""Attributes of a result of measured bodies, besides those of every result."""
+
+
+class DamageError(Exception):
+    """Why a file is not the result that its study says."""
+
+
+@dataclass(frozen=True)
+class Members:
+    """Some members of a result, as a file holds them."""
+
+    study: Study  # that they were computed for
+    version: str  # of stiction that computed them
+    numbers: NDArray[np.int64]
+    arrays: Arrays
+    about: About
+    is_exact: bool  # whether its coordinates are those of the study to the last bit
+
+
+# ---- Writing --------------------------------------------------------------------------------------------------------
+
+
+def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """The file of some members, from arrays as `stacked` makes them; equal members give equal bytes."""
+    image = io.BytesIO(_template(study, len(numbers)))
+    with h5py.File(image, "r+") as file:
+        file["repetition"][...] = numbers
+        for name, values in arrays.items():
+            file[name][...] = values
+    return image.getvalue()
+
+
+@functools.lru_cache(maxsize=4)
+def _template(study: Study, count: int) -> bytes:
+    """The file of so many members, all of whose numbers are zero.
+
+    To make one takes 40 ms, most of it for names and units, which all files of a study share.
+    """
+    numbers = range(count)
+    arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
+    if is_measured(study):
+        arrays |= {name: np.zeros(count, dtype) for name, dtype in OF_MEMBERS.items()}
+    image = io.BytesIO()
+    write(dataset_of(study, numbers, arrays, about(study)), image)
+    return image.getvalue()
+
+
+def write(
+    dataset: xarray.Dataset,
+    file: Path | io.BytesIO,
+    *,
+    growing: str | None = None,
+    chunks: Mapping[str, tuple[int, ...]] | None = None,
+) -> None:
+    """Write a dataset to a netCDF file, of which no number means that one is missing.
+
+    This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    file : path or stream
+    growing : str, optional
+        A dimension that may grow afterwards.
+    chunks : mapping of str to tuple of int, optional
+        Shape of the chunks of some variables.
+    """
+    import h5netcdf
+    from xarray.conventions import cf_encoder, encode_dataset_coordinates
+
+    variables, attributes = encode_dataset_coordinates(dataset)
+    for variable in variables.values():
+        variable.encoding = {"_FillValue": None}
+    variables, attributes = cf_encoder(variables, attributes)
+    with h5netcdf.File(file, "w") as made:
+        made.dimensions = {str(dim): None if dim == growing else size for dim, size in dataset.sizes.items()}
+        for name, value in attributes.items():
+            made.attrs[str(name)] = value
+        for name, variable in variables.items():
+            values = variable.values
+            dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
+            data = values.astype(object) if values.dtype.kind == "U" else values
+            written = made.create_variable(
+                str(name), variable.dims, dtype, data=data, chunks=(chunks or {}).get(str(name))
+            )
+            for attribute, value in variable.attrs.items():
+                written.attrs[attribute] = value
+
+
+# ---- Reading --------------------------------------------------------------------------------------------------------
+
+
+def decoded(content: bytes) -> Members:
+    """What a file holds, checked.
+
+    Raises
+    ------
+    DamageError
+        If it is not the result of the study that it says.
+    """
+    with _opened(content) as file:
+        study, version = _study(file)
+        numbers = _numbers(file, study)
+        wanted = variables_of(study, numbers)
+        wanted |= {
+            name: Array(("repetition",), numbers.shape, dtype, {})
+            for name, dtype in (OF_MEMBERS.items() if is_measured(study) else ())
+        }
+        arrays = {name: _values(file, name, each) for name, each in wanted.items()}
+        exact = {name: _is_exact(file, name, *each) for name, each in _coordinates(study).items()}
+        of_bodies = _about(file) if is_measured(study) else About()
+    for name, values in arrays.items():
+        _check_range(name, values, wanted[name], arrays.get("surrogate"))
+    return Members(study, version, numbers, arrays, of_bodies, all(exact.values()))
+
+
+@contextmanager
+def _opened(content: bytes) -> Iterator[h5py.File]:
+    try:
+        with h5py.File(io.BytesIO(content), "r") as file:
+            yield file
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
+        # All that HDF5 is known to answer to a file that is none, or that lies about itself.
+        raise DamageError("is no netCDF file that can be read") from None
+
+
+def _study(file: h5py.File) -> tuple[Study, str]:
+    said = {name: file.attrs.get(name) for name in ("title", "study", "stiction_version")}
+    if said["title"] != TITLE or not all(isinstance(text, str) for text in said.values()):
+        raise DamageError("does not say of what study it is")
+    return _parsed(str(said["study"])), str(said["stiction_version"])
+
+
+@functools.lru_cache(maxsize=8)
+def _parsed(text: str) -> Study:
+    try:
+        return study_from_text(text, "its study")
+    except ValueError as error:
+        raise DamageError(f"has a study that cannot be read: {error}") from None
+
+
+def _numbers(file: h5py.File, study: Study) -> NDArray[np.int64]:
+    count = _variable(file, "repetition").size
+    if not 0 < count <= study.ensemble.repetitions:
+        raise DamageError(f"has {count} repetitions, and its study {study.ensemble.repetitions}")
+    numbers = _values(file, "repetition", Array(("repetition",), (count,), np.dtype(np.int64), {}))
+    if numbers[0] < 0 or numbers[-1] >= study.ensemble.repetitions or not (np.diff(numbers) > 0).all():
+        raise DamageError("has repetitions that its study has not, or that are not in order")
+    return numbers
+
+
+def _variable(file: h5py.File, name: str) -> h5py.Dataset:
+    """A variable that stands in the file itself."""
+    link = file.get(name, getlink=True)
+    found = file[name] if isinstance(link, h5py.HardLink) else None
+    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
+        raise DamageError(f"has no variable {name}")
+    return found
+
+
+def _values(file: h5py.File, name: str, wanted: Array) -> NDArray[Any]:
+    """The numbers of a variable, which are read only if they are of the kind and number that are wanted."""
+    found = _variable(file, name)
+    stored = np.dtype(np.int8) if wanted.dtype == np.bool_ else wanted.dtype  # netCDF has no truth values
+    if found.dtype != stored:
+        raise DamageError(f"has {name} of another kind: {found.dtype}, not {stored}")
+    if found.shape != wanted.shape:
+        raise DamageError(f"has {name} of another shape: {found.shape}, not {wanted.shape}")
+    if wanted.dims and wanted.dims != (name,):
+        dims = tuple(scale[0].name.rpartition("/")[2] if len(scale) == 1 else "" for scale in found.dims)
+        if dims != wanted.dims:
+            raise DamageError(f"has {name} over other dimensions: {', '.join(dims)}")
+    return np.asarray(found[...], wanted.dtype)
+
+
+def _coordinates(study: Study) -> dict[str, tuple[Array, NDArray[Any]]]:
+    """The coordinates that the study says, with their values."""
+    return {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
+
+
+def _is_exact(file: h5py.File, name: str, wanted: Array, values: NDArray[Any]) -> bool:
+    """Whether a coordinate is that of the study to the last bit; an error if it is another one."""
+    if wanted.dtype.kind == "U":
+        found = _variable(file, name)
+        is_text = h5py.check_string_dtype(found.dtype) and found.shape == values.shape
+        is_exact = is_same = bool(is_text) and found.asstr()[...].tolist() == values.tolist()
+    else:
+        numbers = _values(file, name, wanted)
+        is_exact = np.array_equal(numbers, values)
+        is_same = is_exact or np.allclose(numbers, values, rtol=SAME, atol=0)
+    if not is_same:
+        raise DamageError(f"has another {name} than its study")
+    return bool(is_exact)
+
+
+def _about(file: h5py.File) -> About:
+    """What a file says of measured bodies."""
+    scalar = Array((), (), np.dtype(np.float64), {})
+    area = float(_values(file, "nominal_area", scalar))
+    if not 0 < area < LARGEST:
+        raise DamageError(f"has a nominal_area of {area}")
+    said: dict[str, Any] = {}
+    for name in TEXT_OF_BODIES:
+        said[name] = file.attrs.get(name)
+        if not isinstance(said[name], str):
+            raise DamageError(f"does not say what its {name} body is")
+    for name in NUMBERS_OF_BODIES:
+        numbers = np.atleast_1d(file.attrs.get(name, np.nan))
+        if numbers.dtype.kind not in "if" or numbers.shape not in ((1,), (2,)):
+            raise DamageError(f"has no {name} of its bodies")
+        if not ((numbers > 0) & (numbers < LARGEST)).all():
+            raise DamageError(f"has a {name} of {numbers.tolist()}")
+        said[name] = numbers
+    return About(nominal_area=area, attributes=said)
+
+
+def _check_range(name: str, values: NDArray[Any], wanted: Array, surrogate: NDArray[np.bool_] | None) -> None:
+    """No number that no computation gives; NaN is what has no answer."""
+    if name in ("x", "y") and surrogate is not None:
+        is_wrong = np.isnan(values) & ~surrogate
+    elif values.dtype.kind == "i":
+        is_wrong = (values < 0) | (values >= len(wanted.attributes.get("flag_values", range(2**63 - 1))))
+    elif name.startswith(("share_", "fraction_")) or "_share_" in name:
+        is_wrong = (values < -SAME) | (values > 1 + SAME)
+    elif name in ("contact_area", "normal_elastic"):
+        is_wrong = values < 0
+    else:
+        is_wrong = np.zeros(1, np.bool_)
+    if values.dtype.kind == "f":
+        is_wrong = is_wrong | (np.abs(values) > LARGEST)
+    if is_wrong.any():
+        raise DamageError(f"has a {name} that cannot be: {values[np.broadcast_to(is_wrong, values.shape)][0]}")

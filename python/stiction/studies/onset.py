@@ -1,0 +1,251 @@
+"""How a measured pair begins to slide: the mean over some of its members, kept as a small file beside the result."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics.candidates import candidates
+from stiction.mechanics.contact import press
+from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.half_space import half_space
+from stiction.mechanics.loading import Bodies, crossing
+from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
+from stiction.studies import intervals
+from stiction.studies.contact_tables import ByHalfSpace, MeasuredContact
+from stiction.studies.members import bodies_of
+from stiction.studies.pressing import Pressing
+from stiction.studies.result import is_measured, measured
+from stiction.studies.study import Study
+from stiction.studies.tables import MeasuredFriction
+from stiction.surfaces.profile import Profile
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.mechanics.onset import Onset
+    from stiction.studies.store import Stored
+
+FILE = "onset.nc"
+"""Name of the file in the folder of a result."""
+
+TABLE = "onset.csv"
+"""The curve as a table: the backbone of a Masing model."""
+
+MEMBERS, FEW = 16, 4
+"""Whose onset is computed, unless another number is asked for; of areas by the half-space a few."""
+
+FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
+"""Of the sliding load."""
+
+POISSON_RATIO = 0.3
+"""Of both bodies, where nothing is known of them."""
+
+_CURVES = {
+    "tangential_load": ("mN", "tangential load"),
+    "displacement": ("um", "displacement of the upper body since the tangential load was 0"),
+    "slipped_area": ("1", "fraction of the true contact area that slips"),
+    "slipped_load": ("1", "fraction of the normal load on what slips"),
+    "energy_lost": ("mN um", "energy that a cycle between plus and minus this load takes"),
+}
+
+_NUMBERS = {
+    "sliding_load": ("mN", "tangential load at which all slips"),
+    "displacement_at_sliding": ("um", "creep before sliding"),
+    "stiffness": ("mN/um", "tangential stiffness at rest"),
+}
+
+
+def onset_of_result(
+    study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
+) -> xarray.Dataset | None:
+    """How the members of a measured pair begin to slide at the first load, mu0 and tau0 of its study.
+
+    Parameters
+    ----------
+    study : Study
+    executor : concurrent.futures.Executor
+        Where members are computed.
+    members : int, optional
+        How many of them, the first ones; 16 by default, 4 of areas by the half-space.
+    load : float, mN, optional
+        Another load.
+
+    Returns
+    -------
+    xarray.Dataset or None
+        Over fraction (of the sliding load) and statistic (mean, lower, upper): tangential_load, displacement,
+        slipped_area, slipped_load, energy_lost; over statistic: sliding_load, displacement_at_sliding, stiffness. The
+        attributes say load, mu0, tau0 and how many members there are, and have the parameters of the Iwan and LuGre
+        models of the mean curve. None of generated bodies, where nothing holds the bodies, and where no member has an
+        answer.
+    """
+    if not is_measured(study):
+        return None
+    assert isinstance(study.friction, MeasuredFriction)
+    mu0, tau0 = float(study.friction.mu0[0]), float(study.friction.tau0[0])
+    if mu0 == tau0 == 0:
+        return None
+    load = float(study.friction.load[0]) if load is None else load
+    surfaces = measured(study)
+    first = surfaces.surrogates if surfaces.press == "areas" else 0
+    first = first if first < study.ensemble.repetitions else 0
+    few = surfaces.is_areal and study.contact.mechanics == "half-space"
+    wanted = (FEW if few else MEMBERS) if members is None else members
+    indices = range(first, min(first + wanted, study.ensemble.repetitions))
+    found = [
+        each for each in executor.map(partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0), indices) if each
+    ]
+    if not found:
+        return None
+    return _over_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+
+
+def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: float) -> dict[str, Any] | None:
+    """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
+    member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
+    try:
+        onset = _onset(study, *member.pair, load=load, mu0=mu0, tau0=tau0)
+    except (RuntimeError, ValueError):  # no solution, or a law that has no onset
+        return None
+    if onset is None:
+        return None
+    found: dict[str, Any] = {
+        name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS) if name != "energy_lost"
+    }  # fmt: skip
+    return found | {"energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x}
+
+
+def _onset(study: Study, upper: Any, lower: Any, *, load: float, mu0: float, tau0: float) -> Onset | None:
+    contact = study.contact
+    assert isinstance(contact, MeasuredContact)
+    options: dict[str, Any] = {
+        "mu0": mu0, "tau0": tau0, "steps": list(FRACTIONS),
+        "poisson": contact.poisson_ratio or (POISSON_RATIO, POISSON_RATIO),
+    }  # fmt: skip
+    if isinstance(contact, ByHalfSpace):
+        curve = half_space(
+            upper, lower, [load], effective_modulus=float(contact.effective_modulus), boundary=contact.boundary,
+            compliance_share=contact.compliance_share,
+            hardness=None if contact.hardness is None else float(contact.hardness),
+        )  # fmt: skip
+        return curve.onset(0, **options)
+    (model, *_) = Pressing.of(study).directed(upper)
+    model = model if isinstance(upper, Profile) else replace(model, direction=0.0)
+    model = replace(model, sliding="all")
+    approach, status = crossing(Bodies(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
+    if status[0] != STATUS_OK:
+        return None
+    pushed: Any
+    if model.detection == "gap-minimum":
+        touching = candidates(upper, lower, deepest=float(approach[0]), curvature=model.curvature)
+        pushed = press(touching, approach, model=model)
+    else:
+        pushed = press(upper, lower, approach, model=model)
+    found: Onset = pushed.onset(0, **options)
+    return found
+
+
+# ---- Over members ----------------------------------------------------------------------------------------------------
+
+
+def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str, Any]) -> xarray.Dataset:
+    import xarray
+
+    mean = _mean_of(study, found)
+    variables: dict[str, Any] = {}
+    for name, (unit, words) in (_CURVES | _NUMBERS).items():
+        dims = ("fraction", "statistic") if name in _CURVES else ("statistic",)
+        values = mean(np.array([each[name] for each in found]))
+        if name.startswith("slipped"):
+            values = np.where(np.isnan(values), values, np.clip(values, 0.0, 1.0))
+        variables[name] = (dims, values, {"units": unit, "long_name": words})
+    coordinates: dict[str, Any] = {
+        "fraction": ("fraction", list(FRACTIONS), {"units": "1", "long_name": "tangential over sliding load"}),
+        "statistic": ["mean", "lower", "upper"],
+    }
+    ratios = getattr(study.contact, "poisson_ratio", None)
+    about = about | {
+        "members": len(found), "mechanics": study.contact.mechanics,
+        "poisson_ratio": np.array(ratios or (POISSON_RATIO, POISSON_RATIO)), "poisson_given": int(ratios is not None),
+    }  # fmt: skip
+    dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **about})
+    return dataset.assign_attrs(_models(dataset))
+
+
+def _mean_of(study: Study, found: Sequence[dict[str, Any]]) -> Any:
+    """What takes mean and interval over members: independent ones, or neighbours on lines."""
+    if measured(study).press != "lines":
+        return lambda values: np.stack(intervals.of_sample(values), axis=-1)
+    lines, places = (np.array([each[name] for each in found]) for name in ("line", "x"))
+    order: NDArray[np.intp] = np.lexsort((places, lines))
+
+    def mean(values: Floats) -> Floats:
+        flat = values[order].reshape(len(found), -1)
+        ends = [
+            intervals.of_positions(column, lines[order]) if np.isfinite(column).all() else (math.nan,) * 3
+            for column in flat.T
+        ]
+        return np.array(ends).reshape(*values.shape[1:], 3)
+
+    return mean
+
+
+def _models(onset: xarray.Dataset) -> dict[str, float]:
+    """Parameters of the four-parameter Iwan model and of LuGre's bristles of the mean curve, where it has them."""
+    curve = onset.sel(statistic="mean")
+    way, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
+    sliding = float(curve["sliding_load"])
+    try:
+        iwan = fitted_iwan(way, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
+        lugre = fitted_lugre(way, load, sliding_load=sliding)
+    except ValueError:  # a free half-plane has no displacements
+        return {}
+    return {
+        "iwan_sliding_load_mN": sliding,
+        "iwan_stiffness_mN_per_um": iwan.stiffness,
+        "iwan_chi": round(iwan.chi, 12) + 0.0,  # 0 where it is at its bound
+        "iwan_beta": iwan.beta,
+        "iwan_largest_residual": float(np.abs(iwan.residual).max() / sliding),
+        "lugre_sigma0_mN_per_um": lugre.stiffness,
+        "lugre_largest_residual": float(np.abs(lugre.residual).max() / sliding),
+    }
+
+
+# ---- Beside a result -------------------------------------------------------------------------------------------------
+
+
+def onset_beside(result: Stored) -> xarray.Dataset | None:
+    """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0."""
+    import xarray
+
+    path = Path(result.path) / FILE
+    friction = result.study.friction
+    if not path.is_file() or not isinstance(friction, MeasuredFriction):
+        return None
+    with xarray.open_dataset(path, engine="h5netcdf") as opened:
+        onset = opened.load()
+    of = [float(onset.attrs.get(name, math.nan)) for name in ("load_mN", "mu0", "tau0_GPa")]
+    return onset if of == [float(each[0]) for each in (friction.load, friction.mu0, friction.tau0)] else None
+
+
+def backbone(onset: xarray.Dataset) -> str:
+    """The mean curve from rest on as CSV, each column with its unit: the backbone of a Masing model."""
+    import pandas
+
+    columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
+    for name, (unit, _) in _CURVES.items():
+        title = name.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
+        for statistic, more in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
+            columns[title + more] = [0.0, *onset[name].sel(statistic=statistic).values]
+    text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
+    return text

@@ -1,0 +1,402 @@
+"""One rough area on another at several relative positions: a pair of maps in memory, and means over it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, choice, number, part_of_one, whole_number
+from stiction._core import __version__
+from stiction.mechanics import friction
+from stiction.mechanics.alike import warn_of_one_body
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
+from stiction.mechanics.model import ContactModel, modulus_for
+from stiction.mechanics.quantities import AREAL_VALIDITY, DISTRIBUTIONS, STATISTICS, VALIDITY, attributes_of
+from stiction.studies import intervals
+from stiction.studies.executors import in_order
+from stiction.studies.pressing import Mechanics, Pressing
+from stiction.studies.result import QUANTILES
+from stiction.studies.traverse import checked_loads
+from stiction.surfaces.pairing import IsotropicPairs, MapPairs
+from stiction.surfaces.preparation import SurfaceTrend
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray
+
+COMPASS = tuple(30.0 * step for step in range(12))
+"""Degrees."""
+
+SHIFTS = 16
+
+SURROGATES = 16
+"""Of profiles, which have no areas of their own."""
+
+SEED = 2016
+
+RULES = ("opposing", "all")
+
+_SIX = (
+    "normal_elastic", "normal_frictional", "normal_adhesive", "tangential_elastic", "tangential_frictional",
+    "tangential_adhesive",
+)  # fmt: skip
+_FRICTION = ("sliding", "direction", "shift", "load", "mu0", "tau0")
+_DIMS = {
+    **dict.fromkeys(("friction_coefficient", "normal_load", "status"), _FRICTION),
+    **dict.fromkeys(_SIX, _FRICTION[:4]),
+    **dict.fromkeys(DISTRIBUTIONS, ("quantile", "shift", "load")),
+    "share_opposing": ("direction", "shift", "load"),
+    "rms_gradient": ("shift",),
+    "rms_slope": ("direction", "shift"),
+    "gentle_friction": ("sliding", "direction", "shift", "mu0", "tau0"),
+}
+"""Dimensions of variables that are not over shift and load."""
+
+
+def pressed_maps(
+    upper: Surface | Profile,
+    lower: Surface | Profile,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike,
+    tau0: ArrayLike = 0.0,
+    directions: Sequence[float] = COMPASS,
+    shifts: int | None = None,
+    surrogates: int | None = None,
+    seed: int = SEED,
+    level: SurfaceTrend = "plane",
+    mechanics: Mechanics = "half-space",
+    effective_modulus: float | None = None,
+    compliance_share: float = 0.5,
+    hardness: float | None = None,
+    executor: Executor | None = None,
+    progress: bool = False,
+) -> xarray.Dataset:
+    """True area and friction of two maps at given loads, at several relative positions, by both sliding rules.
+
+    Parameters
+    ----------
+    upper, lower : Surface or Profile
+        Both of one kind; heights of the upper body are up, as `turned_over` makes them. Maps may differ in size and
+        spacing: pieces lie all over both, on the finer spacing. Profiles stand for isotropic surfaces, of which
+        `isotropic_surface` makes surrogates.
+    loads : (l,) array_like of float, mN
+        Above 0: the elastic load Σ F n_z on what lies above each other, whose area is `nominal_area`.
+    mu0 : float or (m,) array_like of float
+        Molecular friction coefficient.
+    tau0 : float or (t,) array_like of float, GPa
+        Adhesive shear strength.
+    directions : sequence of float, degrees
+        Where the upper body is about to move, from +x towards +y.
+    shifts : int
+        Relative positions: the upper map is moved along +x by an eighth to a quarter of its length and along y by up to
+        a quarter of it either way. So a map on itself never lies on itself, nor on its mirror image. What lies above
+        each other is cut to one size for all, levelled and pressed. 16 by default of maps; profiles have none.
+    surrogates : int
+        Pairs of surrogates of the whole maps (`surrogate`) or of profiles, of which pieces of the same size are pressed
+        as well: other surfaces of this kind. None by default of maps, 16 of profiles.
+    seed : int
+        Of the surrogates.
+    level : {"plane", "quadratic", "mean"}
+        What is taken off each piece that is pressed.
+    mechanics : {"half-space", "asperities"}
+        `half_space` with free boundaries, or `press`.
+    effective_modulus : float, GPa
+        As for `half_space`: it must be given of bodies that were read from files.
+    compliance_share, hardness
+        Of `half_space`.
+    executor : concurrent.futures.Executor, optional
+        Where shifts are computed; a thread for each core by default.
+    progress : bool
+        Whether to draw a progress bar on the terminal.
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_coefficient, normal_load (mN) and status over sliding, direction, shift, load (mN), mu0 and tau0 (GPa);
+        the six sums that these are made of; share_opposing over direction, shift and load; over shift and load
+        contact_area (µm²), contact_area_fraction, contact_count, normal_stiffness (mN/µm), approach (µm), fractions of
+        the load on the contact that carries most, on contacts at the edge and of few points and on the steepest tenth
+        of each body, of the half-space its error and load_share_at_hardness, of asperities the figures of
+        `SurfaceValidity`; over quantile as well patch_area (µm², of the contacts) and pressure (GPa, of the true area).
+        Of the gap at each shift: rms_gradient, rms_slope along each direction, and what `gentle_friction` makes of
+        them. Coordinates x and y (µm) are how far the upper map moved, and surrogate says which shifts are none but
+        pairs of surrogates.
+        The status is "ok", "self-locked", "no-contact", "not-reached", "below-range", or "not-solved" where the
+        half-space did not reach its tolerance; all else is NaN unless it is "ok".
+
+    Raises
+    ------
+    ValueError
+        If the maps have too few points for so many shifts, or an argument is outside its range.
+
+    Notes
+    -----
+    The load is what the bodies press on each other before anything slides. F_N, which the onset of sliding changes by
+    the vertical part of friction on slopes, is normal_load, and the coefficient is F_T / F_N at this pressing. So area,
+    contacts and stiffness do not depend on direction, mu0 and tau0, and both mechanics are compared at one load.
+
+    Examples
+    --------
+    >>> from stiction import pressed_maps, pressed_maps_mean, self_affine_surface
+    >>> lower, upper = (
+    ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, side=side)
+    ...     for side in ("lower", "upper")
+    ... )
+    >>> result = pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=4, mechanics="asperities")
+    >>> pressed_maps_mean(result)["friction_coefficient"].dims
+    ('sliding', 'direction', 'load', 'mu0', 'tau0', 'statistic')
+    """
+    choice("mechanics", mechanics, Mechanics)
+    choice("level", level, SurfaceTrend)
+    if hardness is not None and mechanics != "half-space":
+        raise ValueError(f"hardness is for the half-space, got mechanics={mechanics!r}")
+    modulus = modulus_for(effective_modulus, upper, lower)
+    pressing = Pressing(
+        mechanics=mechanics,
+        loads=checked_loads(loads),
+        angles=_angles(directions),
+        rules=("opposing", "all"),
+        model=ContactModel(effective_modulus=modulus, detection="gap-minimum", curvature="signed"),
+        compliance_share=part_of_one("compliance_share", compliance_share),
+        hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
+    )
+    material = _material("mu0", mu0), _material("tau0", tau0)
+    friction.check_shear_strength(material[1], modulus)
+    maker, count, made = _members(upper, lower, shifts, surrogates, whole_number("seed", seed, least=0), level)
+    if isinstance(upper, Surface) and isinstance(lower, Surface):
+        warn_of_one_body(upper, lower, moved=True)
+
+    def one(index: int) -> dict[str, NDArray[Any]]:
+        pair = maker.surrogates(index - count) if index >= count else maker.pair(index)  # type: ignore[union-attr]
+        return _of_member(pressing.pressed(*pair), pressing, maker.area, *material)
+
+    maker.shape  # noqa: B018, which refuses maps of too few points before anything is computed
+    computed = in_order(
+        one, range(count + made), total=count + made, what="shifts", executor=executor, progress=progress
+    )
+    parts = list(computed)
+    variables = {
+        name: (dims := _DIMS.get(name, ("shift", "load")), _stacked(parts, name, dims), attributes_of(name))
+        for name in parts[0]
+    }
+    return _dataset(variables, maker, (count, made), pressing, material, level, seed, (upper, lower))
+
+
+def overlap_area(upper: Surface | Profile, lower: Surface | Profile) -> float:
+    """The nominal area (µm²) of what `pressed_maps` presses of two maps, or of surfaces made of two profiles."""
+    maker, _, _ = _members(upper, lower, None, None, SEED, "plane")
+    return maker.area
+
+
+def _angles(directions: Sequence[float]) -> Floats:
+    angles = np.array([number("directions", each, unit="degrees") % 360 for each in np.atleast_1d(directions)])
+    if not angles.size or np.unique(angles).size < angles.size:
+        raise ValueError(f"directions must be one or several different angles, got {directions!r}")
+    return angles
+
+
+def _material(name: str, given: ArrayLike) -> Floats:
+    values = np.atleast_1d(friction.friction_parameter(name, given))
+    if values.ndim > 1 or not values.size:
+        raise ValueError(f"{name} must be a number or a list of numbers, got {given!r}")
+    return values
+
+
+def _members(
+    upper: Any, lower: Any, shifts: int | None, surrogates: int | None, seed: int, level: SurfaceTrend
+) -> tuple[MapPairs | IsotropicPairs, int, int]:
+    """What makes the pairs, how many relative positions there are, and how many pairs of surrogates."""
+    if isinstance(upper, Profile) and isinstance(lower, Profile):
+        if shifts:
+            raise ValueError(f"shifts are of maps; of profiles surrogates are pressed, got shifts={shifts!r}")
+        count = whole_number("surrogates", SURROGATES if surrogates is None else surrogates, least=1)
+        return IsotropicPairs(upper, lower, level, seed), 0, count
+    for name, body in (("upper", upper), ("lower", lower)):
+        if not isinstance(body, Surface):
+            raise ValueError(f"{name} must be a Surface, got {type(body).__name__}")
+    made = whole_number("surrogates", 0 if surrogates is None else surrogates, least=0)
+    count = 0 if shifts == 0 and made else whole_number("shifts", SHIFTS if shifts is None else shifts, least=1)
+    maker = MapPairs(upper, lower, level, seed)
+    if len({maker.origins(index) for index in range(count)}) < count:
+        raise ValueError(f"shifts must be fewer on maps of {upper.heights.shape} points, got {shifts!r}")
+    return maker, count, made
+
+
+def _of_member(
+    values: dict[str, NDArray[Any]], pressing: Pressing, area: float, mu0: Floats, tau0: Floats
+) -> dict[str, NDArray[Any]]:
+    """What a result has of one shift, from its sums; contacts without an answer are NaN."""
+    known = values["status"] == STATUSES.index("ok")
+    six = {name: np.broadcast_to(values[name], values["tangential_elastic"].shape) for name in _SIX}
+    each = {name: array[..., np.newaxis, np.newaxis] for name, array in six.items()}
+    rub, stick = mu0[:, np.newaxis], tau0[np.newaxis]
+    normal, tangential = (
+        each[f"{load}_elastic"] + rub * each[f"{load}_frictional"] + stick * each[f"{load}_adhesive"]
+        for load in ("normal", "tangential")
+    )
+    status = np.array(STATUSES, STATUS_DTYPE)[values["status"]][:, np.newaxis, np.newaxis]
+    status = np.where(np.nan_to_num(normal, nan=1.0) > 0, status, np.array(friction.STATUS_SELF_LOCKED, STATUS_DTYPE))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found: dict[str, NDArray[Any]] = {
+            "friction_coefficient": np.where(status == friction.STATUS_OK, tangential / normal, np.nan),
+            "normal_load": normal,
+            "status": status,
+            **six,
+            "share_opposing": values["tangential_frictional"][0] / values["tangential_frictional"][1],
+            "contact_area_fraction": values["contact_area"] / area,
+        }
+        found |= _validity(values)
+    for name in (*DISTRIBUTIONS, *STATISTICS, "contact_area", "approach", "load_share_at_hardness"):
+        if name in values:
+            found[name] = values[name].T if name in DISTRIBUTIONS else values[name]
+    found["contact_count"] = np.where(known, values["contact_count"], np.nan)
+    slope = {"rms_gradient": values["rms_gradient"], "rms_slope": values["rms_slope"]}
+    return found | slope | {"gentle_friction": _gentle(slope, pressing, rub, stick)}
+
+
+def _validity(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The figures of `SurfaceValidity`, NaN of the half-space."""
+    load, nothing = values["normal_elastic"], np.full(values["normal_elastic"].shape, np.nan)
+    if "overlap_load" not in values:
+        return {name: nothing for name in (*VALIDITY, *AREAL_VALIDITY) if name not in STATISTICS}
+    crossed = values["crossed_count"]
+    return {
+        "relative_overlap": values["overlap_load"] / load,
+        "share_beyond_hertz": values["load_beyond_hertz"] / load,
+        "share_below_grid": values["load_below_grid"] / load,
+        "share_crossed": crossed / (crossed + values["contact_count"]),
+        "share_overlapping": values["load_overlapping"] / load,
+        "share_at_edge": values["load_at_edge"] / load,
+        "share_unanswered": values["unanswered_count"] / values["grid_minimum_count"],
+    }
+
+
+def _gentle(slope: dict[str, Any], pressing: Pressing, rub: Floats, stick: Floats) -> Floats:
+    """What the slopes of the gap alone say: (rules, directions, mu0, tau0)."""
+    found = np.full((len(RULES), pressing.angles.size, rub.size, stick.size), np.nan)
+    if slope["rms_gradient"] > 0 and (slope["rms_slope"] > 0).all():
+        for rule, sliding in enumerate(RULES):
+            found[rule] = gentle_friction(
+                rub, stick, rms_gradient=float(slope["rms_gradient"]),
+                rms_slope=slope["rms_slope"][:, np.newaxis, np.newaxis],
+                effective_modulus=float(pressing.model.effective_modulus), sliding=sliding,  # type: ignore[arg-type]
+            )  # fmt: skip
+    return found
+
+
+def _stacked(parts: list[dict[str, NDArray[Any]]], name: str, dims: tuple[str, ...]) -> NDArray[Any]:
+    return np.stack([part[name] for part in parts], axis=dims.index("shift"))
+
+
+def _dataset(
+    variables: dict[str, Any],
+    maker: MapPairs | IsotropicPairs,
+    counts: tuple[int, int],
+    pressing: Pressing,
+    material: tuple[Floats, Floats],
+    level: str,
+    seed: int,
+    bodies: tuple[Any, Any],
+) -> xarray.Dataset:
+    import xarray
+
+    shifts, made = counts
+    moved = [maker.moved(index) for index in range(shifts)] if isinstance(maker, MapPairs) else []
+    x, y = np.array([*moved, *[(0.0, 0.0)] * made]).reshape(-1, 2).T
+    modulus = float(pressing.model.effective_modulus)
+    coordinates: dict[str, Any] = {
+        "sliding": ("sliding", list(RULES), {"long_name": "which contacts rub and push"}),
+        "direction": ("direction", pressing.angles, attributes_of("direction")),
+        "x": ("shift", x, attributes_of("x")),
+        "y": ("shift", y, attributes_of("y")),
+        "surrogate": ("shift", np.arange(shifts + made) >= shifts, attributes_of("surrogate")),
+        "quantile": ("quantile", list(QUANTILES), attributes_of("quantile")),
+        "load": ("load", pressing.loads, attributes_of("load")),
+        "mu0": ("mu0", material[0], attributes_of("mu0")),
+        "tau0": ("tau0", material[1], attributes_of("tau0")),
+        "effective_modulus": ((), modulus, attributes_of("effective_modulus")),
+        "nominal_area": ((), maker.area, attributes_of("nominal_area")),
+    }
+    return xarray.Dataset(variables, coordinates, {
+        "title": "stiction pair of maps",
+        "mechanics": pressing.mechanics,
+        "shape": np.array(maker.shape),
+        "spacing_um": np.array(maker.spacing),
+        "level": level,
+        "seed": seed,
+        "of_profiles": int(isinstance(bodies[0], Profile)),
+        "compliance_share": pressing.compliance_share,
+        **({} if pressing.hardness is None else {"hardness_GPa": pressing.hardness}),
+        "upper": "\n".join(bodies[0].history),
+        "lower": "\n".join(bodies[1].history),
+        "stiction_version": __version__,
+    })  # fmt: skip
+
+
+def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None) -> xarray.Dataset:
+    """Means over the shifts of two maps, or over pairs of surrogates, with 95 % intervals.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        What `pressed_maps` returns.
+    surrogates : bool, optional
+        Whether over the pairs of surrogates; by default where there are no shifts.
+
+    Raises
+    ------
+    ValueError
+        If there are none of these.
+
+    Returns
+    -------
+    xarray.Dataset
+        Its quantities without shift, with statistic ("mean", "lower", "upper"), over those shifts that have an answer,
+        and how many these are (ok, over the dimensions of the status) of how many (shifts).
+
+    Notes
+    -----
+    The interval is Student's t over the shifts, NaN for fewer than 3, not below 0 where no value is, and of fractions
+    not above 1. Over shifts it says how well the mean over all shifts of *these two maps* is known: they have heights
+    in common, and of other pieces of the surfaces it knows nothing. Over surrogates, which are independent, it says how
+    well the mean over surfaces with *the spectra of these maps* is known.
+
+    Examples
+    --------
+    >>> from stiction import pressed_maps, pressed_maps_mean, self_affine_surface
+    >>> rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (64, 64), "spacing": 0.1}
+    >>> upper, lower = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    >>> result = pressed_maps(upper, lower, ["1 mN"], mu0=0.3, shifts=3, mechanics="asperities")
+    >>> pressed_maps_mean(result)["contact_area"].dims
+    ('load', 'statistic')
+    """
+    import xarray
+
+    made = result["surrogate"].values.astype(bool)
+    wanted = bool(made.all()) if surrogates is None else surrogates
+    if not (made == wanted).any():
+        raise ValueError(f"surrogates must be {not wanted} where there are no others, got {surrogates!r}")
+    result = result.isel(shift=np.flatnonzero(made == wanted))
+    variables: dict[str, Any] = {}
+    for name, values in result.data_vars.items():
+        if values.dtype.kind != "f" or "shift" not in values.dims:
+            continue
+        first = values.transpose("shift", ...)
+        statistics = np.stack(intervals.of_sample(first.values), axis=-1)
+        if str(name).startswith(("share_", "fraction_")):
+            statistics = np.minimum(statistics, 1.0)
+        variables[str(name)] = ((*first.dims[1:], "statistic"), statistics, values.attrs)
+    ok = (result["status"] == friction.STATUS_OK).sum("shift")
+    coordinates = {name: each for name, each in result.coords.items() if "shift" not in each.dims}
+    return xarray.Dataset(
+        variables | {"ok": ok.assign_attrs(long_name="shifts with an answer"), "shifts": ((), result.sizes["shift"])},
+        coordinates | {"statistic": ["mean", "lower", "upper"]},
+        result.attrs,
+    )

@@ -1,0 +1,217 @@
+"""How finely a measured pair was seen: a second, small study over cut-offs, and the gap's slopes over wavelength."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction._units import exactly
+from stiction.mechanics.continuation import (
+    FINER,
+    continued,
+    elastic_area,
+    gap_exponent,
+    interface_stretch,
+    kappa_spread,
+    plastic_wavelength,
+)
+from stiction.studies.at_load import at_load
+from stiction.studies.members import about, bodies_of
+from stiction.studies.result import is_measured, measured
+from stiction.studies.same_study import computed_otherwise
+from stiction.studies.store import STUDY, StoreError, open_stored
+from stiction.studies.study import Study, study_from_text
+from stiction.studies.tables import MeasuredFriction
+from stiction.surfaces.hurst import HurstEstimate
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.store import Stored
+
+FOLDER = "resolution"
+"""In the folder of a result: that of the same pair over cut-offs."""
+
+MEMBERS = 4
+"""Of areas; the first ones of the result, so that what changes with the cut-off is not chance."""
+
+LINES = 16
+"""Of lines."""
+
+DOUBLES = 4
+"""Times that the shortest cut-off, of two points, is doubled at most."""
+
+ROUNDED = 5e-4
+"""Relative change of a number by rounding it to four digits, at most."""
+
+LONGEST = 1 / 30
+"""Longest cut-off over the shortest side of the scans: longer waves are too few."""
+
+
+def resolution_study(study: Study) -> Study | None:
+    """The study of the same pair over cut-offs, for few members and the loads that are asked for alone.
+
+    The first cut-off is that of the study, 0 being the scan itself; two points and their doubles follow.
+
+    Returns
+    -------
+    Study or None
+        None of generated bodies, of asperities, where the study has several cut-offs itself, and where the scans are
+        too short for any.
+    """
+    if not is_measured(study) or study.contact.mechanics != "half-space":
+        return None
+    assert isinstance(study.friction, MeasuredFriction)
+    own = study.surfaces.cells()["cut_off"].tolist()
+    facts = about(study).attributes
+    step = max(float(np.max(facts[f"{side}_spacing_um"])) for side in ("upper", "lower"))
+    side = min(float(np.min(facts[f"{side}_extent_um"])) for side in ("upper", "lower"))
+    doubles = 2 * step * 2.0 ** np.arange(DOUBLES) if own[0] == 0 else own[0] * 2.0 ** np.arange(1, DOUBLES)
+    # Rounded up, because less than two points is no wave.
+    lengths = [own[0], *(float(f"{each * (1 + ROUNDED):.4g}") for each in doubles if each <= LONGEST * side)]
+    if len(own) > 1 or len(lengths) < 2:
+        return None
+    changes: dict[str, Any] = {
+        "surfaces.cut_off": [exactly(each, "um") for each in lengths],
+        "contact.load": [load.text for load in study.friction.load],
+        "ensemble.repetitions": min(
+            study.ensemble.repetitions, LINES if measured(study).press == "lines" else MEMBERS
+        ),
+    }  # fmt: skip
+    if measured(study).press == "areas":
+        changes["surfaces.surrogates"] = 0
+    return study.with_changes(changes)
+
+
+def resolution_at(result: Stored) -> xarray.Dataset | None:
+    """What a result says over cut-offs at the loads of its study, as `at_load` does: its own, or those in its folder.
+
+    Returns
+    -------
+    xarray.Dataset or None
+        None where it has none, or those of another study.
+    """
+    study = result.study
+    if not is_measured(study):
+        return None
+    assert isinstance(study.friction, MeasuredFriction)
+    loads = [float(load) for load in study.friction.load]
+    if study.surfaces.cells()["cut_off"].size > 1:
+        return at_load(result, loads)
+    folder = Path(result.path) / FOLDER
+    if not (folder / STUDY).exists():
+        return None
+    try:
+        beside = open_stored(folder)
+        wanted = resolution_study(study)
+    except (StoreError, ValueError):
+        return None
+    if not beside.finished.size or wanted is None or computed_otherwise(beside.study, wanted):
+        return None
+    return at_load(beside, loads, mu0=list(study.friction.mu0), tau0=[float(each) for each in study.friction.tau0])
+
+
+# ---- Without pressing anything ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What of the gap of a pair was seen: its waves, and how it goes on below them.
+
+    Attributes
+    ----------
+    shortest, longest : float, µm
+        Waves that the pressed bodies have: from two points, or the cut-off, to their longest side.
+    gradient : float
+        Root-mean-square gradient of the gap of one member.
+    roughness : ScaleDependentRoughness
+    estimate : HurstEstimate or None
+        Of the gap; None where its spectrum has no self-affine band.
+    """
+
+    shortest: float
+    longest: float
+    gradient: float
+    roughness: ScaleDependentRoughness
+    estimate: HurstEstimate | None
+
+    def fraction_below(self, wavelength: float) -> float:
+        """Fraction of the gap's mean square gradient that is of waves shorter than this (µm)."""
+        return float(self.roughness.fraction_below(wavelength))
+
+    def yields_at(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
+        """Wavelength (µm) down to which waves make the elastic mean pressure so many times that of the scan.
+
+        With its interval, which is the narrower the more contacts there are; NaN where no wavelength does.
+        """
+        gradient = ratio * float(self.roughness.gradient_at(self.shortest))
+        return plastic_wavelength(self.roughness, self.estimate, gradient, float(kappa_spread(np.array(contact_count))))
+
+    def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
+        """Of finer, elastic scans: wavelengths (µm), and over them (value, lower, upper) gradients and area fractions.
+
+        Parameters
+        ----------
+        area_fraction : float
+            Of the scan, on the interface.
+        contact_count : float
+            Of the scan.
+        """
+        gradients = continued(self.roughness, self.estimate, self.shortest, self.gradient)
+        flat = np.array([area_fraction * self.gradient]) / interface_stretch(np.array(self.gradient))
+        ground = elastic_area(gradients, flat, kappa_spread(np.array([contact_count])))[:, 0]
+        return np.array(FINER) * self.shortest, gradients, ground * interface_stretch(gradients[:, :1])
+
+
+def seen(study: Study) -> Seen | None:
+    """What was seen of the gap of a measured pair; None of generated bodies, and where the files are gone."""
+    if getattr(study.surfaces, "kind", "") != "measured" or not hasattr(study.surfaces, "upper"):
+        return None
+    try:
+        return _seen(study.to_toml())
+    except (ValueError, OSError):
+        return None
+
+
+@functools.lru_cache(maxsize=4)
+def _seen(text: str) -> Seen | None:
+    study = study_from_text(text, "the study")
+    surfaces, bodies = measured(study), bodies_of(study)
+    wavelength = float(surfaces.cells()["cut_off"][0])
+    # Two maps themselves, where there are such members.
+    first = surfaces.surrogates if surfaces.press == "areas" else 0
+    index = first if first < study.ensemble.repetitions else 0
+    upper, lower = bodies.member(index, wavelength).pair
+    gap: Profile | Surface
+    if isinstance(upper, Profile):
+        gap = Profile(upper.heights - lower.heights, spacing=upper.spacing)
+        spacing, side = gap.spacing, gap.extent
+    else:
+        gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
+        spacing, side = max(gap.spacing), max(gap.extent)
+    facts = bodies.about().attributes
+    steps = [spacing, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
+    roughness = scale_dependent_roughness(gap)
+    return Seen(
+        shortest=max(2 * max(steps), wavelength),
+        longest=side,
+        gradient=_gradient(gap),
+        roughness=roughness,
+        estimate=gap_exponent(gap, periodic=False),
+    )
+
+
+def _gradient(gap: Profile | Surface) -> float:
+    from stiction.mechanics.patches import slopes
+
+    spacing = (gap.spacing,) if isinstance(gap, Profile) else gap.spacing
+    return math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes(gap.heights, spacing, periodic=False)))

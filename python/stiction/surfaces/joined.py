@@ -1,0 +1,268 @@
+"""One spectrum of several scans of a surface, each where its instrument is to be trusted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stiction._checks import Floats, number, read_only, whole_number
+from stiction.surfaces.fractal import random_phases
+from stiction.surfaces.preparation import levelled
+from stiction.surfaces.profile import MOST_POINTS, Profile, Side
+from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
+from stiction.surfaces.spectrum import surface_spectrum
+from stiction.surfaces.surface import Surface, lengths
+from stiction.surfaces.surrogates import isotropic_spectrum
+
+TRUSTED_POINTS = 8
+"""Points of the shortest wave that is taken from a scan: a pixel that takes a mean leaves 95 % of its power."""
+
+LONGEST = 1 / 3
+"""Longest wave that is taken from a scan, of its shortest side: longer ones are of the window."""
+
+
+@dataclass(frozen=True, eq=False)
+class JoinedSpectrum:
+    """Spectrum of an isotropic surface over all wavelengths that several scans resolve.
+
+    Attributes
+    ----------
+    wave_number : (n,) ndarray of float, 1/µm
+        Middles of bins of equal width in log q, rising.
+    density : (n,) ndarray of float, µm⁴
+        C2D, the mean over the scans that resolve it, by the number of their waves; between scans that leave a gap, the
+        power law that joins them.
+    count : (n,) ndarray of float
+        Waves in each bin, 0 in a gap.
+    contribution : (scans, n) ndarray of float
+        Fraction of the waves of a bin that is of each scan.
+    ratio : (scans, n) ndarray of float
+        Density of each scan over the joined one; NaN where it has none.
+    bands : tuple of (float, float), µm
+        Shortest and longest wavelength that is taken of each scan.
+    reasons : tuple of str
+        What ends each scan at short waves: "pixels", "noise floor", "tip" or "given".
+
+    Examples
+    --------
+    >>> from stiction import Surface, joined_spectrum, self_affine_surface
+    >>> fine = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
+    >>> scans = [Surface(fine.heights[::4, ::4], spacing=0.04), Surface(fine.heights[:96, :96], spacing=0.01)]
+    >>> len(joined_spectrum(scans).bands)
+    2
+    """
+
+    wave_number: Floats
+    density: Floats
+    count: Floats
+    contribution: Floats
+    ratio: Floats
+    bands: tuple[tuple[float, float], ...]
+    reasons: tuple[str, ...]
+
+    @property
+    def disagreement(self) -> Floats:
+        """(scans,) factor by which a scan is off the others where they overlap, in the mean; NaN without overlap."""
+        shared = (self.contribution > 0).sum(axis=0) > 1
+        off = np.full(len(self.bands), np.nan)
+        for scan, ratio in enumerate(self.ratio):
+            there = shared & np.isfinite(ratio)
+            weight = self.contribution[scan, there]
+            if there.any() and (weight < 1).any():
+                # The scan itself is a part of what it is compared with.
+                others = (1 - weight * ratio[there]) / (1 - weight)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    logs = np.log(ratio[there] / others)
+                off[scan] = (
+                    math.exp(float(np.average(logs, weights=self.count[there]))) if (others > 0).all() else np.inf
+                )
+        return read_only(off)
+
+    def roughness(self) -> ScaleDependentRoughness:
+        """Slope and curvature over wavelength, of all waves of the spectrum."""
+        step = math.log(self.wave_number[1] / self.wave_number[0])
+        found = []
+        for power, factor in ((2, 1.0), (4, 0.25)):
+            part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
+            # Half of the last bin is not yet there at its middle.
+            found.append(np.sqrt(part.cumsum() - part / 2))
+        return ScaleDependentRoughness(
+            wavelength=read_only(2 * math.pi / self.wave_number),
+            gradient=read_only(found[0]),
+            curvature=read_only(found[1]),
+            dimensions=2,
+        )
+
+    def surface(
+        self,
+        seed: int,
+        *,
+        shape: tuple[int, int],
+        spacing: float | tuple[float, float],
+        repetition: int = 0,
+        side: Side = "lower",
+    ) -> Surface:
+        """A random Gaussian surface of this spectrum, periodic; waves outside of it are left out.
+
+        Parameters
+        ----------
+        seed, repetition : int
+        side : {"lower", "upper"}
+            The random numbers are `random_phases` of these three.
+        shape : (int, int)
+            Rows and columns, at least 4 each.
+        spacing : float or (float, float), µm
+        """
+        if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+            raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+        rows, columns = (whole_number("shape", size, least=4, most=MOST_POINTS) for size in shape)
+        if rows * columns > MOST_POINTS:
+            raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+        from scipy.fft import ifft2
+
+        steps = lengths("spacing", spacing)
+        q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
+        q = np.hypot(q_y[:, np.newaxis], q_x)
+        half = math.sqrt(self.wave_number[1] / self.wave_number[0])
+        inside = (q >= self.wave_number[0] / half) & (q <= self.wave_number[-1] * half)
+        with np.errstate(divide="ignore"):
+            density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
+        power = np.where(inside, density, 0.0) * (rows * columns / (steps[0] * steps[1]))
+        random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
+        phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
+        waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)  # whose real part halves the power
+        step = f"a random surface of a spectrum of {len(self.bands)} scans, seed {seed}, repetition {repetition}"
+        return Surface(ifft2(waves, overwrite_x=True).real, spacing=steps, history=(step,))
+
+
+def joined_spectrum(
+    scans: Sequence[Profile | Surface],
+    *,
+    shortest_wavelengths: Sequence[float | None] | None = None,
+    tip_radii: Sequence[float | None] | None = None,
+    per_decade: int = 10,
+) -> JoinedSpectrum:
+    """One spectrum of several scans of a surface, by one instrument or by several.
+
+    Parameters
+    ----------
+    scans : sequence of Profile or Surface
+        Of one surface that is alike everywhere and in all directions; a profile's spectrum is turned into that of the
+        surface by `isotropic_spectrum`. Their lines or planes are taken off.
+    shortest_wavelengths : sequence of float or None, µm, optional
+        Of each scan, the shortest wave to take; None is what `instrument_limit` finds, at least eight points.
+    tip_radii : sequence of float or None, µm, optional
+        Of the tip of each scan.
+    per_decade : int
+        Bins of the wave number.
+
+    Raises
+    ------
+    ValueError
+        If there is no scan, one is flat or has no wave that is to be trusted, or the options are not one for each.
+
+    Notes
+    -----
+    Waves are taken from a scan between the wavelength at which pixels, noise or tip end it, see `instrument_limit`, and
+    a third of its shortest side. A constant factor between scans, in `disagreement`, is a calibration of heights; a
+    ratio that falls towards short waves is a lens, a filter or a worn tip, for which a limit should be given.
+
+    Jacobs, Junge & Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001.
+
+    Examples
+    --------
+    >>> from stiction import Surface, joined_spectrum, self_affine_surface
+    >>> fine = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
+    >>> scans = [Surface(fine.heights[::4, ::4], spacing=0.04), Surface(fine.heights[:96, :96], spacing=0.01)]
+    >>> joined = joined_spectrum(scans)
+    >>> [f"{shortest:.2f} to {longest:.2f}" for shortest, longest in joined.bands]
+    ['0.32 to 0.85', '0.08 to 0.32']
+    """
+    bodies = list(scans)
+    if not bodies:
+        raise ValueError("scans must be at least one profile or surface, got none")
+    per_decade = whole_number("per_decade", per_decade, least=4)
+    limits = _one_each("shortest_wavelengths", shortest_wavelengths, len(bodies))
+    tips = _one_each("tip_radii", tip_radii, len(bodies))
+    parts, bands, reasons = [], [], []
+    for body, limit, tip in zip(bodies, limits, tips, strict=True):
+        band, reason = _band(body, limit, tip)
+        parts.append(_binned(body, band, per_decade))
+        bands.append(band)
+        reasons.append(reason)
+    first = min(min(part) for part in parts)
+    size = max(max(part) for part in parts) - first + 1
+    count, total = np.zeros((len(parts), size)), np.zeros((len(parts), size))
+    for scan, part in enumerate(parts):
+        for index, (waves, level) in part.items():
+            count[scan, index - first], total[scan, index - first] = waves, waves * level
+    all_waves = count.sum(axis=0)
+    q = 10 ** ((first + np.arange(size) + 0.5) / per_decade)
+    there = all_waves > 0
+    density = np.exp(
+        np.interp(np.log(q), np.log(q[there]), np.log(total.sum(axis=0)[there] / all_waves[there]))
+    )  # also over gaps
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return JoinedSpectrum(
+            wave_number=read_only(q),
+            density=read_only(density),
+            count=read_only(all_waves),
+            contribution=read_only(np.where(there, count / all_waves, 0.0)),
+            ratio=read_only(total / count / density),
+            bands=tuple(bands),
+            reasons=tuple(reasons),
+        )
+
+
+def _one_each(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
+    if values is None:
+        return [None] * size
+    if len(values) != size:
+        raise ValueError(f"{name} must have one for each of the {size} scans, got {len(values)}")
+    return [None if value is None else number(name, value, unit="µm", above=0) for value in values]
+
+
+def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
+    """Shortest and longest wave to take of a scan, and what ends it."""
+    spacing, side = (body.spacing, body.extent) if isinstance(body, Profile) else (max(body.spacing), min(body.extent))
+    if limit is not None:
+        shortest, reason = limit, "given"
+    else:
+        found = instrument_limit(body, tip_radius=tip)
+        pixels = TRUSTED_POINTS * spacing
+        shortest, reason = (found.wavelength, found.reason) if found.wavelength > pixels else (pixels, "pixels")
+    longest = LONGEST * side
+    if not shortest < longest:
+        raise ValueError(
+            f"each of the scans must have waves to be trusted, but one of {side:g} µm has none from {shortest:g} µm "
+            f"({reason}) to {longest:g} µm, a third of it"
+        )
+    return (shortest, longest), reason
+
+
+def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int) -> dict[int, tuple[float, float]]:
+    """Number of waves and mean density, referred to the middle of the bin, in each bin of a band."""
+    shortest, longest = (2 * math.pi / length for length in reversed(band))
+    if isinstance(body, Profile):
+        ring = isotropic_spectrum(levelled(body, "line"))
+        q, density, waves = ring.wave_number, ring.density, np.maximum(ring.count, 1.0)
+    else:
+        q, _, density = surface_spectrum(levelled(body, "plane")).waves()
+        waves = np.ones(q.size)
+    inside = (q >= shortest) & (q <= longest)
+    q, density, waves = q[inside], density[inside], waves[inside]
+    index = np.floor(per_decade * np.log10(q)).astype(np.intp)
+    found = {}
+    for each in np.unique(index).tolist():
+        here = index == each
+        middle = 10 ** ((each + 0.5) / per_decade)
+        # A spectrum falls within a bin; q^3 C hardly does.
+        level = float(np.average(density[here] * (q[here] / middle) ** 3, weights=waves[here]))
+        if level > 0:
+            found[int(each)] = float(waves[here].sum()), level
+    if not found:
+        raise ValueError(f"each of the scans must have waves to be trusted, but one has none from {band[0]:g} µm on")
+    return found

@@ -1,0 +1,340 @@
+"""Resolve the units, the spacing and the missing points of what a file holds: a profile or a surface in µm.
+
+Nothing is guessed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+
+from stiction._checks import Floats, choice
+from stiction._units import Quantity, quantity
+from stiction.surfaces.measured.raw import LENGTH_UNITS, FormatError, Raw, Stated, length_unit
+from stiction.surfaces.measured.table import UNEVEN, Chosen
+from stiction.surfaces.profile import FEWEST_POINTS, Profile
+from stiction.surfaces.surface import Surface
+
+Missing = Literal["error", "interpolate"]
+
+TELLING = 1000
+"""Last printed digits that the length must have, if they make up for uneven positions: the spacing is then good to
+1/1000."""
+
+_SPACINGS = (1e-6, 1e6)
+_HIGHEST = 1e9
+"""µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points."""
+
+_Length = TypeVar("_Length", float, Floats)
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What the caller says about a file, checked."""
+
+    position_unit: str | None
+    height_unit: str | None
+    spacing: tuple[Quantity | None, Quantity | None]
+    missing: Missing
+    channel: Chosen | None
+    columns: tuple[Chosen, ...] | None
+
+
+def read_options(unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None) -> ReadOptions:
+    """Check what the caller says about a file."""
+    choice("missing", missing, Missing)
+    pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
+    if len(pair) != 2:
+        raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
+    if columns is not None:
+        columns = (columns,) if isinstance(columns, (str, int)) else columns
+        if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2):
+            raise ValueError(f"columns must be one of heights, or two of positions and heights, got {columns!r}")
+    for name, each in (("channel", channel), *(("columns", column) for column in columns or ())):
+        if each is not None and (isinstance(each, bool) or not isinstance(each, (str, int))):
+            raise ValueError(f"{name} must be a name or a number from 0 on, got {each!r}")
+    columns = None if columns is None else tuple(columns)
+    return ReadOptions(
+        *_units(unit),
+        (_length_option("spacing", pair[0]), _length_option("spacing", pair[1])),
+        missing,
+        channel,
+        columns,
+    )
+
+
+def _without_unit_axis(raw: Raw) -> Raw:
+    """A matrix of one row or one column as the profile that it is."""
+    if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
+        return raw
+    along = int(raw.heights.shape[1] > 1)
+    return replace(raw, heights=raw.heights.ravel(), spacing=None if raw.spacing is None else (raw.spacing[along],))
+
+
+def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile | Surface, list[str]]:
+    """A profile or a surface, whichever the file holds, and what is doubtful about it."""
+    return (to_profile if _without_unit_axis(raw).heights.ndim == 1 else to_surface)(raw, name, options)
+
+
+def to_profile(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile, list[str]]:
+    """A profile and what is doubtful about it."""
+    raw = _without_unit_axis(raw)
+    if raw.heights.ndim != 1:
+        raise FormatError(
+            f"holds {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
+            "heights or two of positions and heights, and read_surface() reads surfaces"
+        )
+    if raw.heights.size < FEWEST_POINTS:
+        raise FormatError(f"holds {raw.heights.size} point(s); a profile needs at least {FEWEST_POINTS}")
+    given, other = options.spacing
+    if given != other:
+        raise FormatError("holds a profile, which has one spacing; two are given")
+    heights = _heights(raw, options.height_unit)
+    dx, steps, doubts = _profile_spacing(raw, options.position_unit, given)
+    if dx < 0:
+        heights, dx = heights[::-1], -dx
+        steps.append("turned round, because its positions decreased")
+    heights, filled = _line_without_gaps(heights, options.missing)
+    return Profile(heights, spacing=_sane(dx), history=(f"read from {name}", *raw.history, *steps, *filled)), doubts
+
+
+def to_surface(raw: Raw, name: str, options: ReadOptions) -> tuple[Surface, list[str]]:
+    """A surface and what is doubtful about it."""
+    raw = _without_unit_axis(raw)
+    if raw.heights.ndim != 2:
+        raise FormatError(f"holds a profile of {raw.heights.size} points; read_profile() reads profiles")
+    heights = _heights(raw, options.height_unit)
+    steps: list[str] = []
+    if raw.size is not None and raw.spacing is None:
+        (dy, dx), steps = _of_size(raw.size, heights.shape, options.spacing)
+    elif raw.spacing is not None:
+        length = _unit("positions", raw.position_unit, options.position_unit)
+        dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, options.spacing, strict=True))
+    elif options.spacing[0] is not None and options.spacing[1] is not None:
+        dy, dx = float(options.spacing[0]), float(options.spacing[1])
+        own, off = _stated(raw) or (dx, 0.0)  # of one of the two, whichever
+        if min(abs(own - dy), abs(own - dx)) > off:
+            raise FormatError(f"says that its spacing is {own:g} µm, but {dy:g} µm and {dx:g} µm are given")
+    else:
+        raise FormatError('holds no spacing; give it, as in "0.5 um", or "2 um" for rows and "0.5 um" for columns')
+    heights, filled = _area_without_gaps(heights, options.missing)
+    history = (f"read from {name}", *raw.history, *steps, *filled)
+    return Surface(heights, spacing=(_sane(dy), _sane(dx)), history=history), []
+
+
+# ---- Units and spacings ---------------------------------------------------------------------------------------------
+
+
+def _units(unit: Any) -> tuple[str | None, str | None]:
+    """Units of positions and of heights."""
+    pair = unit if isinstance(unit, tuple) else (unit, unit)
+    if len(pair) != 2 or not all(each is None or (isinstance(each, str) and length_unit(each)) for each in pair):
+        raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {unit!r}")
+    return pair
+
+
+def _length_option(name: str, text: Any) -> Quantity | None:
+    if text is None:
+        return None
+    try:
+        length = quantity(text, "length")
+    except ValueError as error:
+        raise ValueError(f"{name} {error}") from None
+    if not length > 0:
+        raise ValueError(f"{name} must be above 0, got {text!r}")
+    return length
+
+
+def _unit(what: str, of_file: str | None, of_caller: str | None) -> str:
+    """What file and caller say, of whom one must."""
+    known = None if of_file is None else length_unit(of_file)
+    if of_file is not None and known is None:
+        raise FormatError(f"has {what} in {of_file!r}, which is no length that is known here (m, mm, um, nm, ...)")
+    caller = None if of_caller is None else length_unit(of_caller)
+    if known is not None and caller is not None and LENGTH_UNITS[known] != LENGTH_UNITS[caller]:
+        raise FormatError(f"says that its {what} are in {of_file}, but unit says {of_caller}")
+    unit = known if known is not None else caller
+    if unit is None:
+        raise FormatError(f'does not say in which unit its {what} are; give the unit, as in "um"')
+    return unit
+
+
+def _in_um(values: _Length, unit: str) -> _Length:
+    factor = LENGTH_UNITS[unit]
+    # A division, where it is one, so that 100 nm are 0.1 µm to the bit.
+    return values / round(1 / factor) if factor < 1 else values * factor
+
+
+def _heights(raw: Raw, unit: str | None) -> Floats:
+    with np.errstate(all="ignore"):
+        heights = _in_um(raw.heights, _unit("heights", raw.unit, unit))
+        wild = np.abs(heights) > _HIGHEST
+    if wild.any():
+        value = heights[wild].flat[0]
+        raise FormatError(
+            f"holds a height of {value:.3g} µm, which is none of a surface ({int(wild.sum())} such values); "
+            "if it marks missing points, write them as nan"
+        )
+    return heights
+
+
+def _of_size(
+    size: tuple[Stated, Stated], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
+) -> tuple[tuple[float, float], list[str]]:
+    """Spacings of an area of a size that stands in words, and what the history says of them."""
+    spacings = []
+    for own, points, each in zip(size, shape, given, strict=True):
+        length = own.length * LENGTH_UNITS[own.unit] / points
+        off = max(0.51 * own.digit * LENGTH_UNITS[own.unit] / points, UNEVEN * length)
+        if each is not None and abs(each - length) > off:
+            raise FormatError(f"says by its size that its spacing is {length:.7g} µm, but spacing says {each.text}")
+        spacings.append(length if each is None else float(each))
+    height, width = (f"{own.length:g} {own.unit}" for own in size)
+    return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y, as it says"]
+
+
+def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[str]]:
+    """Spacing of a profile (µm, negative if its positions decrease), what the history says of it, what is doubtful."""
+    stated = _stated(raw)
+    if raw.positions is None:
+        if raw.spacing is not None:
+            own_spacing = _in_um(raw.spacing[0], _unit("positions", raw.position_unit, unit))
+            return _agreeing(own_spacing, given), [], []
+        if stated is not None:
+            if given is not None and abs(given - stated[0]) > stated[1]:
+                raise FormatError(f"says that its spacing is {stated[0]:g} µm, but spacing says {given.text}")
+            return given if given is not None else stated[0], [], []
+        if given is None:
+            raise FormatError('holds heights only; give the spacing of its points, as in "0.5 um"')
+        return given, [], []
+    length = _unit("positions", raw.position_unit, unit)
+    digit = np.zeros(raw.positions.shape) if raw.digit is None else raw.digit
+    with np.errstate(all="ignore"):
+        x, digit = _in_um(raw.positions, length), _in_um(digit, length)
+        if not np.isfinite(x).all() or np.abs(x).max() > _HIGHEST:
+            at = int(np.flatnonzero(~(np.abs(x) <= _HIGHEST))[0])
+            raise FormatError(f"has no usable position at point {at + 1}; each height needs one")
+        measured = float((x[-1] - x[0]) / (x.size - 1))
+        direction = -1.0 if measured < 0 else 1.0
+        if given is not None:
+            if _worst(x, direction * given, digit, UNEVEN * given) is not None:
+                _refuse_uneven(x, measured, digit)  # if it is not uniform at all, that is what is wrong
+                raise FormatError(
+                    f"says by its positions that the spacing is {abs(measured):.7g} µm, but spacing says {given.text}"
+                )
+            return direction * given, [f"spacing {given:.7g} µm as given, which fits its positions"], []
+        if stated is not None and _worst(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
+            return direction * stated[0], [f"spacing {stated[0]:.7g} µm as it says, which fits its positions"], []
+        _refuse_uneven(x, measured, digit)
+    doubts = []
+    step = f"spacing {abs(measured):.7g} µm from its positions"
+    if stated is not None:
+        if abs(abs(measured) - stated[0]) > stated[1] + digit.max() / (x.size - 1):
+            doubts.append(
+                f"its spacing is said to be {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
+                "which is taken"
+            )
+        step += f", where it says {stated[0]:g} µm"
+    return measured, [step], doubts
+
+
+def _stated(raw: Raw) -> tuple[float, float] | None:
+    """The spacing that stands in words in a file and how far off it may be, µm."""
+    if raw.stated is None:
+        return None
+    factor = LENGTH_UNITS[raw.stated.unit]
+    return raw.stated.length * factor, 0.51 * raw.stated.digit * factor
+
+
+def _worst(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
+    """The point that is most off a uniform grid and by how much, if the printed digits do not explain it."""
+    steps = np.arange(x.size)
+    off = x - x[0] - steps * spacing
+    # Rounded, first and last point are off by half a digit each; cut off, by less than one together.
+    explained = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
+    round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
+    beyond = np.abs(off) - explained - slack - round_off
+    at = int(np.argmax(beyond))
+    return (at, float(off[at])) if beyond[at] > 0 else None
+
+
+def _refuse_uneven(x: Floats, measured: float, digit: Floats) -> None:
+    """Refuse positions that are not uniform, or have too few digits to tell their spacing."""
+    if measured == 0:
+        raise FormatError("has first and last point at the same position")
+    worst = _worst(x, measured, digit, UNEVEN * abs(measured))
+    if worst is not None:
+        at, off = worst
+        raise FormatError(
+            f"is not uniform: point {at + 1} is at {x[at]:.7g} µm, {abs(off):.3g} µm away from where a spacing of "
+            f"{abs(measured):.6g} µm puts it; resample it first"
+        )
+    even = np.abs(np.diff(x) - measured).max() <= UNEVEN * abs(measured)
+    if not even and abs(x[-1] - x[0]) < TELLING * digit.max():
+        raise FormatError(
+            f"has positions with too few digits to tell their spacing ({abs(measured):.3g} µm?); give it, as in "
+            '"0.5 um"'
+        )
+
+
+def _agreeing(own: float, given: Quantity | None) -> float:
+    if given is not None and not abs(own - given) <= UNEVEN * abs(own):
+        raise FormatError(f"says that its spacing is {own:.7g} µm, but spacing says {given.text}")
+    return own
+
+
+def _sane(spacing: float) -> float:
+    lowest, highest = _SPACINGS
+    if not lowest <= spacing <= highest:
+        raise FormatError(f"has a spacing of {spacing:g} µm; from {lowest:g} to {highest:g} µm is allowed")
+    return spacing
+
+
+# ---- Missing points -------------------------------------------------------------------------------------------------
+
+
+def _line_without_gaps(heights: Floats, missing: Missing) -> tuple[Floats, list[str]]:
+    gaps = np.isnan(heights)
+    if not gaps.any():
+        return heights, []
+    _refuse_gaps(gaps, missing)
+    known = np.flatnonzero(~gaps)
+    first, end = int(known[0]), int(known[-1]) + 1
+    inside = int(gaps[first:end].sum())
+    outside = heights.size - (end - first)
+    steps = [f"{inside} missing points interpolated"] if inside else []
+    steps += [f"{outside} missing points at its ends left out"] if outside else []
+    return np.interp(np.arange(first, end), known, heights[known]), steps
+
+
+def _area_without_gaps(heights: Floats, missing: Missing) -> tuple[Floats, list[str]]:
+    gaps = np.isnan(heights)
+    if not gaps.any():
+        return heights, []
+    _refuse_gaps(gaps, missing)
+    filled = heights.copy()
+    for lines in (filled, filled.T):
+        for line in lines:
+            known = np.flatnonzero(~np.isnan(line))
+            if known.size:
+                inside = slice(known[0], known[-1] + 1)
+                line[inside] = np.interp(np.arange(known[0], known[-1] + 1), known, line[known])
+    left = int(np.isnan(filled).sum())
+    if left:
+        raise FormatError(
+            f"has {left} missing points at its edges without neighbours on both sides to interpolate from"
+        )
+    return filled, [f"{int(gaps.sum())} missing points interpolated"]
+
+
+def _refuse_gaps(gaps: np.ndarray[Any, Any], missing: Missing) -> None:
+    if gaps.all():
+        raise FormatError("has no heights: all points are missing")
+    if missing == "error":
+        first = " ".join(str(int(index) + 1) for index in np.argwhere(gaps)[0])
+        raise FormatError(
+            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {first}; "
+            'missing="interpolate" (--missing interpolate) puts them on a line between their neighbours'
+        )

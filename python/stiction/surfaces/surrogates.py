@@ -1,0 +1,307 @@
+"""Surrogates: random profiles and surfaces with the spectrum of a measured one."""
+
+from __future__ import annotations
+
+import math
+from typing import overload
+
+import numpy as np
+
+from stiction._checks import Floats, truth, whole_number
+from stiction.surfaces.fractal import random_phases
+from stiction.surfaces.profile import MOST_POINTS, Profile, Side
+from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
+from stiction.surfaces.surface import Surface, refuse_flat
+
+_RINGS = 12
+"""Rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring."""
+
+_SMOOTH = 2.0
+"""Harmonics that a bend of the spectrum must have for it: where a ring has one or two, it follows its neighbours."""
+
+_FLOOR = 1e-14
+"""Fraction of the largest density below which a spectrum is round-off."""
+
+_STEPS = 1000
+"""Most steps of the fit; some ten are needed, some hundred where the spectrum ends within a ring."""
+
+_SETTLED = 1e-6
+"""Largest change of the logarithm of a density in a step at which the fit has converged."""
+
+
+@overload
+def surrogate(
+    body: Profile, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
+) -> Profile: ...
+@overload
+def surrogate(
+    body: Surface, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
+) -> Surface: ...
+def surrogate(
+    body: Profile | Surface, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
+) -> Profile | Surface:
+    """A profile or surface with the spectrum of a given one and new phases, with the same mean and Pq or Sq.
+
+    Many of them are an ensemble of surfaces of which one has been measured.
+
+    Parameters
+    ----------
+    body : Profile or Surface
+        Levelled, unless it is periodic: a slope of the whole would become waves as long as the body.
+    seed, repetition : int
+    side : {"lower", "upper"}
+        The phases are `random_phases` of these three.
+    periodic : bool
+        Whether the given profile is; its spectrum is then kept to round-off.
+
+    Returns
+    -------
+    Profile or Surface
+        Of as many points; periodic in any case.
+
+    Raises
+    ------
+    ValueError
+        If the body is flat, or a number is negative.
+
+    Notes
+    -----
+    A profile that is not periodic is continued by its mirror image, without a jump, and the spectrum of the two is
+    averaged to the wave numbers of one. A window instead would take most of the ends away, and the straight line
+    between the ends, taken off, would take some of the height with it. At last the surrogate is scaled to the Pq of the
+    given profile. The corners at the two ends of the image put a spectrum of 1/q⁴ on top, and each density is averaged
+    with a half of its neighbours: there are no sharp lines in the spectrum of such a surrogate, and for H near 1.5 and
+    above it has too many short wavelengths.
+
+    A surface cannot be continued by its image without mixing the directions of its waves, so it is faded out by a Hann
+    window along both axes: its spectrum is that of the middle, smoothed over neighbouring waves. An Sq that is mostly
+    of waves as long as the map is not kept in their proportion.
+
+    Random phases keep the spectrum alone. The heights become normally distributed: a surrogate of a worn or
+    plateau-honed profile has lost its skewness, and grooves and other features are spread over the whole length.
+    Theiler et al., Physica D 58 (1992) 77.
+
+    Examples
+    --------
+    >>> from stiction import roughness_parameters, self_affine, surrogate
+    >>> measured = self_affine(1, hurst_exponent=0.8, rms=0.1, points=1000, spacing=0.01)
+    >>> ensemble = [surrogate(measured, 2016, repetition=repetition) for repetition in range(10)]
+    >>> round(roughness_parameters(ensemble[0]).Pq / roughness_parameters(measured).Pq, 12)
+    1.0
+    """
+    truth("periodic", periodic)
+    refuse_flat(body)
+    if isinstance(body, Surface):
+        return _surface_surrogate(body, seed, repetition, side, periodic)
+    profile, mean = body, body.heights.mean()
+    heights = profile.heights - mean
+    points = heights.size
+    if periodic:
+        amplitude = np.abs(np.fft.rfft(heights))
+    else:
+        # The image continues the profile without a jump. Of its harmonics, twice as close, every second is one of
+        # the profile's length; the others go in halves to both sides.
+        image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
+        image = np.append(image, image[-2])
+        own = 2 * np.arange(points // 2 + 1)
+        amplitude = np.sqrt(image[own] / 2 + image[np.abs(own - 1)] / 4 + image[own + 1] / 4)
+    phases = random_phases(seed, repetition=repetition, side=side, directions=points // 2, frequencies=1)[:, 0]
+    transform = np.zeros(points // 2 + 1, dtype=np.complex128)
+    transform[1:] = amplitude[1:] * np.exp(1j * phases)
+    if points % 2 == 0:
+        transform[-1] = math.copysign(amplitude[-1], math.cos(phases[-1]))
+    made = np.fft.irfft(transform, points)
+    made *= math.sqrt(np.mean(heights**2) / np.mean(made**2))
+    return Profile(made + mean, spacing=profile.spacing)
+
+
+def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side, periodic: bool) -> Surface:
+    from scipy.fft import ifft2, ifftshift
+
+    amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
+    rows, columns = amplitude.shape
+    phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
+    # Opposite waves have opposite phases, and those that are their own opposites are real.
+    opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
+    heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
+    own = np.zeros((rows, columns), dtype=bool)
+    own[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
+    heights += ifft2(np.where(own, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
+    heights *= surface.heights.std() / heights.std()
+    return Surface(heights + surface.heights.mean(), spacing=surface.spacing)
+
+
+def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpectrum:
+    r"""Spectrum C2D of the isotropic surface on a square grid of which a profile is a section.
+
+    Parameters
+    ----------
+    profile : Profile
+        Levelled, unless it is periodic.
+    periodic : bool
+        As for `power_spectrum`.
+
+    Returns
+    -------
+    RadialSpectrum
+        In rings of the wave number, from the profile's first harmonic to the corners of the grid; the count is that of
+        the profile's harmonics in each ring.
+
+    Raises
+    ------
+    ValueError
+        If the profile is flat, or periodic is not a truth value.
+
+    Notes
+    -----
+    A section sums up the waves of a surface across it,
+
+    .. math:: C^{1D}(k) = \frac1π \int_0^{π/Δx} C^{2D}(\sqrt{k^2 + s^2})\,ds,
+
+    which is Abel's integral where the spectrum ends before the grid does. It is inverted by
+    :math:`C^{2D}(q) = -2 \int_q^\infty dC^{1D}/dk\,(k^2 - q^2)^{-1/2} dk`, but the derivative of a measured spectrum is
+    mostly scatter. So here that C2D is looked for, even in each ring, that makes the measured spectrum :math:`P_k` most
+    likely: with sections of :math:`C_k` it has the least :math:`\sum_k P_k / C_k + \ln C_k` (Whittle, Arkiv för
+    Matematik 2 (1953) 423) and a small cost for each bend of its logarithm. It is scaled so that its sections have the
+    mean square slope of the profile; the surface has twice that mean square gradient.
+
+    Examples
+    --------
+    >>> from stiction import isotropic_spectrum, self_affine
+    >>> profile = self_affine(1, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, periodic=True)
+    >>> spectrum = isotropic_spectrum(profile, periodic=True)
+    >>> bool((spectrum.density > 0).all())
+    True
+    """
+    edges, density, count = _fitted(profile, periodic)
+    return RadialSpectrum(wave_number=np.sqrt(edges[1:] * edges[:-1]), density=density, count=count)
+
+
+def isotropic_surface(
+    profile: Profile,
+    seed: int,
+    *,
+    shape: tuple[int, int] | None = None,
+    repetition: int = 0,
+    side: Side = "lower",
+    periodic: bool = False,
+) -> Surface:
+    """An isotropic Gaussian surface of which a profile may be a section: its areal surrogate.
+
+    Many of them are an ensemble of surfaces of which one line has been measured, *if* these are isotropic. A profile
+    across the grooves of a ground face makes hills of them, which are steeper than the face by the square root of two.
+
+    Parameters
+    ----------
+    profile : Profile
+        Levelled, unless it is periodic.
+    seed, repetition : int
+    side : {"lower", "upper"}
+        The random numbers are `random_phases` of these three.
+    shape : (int, int), optional
+        Rows and columns, at least 4 each; by default as many as the profile has points, at most 512. Waves longer than
+        the surface are left out.
+    periodic : bool
+        Whether the given profile is; the surface is periodic in any case.
+
+    Returns
+    -------
+    Surface
+        With the profile's spacing along both axes and a mean of zero; its spectrum is `isotropic_spectrum` on average.
+
+    Raises
+    ------
+    ValueError
+        If the profile is flat, or an argument is outside its range.
+
+    Examples
+    --------
+    >>> from stiction import isotropic_surface, self_affine
+    >>> profile = self_affine(1, hurst_exponent=0.8, rms=0.1, points=1000, spacing=0.01, longest_wavelength=1.0)
+    >>> isotropic_surface(profile, 2016, shape=(128, 128)).extent
+    (1.28, 1.28)
+    """
+    most = min(len(profile), _MOST)
+    given = (most, most) if shape is None else shape
+    if not isinstance(given, (tuple, list)) or len(given) != 2:
+        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+    rows, columns = (whole_number("shape", size, least=4, most=MOST_POINTS) for size in given)
+    if rows * columns > MOST_POINTS:
+        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    edges, density, _ = _fitted(profile, periodic)
+    from scipy.fft import ifft2
+
+    q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
+    q = np.hypot(q_y[:, np.newaxis], q_x)
+    ring = np.searchsorted(edges, q, side="right")  # 0: longer waves than the profile has
+    power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
+    random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
+    phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
+    # The real part joins each wave with its opposite, and halves the power.
+    both = (profile.spacing, profile.spacing)
+    waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
+    step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
+    return Surface(ifft2(waves, overwrite_x=True).real, spacing=both, history=(*profile.history, step))
+
+
+_MOST = 512
+"""Rows and columns by default: some tenths of a second for a solution as a half-space."""
+
+
+def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
+    """Edges of the rings, C2D in them, and how many harmonics of the profile are in each."""
+    truth("periodic", periodic)
+    refuse_flat(profile)
+    spectrum = power_spectrum(profile, periodic=periodic)
+    # A harmonic stands for half a step to both sides.
+    k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
+    bins = np.floor(_RINGS * np.log10(k / k[0]) + 1e-9)
+    first = np.flatnonzero(np.diff(bins, prepend=-1))
+    edges = np.append(k[first] - step / 2, limit)
+    index = np.searchsorted(edges, k, side="right") - 1
+    index = np.minimum(index, edges.size - 2)
+    count = np.bincount(index, spectrum.count).astype(np.float64)
+    measured = np.bincount(index, spectrum.count * spectrum.density) / count
+    measured = np.maximum(measured, _FLOOR * measured.max())
+    # The corners of the grid belong to the rings that go on beyond the shortest wave along it.
+    edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
+    # The mean of each bin over its harmonics of what a ring of unit density gives.
+    reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
+    of_harmonic = np.diff(reach, axis=1) / math.pi
+    share = np.zeros((count.size, edges.size - 1))
+    np.add.at(share, index, spectrum.count[:, np.newaxis] * of_harmonic)
+    share /= count[:, np.newaxis]
+    density = np.full(edges.size - 1, 1.0)
+    density[: measured.size] = measured / np.sqrt(edges[:-2] * edges[1:-1])
+    density[-1] = density[-2]
+    density = _most_likely(share, measured, count, density)
+    made = share @ density
+    # As steep as the profile, to the last digit.
+    squares = np.bincount(index, spectrum.count * k**2)
+    density *= float(squares @ measured / (squares @ made))
+    return edges, density, np.append(count, 0.0)
+
+
+def _most_likely(share: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
+    """Densities whose sections are the likeliest, by scoring from a first guess of them."""
+
+    def cost(logarithm: Floats) -> float:
+        made = share @ np.exp(logarithm)
+        return float(count @ (measured / made + np.log(made)) + _SMOOTH / 2 * np.square(bend @ logarithm).sum())
+
+    bend = np.diff(np.eye(density.size), 2, axis=0)
+    logarithm = np.log(density)
+    least = cost(logarithm)
+    for _ in range(_STEPS):
+        parts = share * np.exp(logarithm)
+        made = parts.sum(axis=1)
+        gradient = parts.T @ (count * (1 - measured / made) / made) + _SMOOTH * bend.T @ (bend @ logarithm)
+        relative = parts / made[:, np.newaxis]
+        step = np.linalg.solve((relative.T * count) @ relative + _SMOOTH * bend.T @ bend, gradient)
+        step *= min(1.0, 2 / np.abs(step).max())
+        while (now := cost(logarithm - step)) > least and np.abs(step).max() > _SETTLED:
+            step /= 2
+        if now > least or np.abs(step).max() <= _SETTLED:
+            break
+        logarithm, least = logarithm - step, now
+    return np.asarray(np.exp(logarithm))

@@ -1,0 +1,314 @@
+"""What may be quoted of a result: value, verdict and doubts at one load, for every kind of result and every reader.
+
+The terminal, JSON, CSV and pages all take their answer from here. Nothing is computed but what compares: means and
+intervals are those that `at_load` gives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from stiction.mechanics import friction
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.views.digits import percent, two_digits, with_unit
+from stiction.views.doubts import WIDE as WIDE
+from stiction.views.doubts import Doubt as Doubt
+from stiction.views.doubts import doubts_of
+from stiction.views.point import (
+    CELLS,
+    hardness_range,
+    is_capped,
+    law_of,
+    load_text,
+    materials_text,
+    modulus_of,
+    pressure_of,
+    rules_of,
+    value_of,
+)
+from stiction.views.point import RULES as RULES
+from stiction.views.point import over_text as over_text
+from stiction.views.point import points as points
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+Verdict = Literal["Quote it", "Quote with care", "Do not quote"]
+
+READINGS_DIFFER = 0.01
+"""Relative difference between the readings of a load from which on the answer says which it is."""
+
+OTHER_KAPPA = 0.2
+"""Relative difference of A E* h'/F from the usual one, from which on the slopes alone say something else."""
+
+KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
+"""Usual A E* h'/F: the one with which `at_load` calls `gentle_friction`."""
+
+
+@dataclass(frozen=True)
+class RuleValue:
+    """Coefficient of static friction by one sliding rule.
+
+    Attributes
+    ----------
+    rule : {"all", "opposing"}
+    value, lower, upper : float
+        Mean over the directions of the result, and its 95 % interval.
+    low, high : float
+        Four of five single members lie between them.
+    slopes : float
+        By the slopes of the gap alone (`gentle_friction`); NaN of generated bodies.
+    """
+
+    rule: str
+    value: float
+    lower: float
+    upper: float
+    low: float = math.nan
+    high: float = math.nan
+    slopes: float = math.nan
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a result says at one load, for one mu0 and tau0: `rules` has the rule to quote first.
+
+    Attributes
+    ----------
+    rules : tuple of RuleValue
+    status : str
+        "ok", or why there is no coefficient.
+    inputs : str
+        Load, materials and resolution, in words.
+    note : str
+        What was averaged, and which reading of the load it is.
+    doubts : tuple of Doubt
+        Faults first.
+    at : dict
+        Coordinates: the cell, load (mN), mu0 and tau0 (GPa).
+    bracket : (float, float), optional
+        With a hardness, between which ends every finer scan lies where all contacts rub: mu0 + tau0/H, and the upper
+        end at this scan.
+    """
+
+    rules: tuple[RuleValue, ...]
+    status: str
+    inputs: str
+    note: str
+    doubts: tuple[Doubt, ...] = ()
+    at: dict[str, Any] = field(default_factory=dict)
+    bracket: tuple[float, float] | None = None
+
+    @property
+    def value(self) -> float:
+        """By the rule to quote."""
+        return self.rules[0].value
+
+    @property
+    def lower(self) -> float:
+        """Lower end of its 95 % interval."""
+        return self.rules[0].lower
+
+    @property
+    def upper(self) -> float:
+        """Upper end of its 95 % interval."""
+        return self.rules[0].upper
+
+    @property
+    def rule(self) -> str:
+        """The rule to quote."""
+        return self.rules[0].rule
+
+    @property
+    def others(self) -> tuple[RuleValue, ...]:
+        """By the other rules."""
+        return self.rules[1:]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the value is to be quoted."""
+        worst = {doubt.severity for doubt in self.doubts}
+        return "Do not quote" if "fault" in worst else "Quote with care" if worst else "Quote it"
+
+    @property
+    def judgement(self) -> str:
+        """The verdict and why; what to do about a fault as well."""
+        if not self.doubts:
+            return f"{self.verdict}."
+        if self.verdict == "Quote with care":
+            return f"{self.verdict}: {'; '.join(doubt.text for doubt in self.doubts)}."
+        faults = [doubt for doubt in self.doubts if doubt.severity == "fault"]
+        return f"{self.verdict}: " + " ".join(f"{doubt.text}; {doubt.cure}." for doubt in faults)
+
+    @property
+    def sentence(self) -> str:
+        """One sentence with its inputs: to quote, or why there is none to quote."""
+        if self.verdict == "Do not quote":
+            faults = "; ".join(doubt.text for doubt in self.doubts if doubt.severity == "fault")
+            return f"There is no coefficient to quote at {self.inputs}: {faults}."
+        first, *others = self.rules
+        words = f"μ_s = {two_digits(first.value, first.lower, first.upper)} {RULES[first.rule]}"
+        words += "".join(f", {two_digits(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
+        return f"{words}, at {self.inputs}; {self.note}{self._finer}."
+
+    @property
+    def _finer(self) -> str:
+        return f"; {bracket_text(self.bracket)}" if self.bracket is not None else ""
+
+
+def answers(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> list[Answer]:
+    """The answers of every cell, load, mu0 and tau0 of what `at_load` gives, in this order.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `at_load` returns.
+    study : Study
+        Of which the result is.
+    beside : sequence of Doubt
+        Doubts that come from the bodies and not from the result, as `doubts_of_inputs` gives them.
+    """
+    return [answer(point, study, beside=beside) for point in points(at)]
+
+
+def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> Answer:
+    """The answer of one point of what `at_load` gives: one cell, load, mu0 and tau0.
+
+    Parameters
+    ----------
+    point : xarray.Dataset
+    study : Study
+    beside : sequence of Doubt
+        Doubts that come from the bodies.
+    """
+    rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
+    statuses = np.unique(_of_rule(point["status"], rules[0].rule))
+    bad = [str(status) for status in statuses if status != friction.STATUS_OK]
+    # A direction without an answer leaves the mean over all of them without one.
+    status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
+    doubts = [*doubts_of(point, study, rules[0], status), *beside]
+    return Answer(
+        rules=rules,
+        status=status,
+        inputs=_inputs(point, study),
+        note=_note(point, study),
+        doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
+        at={name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords},
+        bracket=_bracket(point, study, rules[0]),
+    )
+
+
+# ---- Values ----------------------------------------------------------------------------------------------------------
+
+
+def _of_rule(table: xarray.DataArray, rule: str) -> Any:
+    return (table.sel(sliding=rule) if "sliding" in table.dims else table).values
+
+
+def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
+    own = point.sel(sliding=rule) if "sliding" in point.dims else point
+    name = "friction_all_round" if "friction_all_round" in own else "friction_coefficient"
+    values = [float(own[name].sel(statistic=each).mean(skipna=False)) for each in ("mean", "lower", "upper")]
+    return RuleValue(
+        rule, values[0], max(values[1], 0.0) if values[1] < 0 <= values[0] else values[1], values[2],
+        *(value_of(own, each) for each in ("spread_low", "spread_high", "gentle_friction")),
+    )  # fmt: skip
+
+
+def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
+    """Between which ends every finer scan lies: to second order in slopes, so that they may meet."""
+    hardness = getattr(study.contact, "hardness", None)
+    measured = study.surfaces.kind == "measured" and study.contact.mechanics == "half-space"
+    if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
+        return None
+    limit = float(point["mu0"]) + float(point["tau0"]) / float(hardness)
+    most = all_rub.upper if math.isfinite(all_rub.upper) else all_rub.value
+    return min(limit, all_rub.value), most
+
+
+# ---- Words -----------------------------------------------------------------------------------------------------------
+
+
+def bracket_text(bracket: tuple[float, float]) -> str:
+    """Between which ends every finer scan lies, in words."""
+    low, high = (f"{end:.3f}" for end in bracket)
+    return f"every finer scan lies from {low} (μ0 + τ0/H) to {high} if all contacts rub, to second order in slopes"
+
+
+def _inputs(point: xarray.Dataset, study: Study) -> str:
+    words = [load_text(point, study)]
+    if "fractal_dimension" in point.coords:
+        words.append(f"D = {float(point['fractal_dimension']):.3g}")
+    if "amplitude" in point.coords:
+        words.append(f"amplitude {with_unit(float(point['amplitude']), 'um')}")
+    words.append(f"μ0 = {float(point['mu0']):g}")
+    words.append(f"τ0 = {with_unit(float(point['tau0']), 'GPa') if float(point['tau0']) else '0'}")
+    if made_of := materials_text(study):
+        words.append(made_of)
+    words.append(f"E* = {with_unit(modulus_of(point, study), 'GPa')}")
+    hardness = getattr(study.contact, "hardness", None)
+    if hardness is not None:
+        words.append(f"hardness {with_unit(float(hardness), 'GPa')}{_range(study)}")
+    elif study.surfaces.kind == "measured":
+        words.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
+    if "spacing_um" in point.attrs:
+        words.append(f"points {_spacing_text(point)} apart")
+    if "cut_off" in point.coords and float(point["cut_off"]) > 0:
+        words.append(f"waves below {with_unit(float(point['cut_off']), 'um')} taken off")
+    return ", ".join(words)
+
+
+def _range(study: Study) -> str:
+    """What of the hardness of a material is known, where that is no single number."""
+    ends = hardness_range(study)
+    return "" if ends is None else f" (known: {with_unit(ends[0], 'GPa')} to {with_unit(ends[1], 'GPa')})"
+
+
+def _spacing_text(point: xarray.Dataset) -> str:
+    steps = np.unique(np.atleast_1d(point.attrs["spacing_um"]).astype(float))
+    return " and ".join(with_unit(float(step), "um") for step in steps)
+
+
+_READINGS = {
+    "mean": "the load is the mean normal load of all members",
+    "elastic": "the load is that of the elastic contact, before friction on slopes adds to it",
+    "normal": "the load is the normal load of each member",
+}
+
+
+def _note(point: xarray.Dataset, study: Study) -> str:
+    words = []
+    if getattr(study.surfaces, "press", "") == "lines" and point["direction"].size == 2:
+        words.append("the mean over both directions of the lines")
+    elif "direction" in point.coords and (study.surfaces.kind == "measured" or point["direction"].size > 1):
+        words.append(over_text(np.atleast_1d(point["direction"].values)))
+    members = value_of(point, "members")
+    words.append(f"95 % intervals over {members:.0f} members" if members > 1 else "95 % intervals")
+    difference = value_of(point, "reading_difference")
+    if difference > READINGS_DIFFER:
+        reading = _READINGS.get(str(point.attrs.get("reading")), "the load has one of three meanings")
+        words.append(f"{reading}; by another reading μ_s differs by {percent(difference)}")
+    return "; ".join(words)
+
+
+def slopes_text(answer: Answer, point: xarray.Dataset, study: Study) -> str:
+    """What the slopes alone predict, and what that leaves out; empty where the result has no such number."""
+    known = [rule for rule in answer.rules if math.isfinite(rule.slopes)]
+    if not known:
+        return ""
+    values = " and ".join(f"{two_digits(rule.slopes)} {RULES[rule.rule]}" for rule in known)
+    words = f"The slopes alone predict {values}"
+    if is_capped(study):
+        words += ", without regard to the hardness"
+    kappa = value_of(point, "rms_gradient") * modulus_of(point, study) / pressure_of(point)
+    if float(point["tau0"]) > 0 and abs(kappa / KAPPA - 1) > OTHER_KAPPA:
+        words += f", with A E* h'/F = {KAPPA:g} where this pair has {kappa:.2g}"
+    return words + "."

@@ -1,0 +1,60 @@
+"""A result at the loads of its study: what the terminal, its table and a notebook show first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.studies.at_load import at_load, reached_loads
+from stiction.studies.maps import study_of_result
+from stiction.studies.tables import MeasuredFriction
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.store import Stored
+
+DIMENSIONS = 4
+"""Fractal dimensions that an overview shows, at most."""
+
+LOADS = 3
+"""Loads that it shows of generated bodies."""
+
+SMALL = 2**28
+"""Bytes."""
+
+
+def in_memory(result: xarray.Dataset | Stored) -> xarray.Dataset | Stored:
+    """A stored result that is small as a dataset, because it is read several times; a large one as it is stored."""
+    return result.dataset() if hasattr(result, "path") and result.nbytes < SMALL else result
+
+
+def asked_loads(result: xarray.Dataset | Stored) -> Floats:
+    """The loads (mN) of its study, or if that has none, a few of those that are reached.
+
+    Raises
+    ------
+    ValueError
+        If nothing touches.
+    """
+    friction = study_of_result(result).friction
+    if isinstance(friction, MeasuredFriction):
+        return np.array([float(load) for load in friction.load])
+    ends = np.log10(reached_loads(result, 2))
+    loads = 10 ** (ends[0] + (ends[1] - ends[0]) * np.linspace(0.2, 0.8, LOADS))
+    return np.unique([float(f"{load:.0e}") for load in loads])
+
+
+def at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
+    """A result at `asked_loads`; of generated bodies some of it, the middle mu0 and the ends of tau0."""
+    study, result = study_of_result(result), in_memory(result)
+    loads = asked_loads(result)
+    if isinstance(study.friction, MeasuredFriction):
+        return at_load(result, loads.tolist())
+    mu0, tau0 = study.friction.mu0, np.unique([float(study.friction.tau0[i]) for i in (0, -1)])
+    at = at_load(result, loads, mu0=[mu0[len(mu0) // 2]], tau0=tau0)
+    number = at.sizes["fractal_dimension"]
+    shown = np.unique(np.linspace(0, number - 1, min(DIMENSIONS, number)).round().astype(int))
+    return at.isel(fractal_dimension=shown, amplitude=[(at.sizes["amplitude"] - 1) // 2])

@@ -1,0 +1,183 @@
+"""Two profiles in contact, and the forces on the upper one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics.contact import Contacts, contacts
+from stiction.surfaces.profile import Profile
+from stiction.views.digits import with_unit
+from stiction.views.style import FORCE, FRICTION, LOWER, MILLIMETRE, STYLE, UPPER, WIDTH, label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_ZOOM = 40
+"""Spacings on both sides of the contact that is drawn large, at least."""
+
+_FINE = 0.5
+"""Heights (µm) below which an axis is in nm."""
+
+_LONGEST = 0.45
+"""Inches of the longest arrow."""
+
+
+def contact_figure(
+    upper: Profile,
+    lower: Profile,
+    approach: float,
+    *,
+    mu0: float,
+    tau0: float = 0.0,
+    load: float | None = None,
+    offset: float | None = None,
+    title: str = "",
+    **contact: Any,
+) -> Figure:
+    """Two profiles in contact: all of them, and the contact that carries most with the forces on the upper body.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        On the same grid.
+    approach : float, µm
+    mu0 : float
+    tau0 : float, GPa
+    load : float, mN, optional
+        What the title says that they carry.
+    offset : float, µm, optional
+        Where the title says that the upper profile lies on a longer one.
+    title : str
+        Whose figure it is.
+    **contact
+        As for `contacts`.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    touching = contacts(upper, lower, approach, **contact)
+    x = lower.x
+    drop = float((upper.heights - lower.heights).min()) + approach
+    fine = max(float(np.ptp(upper.heights)), float(np.ptp(lower.heights))) < _FINE
+    scale = 1000.0 if fine else 1.0
+    bodies = scale * (upper.heights - drop), scale * lower.heights
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 90 * MILLIMETRE), layout="constrained")
+        whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
+        _bodies(whole, x, *bodies)
+        whole.plot(touching.centre[:, 0], scale * touching.centre[:, 2], "o", color=FORCE, markersize=2, mew=0)
+        whole.set_xlim(x[0], x[-1])
+        whole.set_title(_words(touching, approach, load, offset, title), loc="left", fontsize=6, pad=3)
+        shown: NDArray[np.bool_] = np.zeros(len(touching), np.bool_)
+        if len(touching):
+            largest = int(touching.force.argmax())
+            half = max(_ZOOM * lower.spacing, 6 * float(np.sqrt(touching.radius[largest] * touching.overlap[largest])))
+            middle = float(touching.centre[largest, 0])
+            inside = np.abs(x - middle) <= half
+            large.set_title("where most of the load is", loc="left", fontsize=6, pad=3)  # that there is room
+            _bodies(large, x[inside], *(body[inside] for body in bodies))
+            large.set_xlim(x[inside][0], x[inside][-1])
+            whole.axvspan(middle - half, middle + half, color="0.5", alpha=0.25, linewidth=0)
+            shown = np.abs(touching.centre[:, 0] - middle) <= half
+        for ax in (whole, large):
+            ax.set_ylabel(label("height_nm" if fine else "height"))
+            ax.set_xlabel(label("x"))
+        resisting = np.where(touching.opposing, mu0 * touching.force + tau0 * touching.area, 0.0)
+        has_friction = bool((resisting[shown] > 0).any())
+        handles = _force_handles(has_friction)
+        figure.legend(
+            handles=handles, title="arrows are normal and tangent to the surfaces as they are drawn",
+            loc="outside lower center", ncols=len(handles),
+        )  # fmt: skip
+        figure.draw_without_rendering()  # arrows need the final place of the axes
+        figure.set_layout_engine("none")
+        if len(touching):
+            size = _room_for_arrows(large, scale * float(touching.centre[shown, 2].max()))
+            larger = _exaggeration(large, scale)
+            large.set_title(
+                f"where most of the load is; heights drawn {larger:.2g} times larger", loc="left", fontsize=6, pad=3
+            )
+            _forces(large, touching, shown, scale, larger, resisting, size)
+    return figure
+
+
+def _words(touching: Contacts, approach: float, load: float | None, offset: float | None, title: str) -> str:
+    number = len(touching)
+    first = f"{number} {'contact' if number == 1 else 'contacts'} at an approach of {1000 * approach:.4g} nm"
+    second = [] if load is None else [f"$F_N$ = {with_unit(load, 'mN')}"]
+    second += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
+    return "\n".join(line for line in (title, first, ", ".join(second)) if line)
+
+
+def _bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
+    top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
+    margin = 0.08 * (top - bottom or 1.0)
+    axes.fill_between(x, upper, top + margin, color=UPPER, linewidth=0)
+    axes.fill_between(x, bottom - margin, lower, color=LOWER, linewidth=0)
+    axes.plot(x, upper, color="#3f6f93", linewidth=0.5)
+    axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
+    axes.set_ylim(bottom - margin, top + margin)
+    for side, height, align in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
+        axes.text(0.01, height, side, transform=axes.transAxes, fontsize=6, color="0.25", va=align)
+
+
+def _force_handles(has_friction: bool) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
+    handles = [Line2D([], [], color=FORCE, marker=r"$\uparrow$", label="elastic force on the upper body", **style)]
+    if has_friction:
+        handles.append(Line2D([], [], color=FRICTION, marker=r"$\leftarrow$", label="friction", **style))
+    return handles
+
+
+def _exaggeration(axes: Axes, scale: float) -> float:
+    """How many times larger heights are drawn than lengths."""
+    (right, _), (_, up), (x, z) = axes.transData.transform([(1.0, 0.0), (0.0, scale), (0.0, 0.0)])
+    return float((up - z) / (right - x))
+
+
+def _room_for_arrows(axes: Axes, highest: float) -> float:
+    """Inches of the longest arrow, for which there is room above the highest contact: else it loses its head."""
+    figure = axes.get_figure()
+    assert figure is not None
+    inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
+    size = min(_LONGEST, 0.4 * inches.height, 0.25 * inches.width)
+    low, high = axes.get_ylim()
+    top = low + (highest - low) / (1 - 1.15 * size / inches.height)
+    if top > high:
+        axes.set_ylim(low, top)
+        axes.axhspan(high, top, color=UPPER, linewidth=0)
+    return float(size)
+
+
+def _forces(
+    axes: Axes, touching: Contacts, shown: Any, scale: float, larger: float, resisting: Floats, size: float
+) -> None:
+    """Elastic forces on the upper body and the friction of the opposing contacts, all to one scale, inside the axes.
+
+    As the surface is drawn: where heights are drawn larger by a factor, so are the slopes that arrows stand on.
+    """
+    places, normals, tangents = (each[:, ::2] for each in (touching.centre, touching.normal, touching.tangent))  # x, z
+    places = places * (1.0, scale)
+
+    def drawn(vectors: Floats, factors: tuple[float, float]) -> Floats:
+        bent = vectors * factors
+        return np.asarray(bent / np.hypot(*bent.T)[:, np.newaxis])
+
+    elastic = touching.force[:, np.newaxis] * drawn(normals, (larger, 1.0))
+    friction = resisting[:, np.newaxis] * drawn(tangents, (1.0, larger))
+    longest = max(float(np.hypot(*force[shown].T).max(initial=0.0)) for force in (elastic, friction))
+    for force, colour in ((elastic, FORCE), (friction, FRICTION)):
+        there = shown & (np.hypot(*force.T) > 0)
+        # In inches on the page, so that an arrow has the direction that is given whatever the axes are stretched by.
+        axes.quiver(
+            *places[there].T, *force[there].T, color=colour, angles="uv", scale=longest / size,
+            scale_units="inches", width=0.012, units="inches", zorder=3,
+        )  # fmt: skip
+    axes.plot(*places[shown].T, "o", color=FORCE, markersize=2.5, mew=0, zorder=4)

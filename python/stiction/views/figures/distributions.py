@@ -1,0 +1,133 @@
+"""How values are distributed: friction over the members of a result, and areas of contacts and pressures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.views.digits import with_unit
+from stiction.views.style import (
+    MILLIMETRE,
+    RULE_WORDS,
+    RULES,
+    WIDTH,
+    dimension_colours,
+    few_ticks,
+    friction_parameters_text,
+    label,
+)
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+BINS = 12
+
+
+def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
+    """Friction coefficient of each member, and how the members are distributed; 80 mm wide.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        Of each member and sliding rule, over repetition and sliding. Members of several offsets along one line are
+        drawn over the offset, others in the order of their values.
+    points : xarray.Dataset
+        The means of these, as for `compass_figure`.
+    title : str
+        Whose figure it is.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    figure = Figure(figsize=(WIDTH, 62 * MILLIMETRE), layout="constrained")
+    each, distribution = figure.subplots(1, 2, sharey=True, width_ratios=[2.4, 1])
+    by_offset = _moves_along_a_line(values)
+    highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
+    bins = np.linspace(0, 1.05 * max(highest, 1e-3), BINS + 1)
+    for rule in (rule for rule in RULES if rule in np.atleast_1d(values["sliding"].values)):
+        own = values.sel(sliding=rule) if "sliding" in values.dims else values
+        known = own.values[np.isfinite(own.values)]
+        if by_offset:
+            x, y = values["x"].values, own.values
+        else:
+            x, y = np.arange(1, known.size + 1), np.sort(known)
+        each.plot(x, y, "o", color=RULES[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_WORDS[rule])
+        distribution.hist(
+            known, bins=bins.tolist(), orientation="horizontal", histtype="step", color=RULES[rule], linewidth=0.9
+        )
+        mean = points["friction_all_round"]
+        mean = mean.sel(sliding=rule) if "sliding" in mean.dims else mean
+        middle, low, high = (float(mean.sel(statistic=name)) for name in ("mean", "lower", "upper"))
+        for ax in (each, distribution):
+            ax.axhspan(low, high, color=RULES[rule], alpha=0.15, linewidth=0)
+            ax.axhline(middle, color=RULES[rule], linewidth=0.6)
+    each.set_ylim(0, bins[-1])
+    each.set_ylabel(label("friction_coefficient"))
+    each.set_xlabel("offset of the upper body (µm)" if by_offset else "members, in the order of their values")
+    distribution.set_xlabel("members")
+    distribution.xaxis.set_major_locator(MaxNLocator(3, integer=True))
+    parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
+    head = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, mean over directions"
+    figure.suptitle(f"{title}\n{head}" if title else head, fontsize=6)
+    missing = int(np.isnan(values.values).any(axis=-1).sum()) if values.ndim > 1 else int(np.isnan(values.values).sum())
+    note = f"; {missing} members have no answer" if missing else ""
+    figure.legend(
+        *each.get_legend_handles_labels(), title=f"lines: means; bands: their 95 %{note}", loc="outside lower center",
+        ncols=2,
+    )  # fmt: skip
+    return figure
+
+
+def _moves_along_a_line(values: xarray.DataArray) -> bool:
+    """Whether the members are one pair of lines at several offsets."""
+    if "x" not in values.coords or "line" not in values.coords:
+        return False
+    lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
+    return bool(lines.size == 1 and offsets.size == values.sizes["repetition"] > 1 and not values["y"].values.any())
+
+
+def sizes_figure(
+    members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
+) -> Figure:
+    """Fraction of the contacts against their area, and of the true area against pressure; 80 mm wide.
+
+    Parameters
+    ----------
+    members : xarray.Dataset
+        patch_area (µm²) and pressure (GPa) over repetition, load and quantile: each is a thin line.
+    points : xarray.Dataset
+        Their means over members, as `at_load` returns them, of one cell.
+    hardness : float, GPa, optional
+        Is marked.
+    title : str
+        Whose figure it is.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, 96 * MILLIMETRE), layout="constrained")
+    axes: Sequence[Any] = figure.subplots(2, 1)
+    percent = 100 * points["quantile"].values
+    loads = np.atleast_1d(points["load"].values)
+    for load, colour in zip(loads, dimension_colours(loads), strict=True):
+        for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
+            for own in members[name].sel(load=load, method="nearest").transpose("repetition", "quantile").values:
+                ax.plot(own, percent, color=colour, linewidth=0.3, alpha=0.4)
+            mean = points[name].sel(load=load, statistic="mean").values
+            ax.plot(mean, percent, color=colour, linewidth=1.2, label=with_unit(float(load), "mN"))
+    for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
+        ax.set_ylim(0, 100)
+        ax.set_xlabel(label(name))
+        ax.set_xscale("log")
+        few_ticks(ax)
+    axes[0].set_ylabel("contacts that are smaller (%)")
+    axes[1].set_ylabel("true contact area\nat lower pressure (%)")
+    if hardness is not None:
+        axes[1].axvline(hardness, color="0.3", linewidth=0.6, linestyle="--")
+        axes[1].text(hardness, 4, " hardness", fontsize=6, color="0.3", ha="right", rotation=90)
+    axes[0].set_title(title, loc="left", fontsize=6, pad=3)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, title="thick: mean over members; thin: each", loc="outside lower center", ncols=3)
+    return figure

@@ -1,0 +1,449 @@
+"""Figures of an ensemble of generated bodies: friction over fractal dimension and load, and true contact area."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
+from stiction.studies.at_load import means, reached_loads
+from stiction.studies.maps import area_map, friction_map
+from stiction.studies.study import Study, study_of
+from stiction.views.digits import with_unit
+from stiction.views.style import (
+    FRICTION_MAP,
+    FULL_WIDTH,
+    LOCKED,
+    MILLIMETRE,
+    STRENGTHS,
+    dimension_colours,
+    direction_text,
+    evenly_spread,
+    few_ticks,
+    friction_parameters_text,
+    label,
+    spread_out,
+)
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_CURVES = 8
+
+FRACTION_LIMIT = 0.5
+"""Fraction of the load beyond Hertz, or on radii below the grid spacing, from which on a value is marked."""
+
+COLOUR_QUANTILES = (0.01, 0.95)
+"""Quantiles of the friction coefficients between which the colours run: a few high values would take them all."""
+
+MOST_STRENGTHS = 2
+"""Adhesive shear strengths that a figure shows: of more, the lowest and the highest."""
+
+FADE = (0.3, 1.2, 0.85)
+"""Width of an interval, over the value, from which and up to which a cell loses its colour, and how much of it."""
+
+LINE_HEIGHT = 2.4
+"""Millimetres from one name of a curve to the next."""
+
+MOST_BAND = 2.0
+"""Times the highest or lowest value, as far as an axis goes for a band."""
+
+HEADLINE = 4.0
+"""Millimetres that a line above a figure takes."""
+
+MOST_IN_ROW = 4
+"""Entries of a legend."""
+
+TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
+"""Round coefficients of friction on a scale of colours."""
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Of red, green and blue."""
+
+
+def motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
+    """The result of each sliding rule and direction, and what its files are called by."""
+    dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
+    for index in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
+        one = dataset.isel(dict(zip(dims, index, strict=True)))
+        names = [f"{one[dim].item():g}" if dim == "direction" else str(one[dim].item()) for dim in dims]
+        yield "".join(f"_{name}" for name in names), one
+
+
+def _headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
+    """Above a figure: how the bodies move, unless they are profiles as the paper has them; and what is missing."""
+    contact = study.contact
+    rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
+    angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
+    lines = []
+    if study.surfaces.kind == "surface" or contact.mechanics == "half-space" or rule != "opposing":
+        mechanics = "half-space, " if contact.mechanics == "half-space" else ""
+        lines.append(f"{mechanics}sliding: {rule}, along {direction_text(angle)}")
+    done, total = dataset.sizes["repetition"], study.ensemble.repetitions
+    if done < total:
+        lines.append(f"unfinished: {done} of {total} repetitions")
+    return lines
+
+
+def _head(figure: Figure, lines: list[str]) -> None:
+    if lines:
+        figure.suptitle("\n".join(lines), fontsize=8, y=1 - MILLIMETRE / figure.get_figheight(), va="top")
+
+
+def _letter(axes: Axes, number: int) -> None:
+    """The letter of a panel, above its left upper corner."""
+    axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
+
+
+# ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
+
+
+def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
+    """Friction coefficient over fractal dimension and load as maps, and over fractal dimension at one load as curves.
+
+    A map for the lowest and the highest tau0; a row for each amplitude. Hatched where the model is beyond its validity,
+    grey where the 95 % interval is wide. The curves, with their intervals, are at the highest power of ten that nine
+    of ten fractal dimensions reach.
+    """
+    from matplotlib.figure import Figure
+
+    study = study_of(dataset)
+    strengths = [study.friction.tau0[index] for index in _chosen_strengths(len(study.friction.tau0))]
+    load = _common_load(dataset)
+    loads = [*reached_loads(dataset), load]
+    maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0)
+    maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
+    amplitudes = dataset["amplitude"].values
+    lines = _headlines(dataset, study)
+    meanings = _meanings(maps, asperities=study.contact.mechanics == "asperities")
+    above, below = 15.0 + HEADLINE * len(lines), 16.0 + (3.0 if len(meanings) > MOST_IN_ROW else 0.0)
+    height = 42.0 if amplitudes.size == 1 else 34.0
+    between = 4.0
+    total = above + below + amplitudes.size * (height + between) - between
+    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+
+    def axes_at(left: float, row: int, width: float) -> Axes:
+        bottom = below + (amplitudes.size - 1 - row) * (height + between)
+        return figure.add_axes((left / 170, bottom / total, width / 170, height / total))
+
+    norm = _norm(maps)
+    for row, amplitude in enumerate(amplitudes):
+        last = row == amplitudes.size - 1
+        width = (99 - 4 * (len(strengths) - 1)) / len(strengths)
+        for column, strength in enumerate(strengths):
+            ax = axes_at(13 + column * (width + 4), row, width)
+            _friction_panel(ax, maps.isel(amplitude=row, tau0=column), norm, load)
+            if column == 0:
+                ax.set_ylabel(label("load"))
+            else:
+                ax.yaxis.set_visible(False)
+            if row == 0:
+                ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
+                _letter(ax, column)
+            _dimension_axis(ax, dataset, last=last)
+            if amplitudes.size > 1:
+                _corner(ax, f"$a$ = {1000 * amplitude:g} nm")
+        ax = axes_at(127, row, 40)
+        _friction_curves(ax, curves.isel(amplitude=row), [each.text for each in strengths], mu0)
+        if row == amplitudes.size // 2:
+            ax.set_ylabel(label("friction_coefficient"))
+        if row == 0:
+            ax.set_title(f"at $F_N$ = {with_unit(load, 'mN')}", pad=2)
+            _letter(ax, len(strengths))
+        _dimension_axis(ax, dataset, last=last)
+    _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total, 99 / 170, 2.2 / total), norm, mu0)
+    _head(figure, lines)
+    figure.legend(
+        handles=meanings, loc="lower center", ncols=len(meanings) if len(meanings) <= MOST_IN_ROW else 3,
+        handlelength=1.6, columnspacing=1.4, borderaxespad=0.3,
+    )  # fmt: skip
+    return figure
+
+
+def _chosen_strengths(count: int) -> list[int]:
+    """Which of so many shear strengths are drawn."""
+    return list(range(count)) if count <= MOST_STRENGTHS else [0, count - 1]
+
+
+def _common_load(dataset: xarray.Dataset) -> float:
+    """The highest power of ten (mN) that nine of ten ensembles reach, or their highest load if that is out of range."""
+    elastic = means(dataset, ["normal_elastic"])["normal_elastic"].max(study_of(dataset).step).values
+    lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
+    power = 10.0 ** np.floor(np.log10(0.9 * common))
+    return float(power if power >= lowest else max(common, lowest))
+
+
+def _corner(axes: Axes, text: str) -> None:
+    box = {"facecolor": "white", "linewidth": 0, "pad": 0.8}
+    corner = axes.text(0.96, 0.96, text, transform=axes.transAxes, fontsize=6, bbox=box)
+    corner.set(horizontalalignment="right", verticalalignment="top")
+
+
+def _dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
+    axes.xaxis.set_major_locator(_few_numbers())
+    if last:
+        classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
+        axes.set_xlabel(label("fractal_dimension") + (" (classical)" if classical else ""))
+    else:
+        axes.tick_params(labelbottom=False)
+
+
+def _few_numbers(most: int = 4) -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(most, steps=[1, 2, 5, 10])
+
+
+def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
+    """Of the lowest and the highest strength, with their intervals; dotted where the model is beyond its validity."""
+    dimension = curves["fractal_dimension"].values
+    trusted = ~(curves["share_beyond_hertz"].values > FRACTION_LIMIT)  # (dimension, strength)
+    value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
+    for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
+        axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
+        marker = "o" if dimension.size == 1 else None
+        style: dict[str, Any] = {"color": colour, "linewidth": 1, "markersize": 2, "marker": marker}
+        axes.plot(dimension, value[:, index], ":", **style)
+        axes.plot(dimension, np.where(trusted[:, index], value[:, index], np.nan), **style)
+    known = value[np.isfinite(value)]
+    # Where it is to be trusted, all of it; beyond, as far as there is room.
+    inside = upper[np.isfinite(upper) & trusted]
+    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(known, initial=1.0))) or 1.0
+    axes.set_ylim(0, top)
+    axes.yaxis.set_major_locator(_few_numbers(6))
+    span = float(np.ptp(dimension)) or 1.0
+    axes.set_xlim(dimension[0] - 0.02 * span, dimension[-1] + 0.02 * span)
+    axes.axhline(mu0, color="0.6", linewidth=0.5, linestyle="--", zorder=0)
+    axes.text(
+        axes.get_xlim()[1] - 0.01 * span, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right"
+    )  # fmt: skip
+    for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
+        starts = np.flatnonzero(np.isfinite(value[:, index]))
+        if starts.size:
+            at = starts[0]
+            height = min(np.nan_to_num(upper[at, index], nan=value[at, index]), 0.93 * top)
+            name = rf"$\tau_0$ = {strengths[index]}"
+            box = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.5}
+            axes.text(dimension[at] + 0.03 * span, height, name, color=colour, fontsize=6, va="bottom", bbox=box)
+
+
+def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    axes = figure.add_axes(place, label="<colorbar>")
+    bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
+    ticks = _ticks(norm)
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.ax.minorticks_off()
+    axes.xaxis.set_ticks_position("top")
+    axes.xaxis.set_label_position("top")
+    axes.tick_params(length=2, pad=1)
+    bar.set_label(rf"{label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
+
+
+def _ticks(norm: Any) -> list[float]:
+    """Some of the round numbers on a scale of equal ratios, no closer than their labels are long."""
+    inside = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
+    return inside[:: max(1, -(-len(inside) // 8))]
+
+
+def _norm(maps: xarray.Dataset) -> Any:
+    """Colours in equal ratios over what is to be trusted, or over all where that is little; the highest share one."""
+    from matplotlib.colors import LogNorm
+
+    values = maps["friction_coefficient"].values
+    known = np.isfinite(values) & (values > 0)
+    trusted = known & ~(maps["share_beyond_hertz"].values > FRACTION_LIMIT)
+    positive = values[trusted if trusted.sum() > 0.1 * known.sum() else known]
+    low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # to ends that can be written
+    low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
+    return LogNorm(low, max(high, low + step))
+
+
+def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    panel = panel.transpose("load", "fractal_dimension")
+    values, status = panel["friction_coefficient"].values, panel["status"].values
+    edges = _edges(panel["fractal_dimension"].values), np.exp(_edges(np.log(panel["load"].values)))
+    axes.set_yscale("log")
+    axes.set_xlim(edges[0][0], edges[0][-1])
+    axes.set_ylim(edges[1][0], edges[1][-1])
+    few_ticks(axes)
+    axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
+    known = np.isfinite(values)
+    # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
+    colours = colormaps[FRICTION_MAP](norm(np.where(known, np.maximum(values, norm.vmin), norm.vmin)))
+    colours[..., :3] = _faded(colours[..., :3], _fading(panel))
+    colours[..., 3] = known
+    colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
+    axes.pcolormesh(*edges, colours)
+    fraction = panel["share_beyond_hertz"].values
+    _hatch_cells(axes, *edges, known & (fraction > FRACTION_LIMIT))
+    if min(values.shape) > 1:
+        masked = np.ma.masked_invalid(fraction)
+        if masked.count() and masked.min() < FRACTION_LIMIT < masked.max():
+            axes.contour(
+                panel["fractal_dimension"].values, panel["load"].values, masked,
+                levels=[FRACTION_LIMIT], colors="0.1", linewidths=0.7,
+            )  # fmt: skip
+    axes.axhline(load, color="black", linewidth=0.5)
+
+
+def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> None:
+    """White lines over cells (rows, columns) between edges: their colours stay what they are."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    vertices: list[tuple[float, float]] = []
+    for row, column in np.argwhere(cells):
+        left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
+        vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
+    if vertices:
+        codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
+        for colour, width in (("black", 1.3), ("white", 0.5)):  # seen on dark and on light colours
+            patch = PathPatch(Path(vertices, codes), **_BEYOND | {"edgecolor": colour})
+            patch.set_hatch_linewidth(width)
+            axes.add_patch(patch)
+
+
+_BEYOND: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
+"""How cells beyond the model's validity are marked."""
+
+
+def _fading(maps: xarray.Dataset) -> Floats:
+    """How much of its colour each cell loses for the width of its interval, which a single repetition has not."""
+    values = maps["friction_coefficient"].values
+    with np.errstate(divide="ignore", invalid="ignore"):
+        width = (maps["upper"].values - maps["lower"].values) / values
+    first, last, most = FADE
+    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=last, posinf=last), first)
+    return np.asarray(most * np.clip((width - first) / (last - first), 0, 1))
+
+
+def _faded(colours: Floats, fading: Floats) -> Floats:
+    """Colours (..., 3) nearer to the grey that is as bright, so that no cell reads as one of another friction."""
+    grey = (colours @ _LUMINANCE)[..., np.newaxis]
+    part = np.asarray(fading)[..., np.newaxis]
+    return np.asarray((1 - part) * colours + part * grey)
+
+
+def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
+
+
+def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
+    """What a legend says of the marks on maps, of those that are there."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
+    handles: list[Any] = []
+    if asperities and (maps["share_beyond_hertz"].values > FRACTION_LIMIT).any():
+        words = "model not valid (dotted): most load on overlaps $> R/10$"
+        handles.append(Patch(**_BEYOND | {"facecolor": tuple(middle)}, label=words))
+    if (_fading(maps)[~(maps["share_beyond_hertz"].values > FRACTION_LIMIT)] > 0.1).any():
+        handles.append(Patch(facecolor=tuple(_faded(middle, np.array(FADE[2]))), label="grey: wide 95 % interval"))
+    if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
+        handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
+    if (maps["status"].values == STATUS_SELF_LOCKED).any():
+        handles.append(Patch(facecolor=to_rgb(LOCKED), label=r"self-locked: $F_N \leq 0$"))
+    handles.append(Line2D([], [], color="black", linewidth=0.7, label="load of the curves; bands: 95 %"))
+    return handles
+
+
+def _edges(centres: Floats) -> Floats:
+    if centres.size == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    middles = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
+
+
+# ---- Area against load ----------------------------------------------------------------------------------------------
+
+
+def area_figure(dataset: xarray.Dataset) -> Figure:
+    """True contact area against normal load, and their ratio, with 95 % intervals; a row for each amplitude."""
+    from matplotlib.figure import Figure
+
+    study = study_of(dataset)
+    mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
+    shown = evenly_spread(dataset.sizes["fractal_dimension"], MOST_CURVES)
+    areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=tau0)
+    areas = areas.isel(mu0=0, tau0=0)
+    amplitudes = areas["amplitude"].values
+    lines = _headlines(dataset, study)
+    above, below, between = 4.0 + HEADLINE * len(lines), 15.0, 4.0
+    height = 50.0 if amplitudes.size == 1 else 38.0
+    total = above + below + amplitudes.size * (height + between) - between
+    exact = study.contact.mechanics == "half-space"
+    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+    for row, amplitude in enumerate(amplitudes):
+        bottom = below + (amplitudes.size - 1 - row) * (height + between)
+        pair = [figure.add_axes((left / 170, bottom / total, 70 / 170, height / total)) for left in (13, 98)]
+        _area_curves(pair, areas.isel(amplitude=row), exact=exact, apart=LINE_HEIGHT / height)
+        for number, ax in enumerate(pair):
+            if row == 0:
+                _letter(ax, number)
+            if row < amplitudes.size - 1:
+                ax.tick_params(labelbottom=False)
+            else:
+                ax.set_xlabel(label("load"))
+        pair[0].set_ylabel(label("contact_area"))
+        pair[1].set_ylabel(label("area_over_load"))
+        if amplitudes.size > 1:
+            pair[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=pair[0].transAxes, va="top")
+    _head(figure, lines)
+    beyond = "" if exact else "; dotted: model not valid, most load on overlaps $> R/10$"
+    figure.text(
+        0.5, 1.5 / total, f"at {friction_parameters_text(mu0, tau0)}; bands: 95 %{beyond}", ha="center", va="bottom",
+        fontsize=6,
+    )  # fmt: skip
+    return figure
+
+
+def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart: float) -> None:
+    """Area, and area over load, of each fractal dimension; names where curves begin, this part of an axis apart."""
+    load, dimensions = areas["load"].values, areas["fractal_dimension"].values
+    areas = areas.transpose("fractal_dimension", "load")
+    area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
+    trusted = exact | (areas["share_beyond_hertz"].values <= FRACTION_LIMIT)
+    positive = area[area > 0]
+    for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
+        ax.set_xscale("log")
+        ax.set_xlim(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2)
+        if not positive.size:
+            ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
+            continue
+        ax.set_yscale("log")
+        # A band that is wider than all the curves may be cut off.
+        values = (scale * area)[area > 0]
+        ax.set_ylim(values.min() / MOST_BAND, values.max() * MOST_BAND)
+        few_ticks(ax)
+        names, places = [], []
+        for curve, colour in enumerate(dimension_colours(dimensions)):
+            ax.fill_between(load, scale * lower[curve], scale * upper[curve], color=colour, alpha=0.25, linewidth=0)
+            ax.plot(load, scale * area[curve], ":", color=colour, linewidth=0.8)
+            ax.plot(load, np.where(trusted[curve], scale * area[curve], np.nan), color=colour, linewidth=0.8)
+            starts = np.flatnonzero(area[curve] > 0)
+            if starts.size:
+                names.append((load[starts[0]], dimensions[curve], colour))
+                places.append(np.log(scale[starts[0]] * area[curve, starts[0]]))
+        low, high = np.log(ax.get_ylim())
+        spread = spread_out(places, apart * (high - low))
+        spread += max(0, low + apart * (high - low) - spread.min(initial=high))
+        for (start, dimension, colour), place in zip(names, spread, strict=True):
+            text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
+            ax.text(start / 1.12, np.exp(place), text, color=colour, fontsize=6, ha="right", va="center")

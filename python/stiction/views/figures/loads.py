@@ -1,0 +1,213 @@
+"""Friction and true contact area against load, or against the cut-off, of any result read at loads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.views.style import (
+    AREA,
+    MILLIMETRE,
+    RULE_WORDS,
+    RULES,
+    WIDTH,
+    direction_text,
+    few_ticks,
+    friction_parameters_text,
+    label,
+)
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_SHOWN = 4.0
+"""Times the highest mean that the axis of coefficients reaches at most: an interval of few members may be wider."""
+
+MOST_SINGLE_DIRECTIONS = 2
+"""Directions that are drawn one by one beside their mean."""
+
+
+def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: str = "") -> Figure:
+    """Friction coefficient by both sliding rules, and true contact area, against load; 80 mm wide.
+
+    Parameters
+    ----------
+    points : xarray.Dataset
+        What `at_load` returns, of one cell and one mu0 and tau0.
+    asked : sequence of float, mN
+        Loads that are marked.
+    title : str
+        Whose figure it is.
+    """
+    loads = np.asarray(points["load"].values, dtype=np.float64)
+    figure = _against(points, "load", loads, title)
+    upper, lower = figure.axes[:2]
+    for ax in (upper, lower):
+        for load in asked:
+            ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
+    lower.set_xlabel(label("load"))
+    if "nominal_area" in points.coords:
+        area = float(points["nominal_area"])
+        both: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
+        top = upper.secondary_xaxis("top", functions=both)
+        top.set_xlabel(label("nominal_pressure"))
+        _plain_log(top)
+    return figure
+
+
+def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
+    """Friction coefficient and true contact area against the cut-off wavelength, at one load; 80 mm wide.
+
+    A cut-off of 0 leaves the surfaces as they were measured; it is drawn at their shortest wave where that is known,
+    else to the left of the first one.
+
+    Parameters
+    ----------
+    points : xarray.Dataset
+        What `resolution_at` returns, at one load, mu0 and tau0.
+    title : str
+        Whose figure it is.
+    limits : mapping, optional
+        What `limits` returns of it: the plastic limit is a line, what is continued dashed, and grey is where nothing
+        was seen.
+    """
+    limits = limits or {}
+    cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
+    positive = cut_off[cut_off > 0].min(initial=2.0)
+    shown = np.where(cut_off > 0, cut_off, limits.get("shortest") or positive / FINER_THAN_FIRST)
+    figure = _against(points, "cut_off", shown, title, limits)
+    figure.axes[1].set_xlabel(label("cut_off") + (", left: none" if (cut_off == 0).any() else ""))
+    return figure
+
+
+FINER_THAN_FIRST = 1.5
+"""Times that the scan itself is drawn to the left of the first cut-off, where its shortest wave is not known."""
+
+FINEST = 1 / 16
+"""Of the first cut-off: as far as what is continued is drawn."""
+
+
+def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats) -> None:
+    """What lies beyond the scan, under what was computed."""
+    if limits.get("friction") is not None:
+        upper.axhline(limits["friction"], color=RULES["all"], linewidth=0.8, linestyle=":", label=PLASTIC)
+        lower.axhline(100 * limits["area_fraction"], color=AREA, linewidth=0.8, linestyle=":")
+    waves = np.asarray(limits.get("wavelength", ()))
+    there = waves >= FINEST * x[x > 0].min()
+    for axes, name, factor, colour in (
+        (upper, "finer_friction", 1.0, RULES["all"]),
+        (lower, "finer_area_fraction", 100.0, AREA),
+    ):
+        if not there.any() or not np.isfinite(limits[name][there, 0]).any():
+            continue
+        mean, low, high = factor * limits[name][there].T
+        axes.fill_between(waves[there], low, high, color=colour, alpha=0.1, linewidth=0)
+        axes.plot(waves[there], mean, "--", color=colour, linewidth=0.8, label=CONTINUED if axes is upper else None)
+        if axes is upper:
+            axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
+    if limits.get("shortest"):
+        for axes in (upper, lower):
+            axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label=UNSEEN)
+
+
+PLASTIC = "plastic limit"
+CONTINUED = "by the Hurst exponent"
+UNSEEN = "not seen"
+"""What a legend says."""
+
+
+def _against(
+    points: xarray.Dataset, along: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
+) -> Figure:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, 114 * MILLIMETRE), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    for rule in _rules(points):
+        at = points if "sliding" not in points.dims else points.sel(sliding=rule)
+        colour = RULES[rule]
+        mean, low, high = (at["friction_all_round"].sel(statistic=name).values for name in STATISTICS)
+        upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+        upper.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_WORDS[rule])
+        _single_directions(upper, at, x, colour)
+    _mark_incomplete(upper, points, along, x)
+    mean, low, high = (_area(points).sel(statistic=name).values for name in STATISTICS)
+    lower.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
+    lower.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
+    for ax in (upper, lower):
+        ax.set_xscale("log")
+    if (mean > 0).any():
+        lower.set_yscale("log")
+    highest = max(line.get_ydata().max(initial=0.0, where=np.isfinite(line.get_ydata())) for line in upper.lines)
+    upper.set_ylim(0, min(upper.get_ylim()[1], MOST_SHOWN * highest) if highest > 0 else None)
+    if limits:
+        left = min([*x, *(each for each in limits["wavelength"] if each >= FINEST * x.min())])
+        _draw_limits(upper, lower, limits, x)
+        lower.set_xlim(left / 1.2, 1.2 * x.max())
+    upper.set_ylabel(label("friction_coefficient"))
+    lower.set_ylabel(label("contact_area_fraction" if "contact_area_fraction" in points else "contact_area"))
+    for ax in (upper, lower):
+        few_ticks(ax)
+    figure.suptitle(_head(points, title), fontsize=6)
+    figure.legend(*upper.get_legend_handles_labels(), title="bands: 95 %", loc="outside lower center", ncols=2)
+    return figure
+
+
+STATISTICS = ("mean", "lower", "upper")
+
+
+def _rules(points: xarray.Dataset) -> list[str]:
+    """The sliding rules of a result, in the order of their colours."""
+    there = np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
+    return [rule for rule in RULES if rule in there]
+
+
+def _area(points: xarray.Dataset) -> Any:
+    """The true contact area, over the nominal one in % where that is known."""
+    if "contact_area_fraction" in points:
+        return 100 * points["contact_area_fraction"]
+    return points["contact_area"]
+
+
+def _single_directions(axes: Axes, at: xarray.Dataset, x: Floats, colour: str) -> None:
+    """Each of two directions as a thin line."""
+    if not 1 < at.sizes.get("direction", 1) <= MOST_SINGLE_DIRECTIONS:
+        return
+    for direction, dashes in zip(at["direction"].values, ("--", ":"), strict=False):
+        mean = at["friction_coefficient"].sel(direction=direction, statistic="mean").values
+        name = f"  upper body to {direction_text(float(direction))} alone"
+        axes.plot(x, mean, dashes, color=colour, linewidth=0.6, label=name)
+
+
+def _mark_incomplete(axes: Axes, points: xarray.Dataset, along: str, x: Floats) -> None:
+    """Crosses where some members have no answer."""
+    if not {"ok", "members"} <= set(points.variables):
+        return
+    ok = points["ok"].min([dim for dim in points["ok"].dims if dim != along])
+    some = (ok > 0).values & (ok < points["members"].max()).values
+    if not some.any():
+        return
+    first = _rules(points)[0]
+    at = points if "sliding" not in points.dims else points.sel(sliding=first)
+    mean = at["friction_all_round"].sel(statistic="mean").values
+    axes.plot(x[some], mean[some], "x", color="0.3", markersize=4, label="some members have no answer")
+
+
+def _head(points: xarray.Dataset, title: str) -> str:
+    modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
+    parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
+    return f"{title}\n{parameters}" if title else parameters
+
+
+def _plain_log(axes: Any) -> None:
+    """Numbers in place of powers of ten on a second axis."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=8))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_locator(NullLocator())

@@ -1,0 +1,222 @@
+"""Which figures a result has: what its study asks for, and of measured surfaces the standard set."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.studies.at_load import at_load, member_values
+from stiction.studies.contact_picture import FILE
+from stiction.studies.maps import study_of_result
+from stiction.studies.members import bodies_of
+from stiction.studies.onset import onset_beside
+from stiction.studies.resolution import resolution_at
+from stiction.studies.result import is_measured
+from stiction.studies.store import Stored
+from stiction.studies.study import Study
+from stiction.surfaces.profile import Profile
+from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
+from stiction.views.figures.contact import contact_figure
+from stiction.views.figures.contacts import contacts_figure
+from stiction.views.figures.distributions import positions_figure, sizes_figure
+from stiction.views.figures.ensemble import area_figure, friction_figure, motions
+from stiction.views.figures.loads import cut_off_figure, load_figure
+from stiction.views.figures.onset import onset_figure
+from stiction.views.figures.surfaces import length_scales_figure, profiles_figure
+from stiction.views.resolution import limits
+from stiction.views.style import STYLE, checked_formats, save_picture
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+
+def drawn(
+    result: xarray.Dataset | Stored,
+    directory: str | Path,
+    *,
+    formats: Sequence[str] = ("png",),
+    picture: xarray.Dataset | None = None,
+) -> list[Path]:
+    """Draw the figures of a result into a directory and return their paths.
+
+    Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
+    (a figure for each mu0) and ``area``; of several sliding rules or directions each has figures of its own, as in
+    ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
+    ``sizes``, ``cut_off``, ``onset``, ``contact`` (of profiles) and ``contacts`` (of maps), as far as the result has
+    what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored
+    directory : path
+    formats : sequence of {"png", "pdf", "svg"}
+        Each figure is written as each of these.
+    picture : xarray.Dataset, optional
+        What `contact_picture` returns; that beside a stored result by default.
+
+    Raises
+    ------
+    ValueError
+        If a format is unknown, there is nothing to draw, or a file cannot be written.
+    """
+    import matplotlib as mpl
+
+    endings = checked_formats(formats)
+    paths = []
+    for name, draw in figures_of(result, picture_of(result) if picture is None else picture):
+        with mpl.rc_context(STYLE):
+            figure = draw()
+            for ending in endings:
+                paths.append(Path(directory) / f"{name}.{ending}")
+                save_picture(figure, paths[-1])
+    return paths
+
+
+def figures_of(
+    result: xarray.Dataset | Stored, picture: xarray.Dataset | None = None
+) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """The name of each figure of a result, without its ending, and what draws it."""
+    study = study_of_result(result)
+    yield from _of_measured(result, study, picture) if is_measured(study) else _of_generated(whole(result), study)
+
+
+def whole(result: Any) -> xarray.Dataset:
+    """A result in memory."""
+    return result.dataset() if hasattr(result, "dataset") else result  # type: ignore[no-any-return]
+
+
+def picture_of(result: xarray.Dataset | Stored) -> xarray.Dataset | None:
+    """The picture of contacts beside a stored result, if there is one."""
+    import xarray
+
+    folder = getattr(result, "path", None)
+    if folder is None or not (Path(folder) / FILE).is_file():
+        return None
+    with xarray.open_dataset(Path(folder) / FILE, engine="h5netcdf") as opened:
+        return opened.load()
+
+
+def hardness_of(study: Study) -> float | None:
+    """The hardness (GPa) that a study gives, if any."""
+    hardness = getattr(study.contact, "hardness", None)
+    return None if hardness is None else float(hardness)
+
+
+def title_of(study: Study) -> str:
+    """Whose figure it is: the names of the two files."""
+    upper, lower = (Path(getattr(study.surfaces, side).file).name for side in ("upper", "lower"))
+    return f"{upper} on {lower}"
+
+
+# ---- Generated -------------------------------------------------------------------------------------------------------
+
+
+def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    for name in study.figures.draw:
+        match name:
+            case "profiles":
+                yield "profiles", lambda: profiles_figure(study)
+            case "length-scales":
+                yield "length_scales", lambda: length_scales_figure(study)
+            case "friction":
+                for suffix, one in motions(dataset):
+                    for mu0 in study.friction.mu0:
+                        yield f"friction_mu0_{mu0:.12g}{suffix}", _later(friction_figure, one, mu0)
+            case "area":
+                for suffix, one in motions(dataset):
+                    yield f"area{suffix}", _later(area_figure, one)
+
+
+def _later(figure: Callable[..., Figure], *arguments: Any, **more: Any) -> Callable[[], Figure]:
+    return lambda: figure(*arguments, **more)
+
+
+# ---- Measured --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A measured result read at all of its loads and at those that were asked for, without the cut-offs but one."""
+
+    points: xarray.Dataset  # over load, mu0 and tau0
+    asked: list[float]
+    title: str
+
+    def at(self, load: float, mu0: int, tau0: int) -> xarray.Dataset:
+        return self.points.isel(mu0=mu0, tau0=tau0).sel(load=load, method="nearest")
+
+
+def _of_measured(
+    result: xarray.Dataset | Stored, study: Study, picture: xarray.Dataset | None
+) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    surfaces: Any = study.surfaces
+    of_friction: Any = study.friction
+    asked = [float(load) for load in of_friction.load]
+    points = at_load(result, np.unique([*study.contact.steps(), *asked]))
+    read = _Read(points.isel(cut_off=0), asked, title_of(study))
+    hardness = hardness_of(study)
+    first = asked[0]
+    over = points if points.sizes["cut_off"] > 1 else None
+    onset = None
+    if isinstance(result, Stored):
+        over, onset = resolution_at(result) if over is None else over, onset_beside(result)
+    for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
+        of = "" if number == 1 else f"-{number}"
+        own = read.points.isel(mu0=m, tau0=t)
+        yield f"friction{of}", _later(load_figure, own, asked, title=read.title)
+        if points.sizes.get("direction", 1) >= FEWEST_DIRECTIONS:
+            yield f"compass{of}", _later(compass_figure, read.at(first, m, t), title=read.title)
+        yield f"positions{of}", _later(_positions, result, read, first, m, t)
+        if over is not None:
+            at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
+            yield f"cut_off{of}", _later(_cut_off, at, study, title=read.title)
+    if onset is not None:
+        yield "onset", _later(onset_figure, onset, title=read.title)
+    if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
+        yield "sizes", _later(_sizes, result, read, hardness)
+    if picture is not None:
+        direction = float(np.atleast_1d(points["direction"].values)[0])
+        yield "contacts", _later(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
+    elif surfaces.press == "lines" and study.contact.mechanics == "asperities":
+        yield from _of_profiles(result, study, read)
+
+
+def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
+    return cut_off_figure(at, title=title, limits=limits(at, study))
+
+
+def _positions(result: Any, read: _Read, load: float, mu0: int, tau0: int) -> Figure:
+    at = read.at(load, mu0, tau0)
+    members = member_values(result, [load], mu0=[float(at["mu0"])], tau0=[float(at["tau0"])])
+    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).mean("direction", skipna=False)
+    return positions_figure(values.transpose("repetition", ...), at, title=read.title)
+
+
+def _sizes(result: Any, read: _Read, hardness: float | None) -> Figure:
+    members = whole(result)[["patch_area", "pressure"]].isel(cut_off=0)
+    points = read.points.isel(mu0=0, tau0=0).sel(load=read.asked, method="nearest")
+    return sizes_figure(members, points, hardness=hardness, title=read.title)
+
+
+def _of_profiles(result: Any, study: Study, read: _Read) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """The first pair of lines that carries the first load, if one does."""
+    contact: Any = study.contact
+    load, wavelength = read.asked[0], float(study.surfaces.cells()["cut_off"][0])
+    dataset = whole(result).isel(cut_off=0).sel(load=load, method="nearest")
+    carrying = np.flatnonzero(np.isfinite(dataset["approach"].values) & (dataset["contact_count"].values > 0))
+    if not carrying.size:
+        return
+    member = bodies_of(study).member(int(dataset["repetition"][carrying[0]]), wavelength)
+    upper, lower = member.pair
+    assert isinstance(upper, Profile)
+    at = read.at(load, 0, 0)
+    yield "contact", _later(
+        contact_figure, upper, lower, float(dataset["approach"].values[carrying[0]]), mu0=float(at["mu0"]),
+        tau0=float(at["tau0"]), load=load, offset=member.x, title=read.title,
+        model=contact.model(contact.rules()[0]),
+    )  # fmt: skip

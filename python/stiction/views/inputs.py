@@ -1,0 +1,131 @@
+"""Doubts about what was given: heights, spikes, loads and coefficients that are seldom meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stiction.studies.tables import MeasuredFriction
+from stiction.surfaces.preparation import levelled
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import instrument_limit
+from stiction.surfaces.spectrum import peak_of, power_spectrum
+from stiction.surfaces.surface import Surface
+from stiction.views.digits import with_unit
+from stiction.views.doubts import Doubt
+
+if TYPE_CHECKING:
+    from stiction.studies.study import Study
+
+HIGHEST_MU0 = 2.0
+"""Above it a molecular friction coefficient is a slip: clean metals in vacuum come near."""
+
+FORM = 0.6
+"""Fraction of the mean square height in a parabola, from which on it is form: of the longest waves it is half."""
+
+SPIKE = 12.0
+"""Of the usual second difference (median over 0.67), from which on a point stands out: by chance none does at 5."""
+
+PEAK = 0.1
+"""Fraction of the fourth spectral moment in one peak, from which on it is said."""
+
+WHOLE_PART = 0.1
+"""Nominal pressure over E* from which on a load is that of a larger body."""
+
+
+def doubts_of_inputs(
+    upper: Profile | Surface, lower: Profile | Surface, study: Study, loads: Sequence[float] = ()
+) -> tuple[Doubt, ...]:
+    """A doubt for each thing that is seldom meant.
+
+    Parameters
+    ----------
+    upper, lower : Profile or Surface
+        As they were read.
+    study : Study
+        That presses them.
+    loads : sequence of float, mN
+        Those that were asked for.
+    """
+    bowed = getattr(study.surfaces, "level", "") == "quadratic"  # what is taken off is no doubt
+    lengths = [float(each) for each in getattr(study.surfaces, "cut_off", ())]
+    of_upper, of_lower = (
+        [*_of_body(body, form=not bowed), *_of_instrument(body, min(lengths, default=0.0))] for body in (upper, lower)
+    )
+    both = [each for each in of_upper if each in of_lower]
+    doubts = [
+        replace(each, text=f"{name}: {each.text}")
+        for name, of_body in (("both bodies", both), ("upper", of_upper), ("lower", of_lower))
+        for each in of_body
+        if name == "both bodies" or each not in both
+    ]
+    mu0 = max(float(each) for each in study.friction.mu0)
+    if mu0 > HIGHEST_MU0:
+        text = f"μ0 = {mu0:g} is more than any pair of materials has"
+        doubts.append(Doubt(text, "is it in percent?", "caution"))
+    area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
+    modulus = float(study.contact.effective_modulus)
+    for load in loads:
+        if load / area > WHOLE_PART * modulus:
+            text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
+            doubts.append(Doubt(text, "is it the load of a whole part?", "caution"))
+    return tuple(doubts)
+
+
+def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
+    """`doubts_of_inputs` of a study of measured bodies, of which the files are read; none where they are gone."""
+    surfaces = study.surfaces
+    if surfaces.kind != "measured" or not isinstance(study.friction, MeasuredFriction):
+        return ()
+    try:
+        upper, lower = surfaces.upper.read(), surfaces.lower.read()
+    except (ValueError, OSError):
+        return ()
+    return doubts_of_inputs(upper, lower, study, [float(load) for load in study.friction.load])
+
+
+def _extent(body: Profile | Surface) -> tuple[float, float]:
+    """Along both axes; a profile is 1 µm thick."""
+    return (1.0, body.extent) if isinstance(body, Profile) else body.extent
+
+
+def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:
+    """Waves that are the instrument's and not the surface's, unless a cut-off (µm) takes them off."""
+    try:
+        limit = instrument_limit(body)
+    except ValueError:  # flat
+        return
+    if limit.reason == "noise floor" and limit.noise > cut_off:
+        wave = with_unit(limit.noise, "um")
+        text = f"below {wave} the spectrum is flat, as of noise, and the finest waves decide on slope and area"
+        yield Doubt(text, f"take them off: --cutoff '{wave}'", "caution")
+    if not isinstance(body, Profile):
+        return
+    peak = peak_of(power_spectrum(levelled(body, "line")))
+    if peak is not None and peak[1] >= PEAK and peak[0] > cut_off:
+        text = f"a peak at {with_unit(peak[0], 'um')} has {100 * peak[1]:.0f} % of the curvature: of the instrument?"
+        yield Doubt(text, "look at it by characterise; --cutoff takes it off", "caution")
+
+
+def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
+    height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
+    if height > extent / 2:
+        text = f"heights span {with_unit(height, 'um')} over {with_unit(extent, 'um')}"
+        yield Doubt(text, "is their unit right?", "caution")
+    if not isinstance(body, Profile):
+        return
+    level = levelled(body, "line").heights
+    parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
+    if form and parabola > FORM:
+        text = f"a parabola is {100 * parabola:.0f} % of its mean square height, and carries the load"
+        yield Doubt(text, "try --level quadratic", "caution")
+    bends = np.abs(np.diff(body.heights, 2))
+    usual = float(np.median(bends)) / 0.6745
+    spikes = int(np.count_nonzero(bends > SPIKE * usual)) if usual > 0 else 0
+    if spikes:
+        points = "1 point bends" if spikes == 1 else f"{spikes} points bend"
+        text = f"{points} more than {SPIKE:g} times as sharply as usual, and would touch first"
+        yield Doubt(text, "if they are spikes of the instrument, take them out", "caution")

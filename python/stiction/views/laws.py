@@ -1,0 +1,127 @@
+"""A table for a contact law of another code: as text for the terminal, and as CSV."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.studies.friction_table import STRAIGHT
+from stiction.views.digits import with_interval, with_unit
+from stiction.views.text import aligned, fitted
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+_COLUMNS: dict[str, tuple[str, float]] = {
+    "friction_coefficient": ("mu_s", 1.0),
+    "contact_area_fraction": ("A/A0 (%)", 100.0),
+    "normal_stiffness": ("stiffness over area (GPa/um)", 1.0),
+    "approach": ("approach (um)", 1.0),
+    "area_factor": ("a of A/A0 = a p (1/GPa)", 1.0),
+    "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
+    "stiffness_exponent": ("c of k/A0 = b p^c", 1.0),
+    "area_deviation": ("largest deviation of A/A0", 1.0),
+    "stiffness_deviation": ("largest deviation of k/A0", 1.0),
+    "sliding": ("rubbing contacts", 1.0),
+    "hurst_exponent": ("H", 1.0),
+    "rms": ("Sq (um)", 1.0),
+    "pressure": ("pressure (MPa)", 1000.0),
+    "mu0": ("mu0", 1.0),
+    "tau0": ("tau0 (MPa)", 1000.0),
+}
+"""What the columns of the CSV are called, and the factor to their units."""
+
+_OF_LOADS = ("friction_coefficient", "contact_area_fraction", "normal_stiffness", "approach")
+_PLACES = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
+_OF_LAWS = ("area_factor", "stiffness_factor", "stiffness_exponent", "area_deviation", "stiffness_deviation")
+
+
+def friction_table_csv(table: xarray.Dataset) -> str:
+    """A row for each sliding rule, H, Sq, pressure, mu0 and tau0; units in the header.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        What `friction_table` returns.
+    """
+    return _csv(table[list(_OF_LOADS)], _PLACES)
+
+
+def laws_csv(table: xarray.Dataset) -> str:
+    """The fitted laws A/A0 = a p and k/A0 = b p^c, with p in GPa: a row for each H and Sq.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        What `friction_table` returns.
+    """
+    return _csv(table[list(_OF_LAWS)], _PLACES[1:3])
+
+
+def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
+    columns: dict[str, Any] = {}
+    for name, values in part.data_vars.items():
+        title, factor = _COLUMNS[str(name)]
+        ends = {"": "mean", ": lower": "lower", ": upper": "upper"} if "statistic" in values.dims else {"": None}
+        for end, statistic in ends.items():
+            one = values if statistic is None else values.sel(statistic=statistic, drop=True)
+            columns[f"{title}{end}"] = one * factor
+    frame: pandas.DataFrame = part.drop_vars(list(part.data_vars)).drop_dims("statistic", errors="ignore").assign(
+        columns
+    ).to_dataframe(dim_order=list(places)).reset_index()  # fmt: skip
+    for name in places:
+        title, factor = _COLUMNS[name]
+        if name != "sliding":
+            frame[name] *= factor
+        frame = frame.rename(columns={name: title})
+    text: str = frame.to_csv(index=False, float_format="%.9g")
+    return text
+
+
+def friction_table_text(table: xarray.Dataset) -> str:
+    """The fitted laws of each roughness, and between which values its coefficients are.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        What `friction_table` returns.
+    """
+    ends = " to ".join(with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
+    lines = [
+        fitted(f"Pressures of {ends}; A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"),
+        "",
+    ]
+    rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all rub", "μ_s paper's rule", "off by"]]
+    doubted = False
+    for place in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
+        at = table.isel(hurst_exponent=place[0], rms=place[1])
+        off = [float(at[f"{name}_deviation"]) for name in ("area", "stiffness")]
+        doubted = doubted or max(off) > STRAIGHT
+        coefficients = at["friction_coefficient"].sel(statistic="mean")
+        rows.append(
+            [
+                f"{float(at['hurst_exponent']):.3g}, {with_unit(float(at['rms']), 'um')}",
+                *(_interval(at[name].values) for name in ("area_factor", "stiffness_factor", "stiffness_exponent")),
+                *(_span(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
+                ", ".join("none" if np.isnan(each) else f"{100 * each:.0f} %" for each in off),
+            ]
+        )  # fmt: skip
+    lines.append(aligned(rows))
+    if doubted:
+        lines += ["", fitted("Where a law is off by more than 10 %, take the numbers of the table instead.")]
+    return "\n".join(lines) + "\n"
+
+
+def _interval(statistics: Any) -> str:
+    return with_interval(*(float(value) for value in statistics)).replace(" no interval", "")
+
+
+def _span(coefficients: xarray.DataArray) -> str:
+    """Between which values they lie."""
+    known = coefficients.values[np.isfinite(coefficients.values)]
+    if not known.size:
+        return "none"
+    low, high = f"{known.min():.3g}", f"{known.max():.3g}"
+    return low if low == high else f"{low} to {high}"

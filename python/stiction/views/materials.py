@@ -1,0 +1,55 @@
+"""Materials as a table for the terminal, with numbered sources, and as JSON."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from stiction.views.rows import record
+from stiction.views.text import aligned, fitted
+
+if TYPE_CHECKING:
+    from stiction.mechanics.materials import Material, MaterialValue
+
+_PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
+
+
+def materials_text(chosen: Sequence[Material]) -> str:
+    """A table of ranges, those of a kind one after the other, and what the numbers in brackets are.
+
+    Examples
+    --------
+    >>> from stiction import material
+    >>> print(materials_text([material("gold")]).splitlines()[1])
+    gold   77–78 [1]  0.42–0.44 [1]  0.188–0.73 [2]
+    """
+    sources: dict[str, int] = {}
+
+    def cell(value: MaterialValue) -> str:
+        shown = f"{value.low:g}" if value.low == value.high else f"{value.low:g}\N{EN DASH}{value.high:g}"
+        return f"{shown} [{sources.setdefault(value.source, len(sources) + 1)}]"
+
+    rows = []
+    for kind, group in itertools.groupby(chosen, key=lambda each: each.kind):
+        rows.append([f"{kind}", "E (GPa)", "ν", "hardness (GPa)"])
+        rows += [[each.name, *(cell(getattr(each, name)) for name in _PROPERTIES)] for each in group]
+    others = [f"{each.name}: {', '.join(each.aliases)}" for each in chosen if each.aliases]
+    parts = [aligned(rows), *([fitted(f"Also known as: {'; '.join(others)}.")] if others else [])]
+    parts.append("\n".join(fitted(f"[{number}] {source}", hang="    ") for source, number in sources.items()))
+    return "\n\n".join(parts) + "\n"
+
+
+def materials_record(chosen: Sequence[Material]) -> str:
+    """The same as JSON."""
+    return record("materials", [], materials=[_entry(each) for each in chosen])
+
+
+def _entry(each: Material) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for name, unit in _PROPERTIES.items():
+        value = getattr(each, name)
+        values[name] = {
+            "value": float(value), "low": value.low, "high": value.high, "unit": unit, "source": value.source
+        }  # fmt: skip
+    return {"name": each.name, "kind": each.kind, "aliases": list(each.aliases), **values}

@@ -1,0 +1,110 @@
+"""What a pair says of how it begins to slide: a sentence, a table and a record of the curve beside its result."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.views.digits import two_digits, with_interval, with_unit
+from stiction.views.rows import finite
+
+if TYPE_CHECKING:
+    import xarray
+
+HALF = 0.5
+
+AMPLITUDES = (0.5, 0.9)
+"""Of cycles, over the sliding load."""
+
+STATISTICS = ("mean", "lower", "upper")
+
+
+def onset_text(onset: xarray.Dataset) -> str:
+    """One sentence: creep before sliding, what slips at half of the load, and the stiffness at rest."""
+    parts = []
+    creep = _ends(onset["displacement_at_sliding"], 1000.0)
+    if math.isfinite(creep[0]):
+        parts.append(f"it creeps {two_digits(*creep)} nm before it slides")
+    slipped = _ends(onset["slipped_area"].sel(fraction=HALF), 100.0)
+    parts.append(f"at half of the load {slipped[0]:.2g} % of the contact slips")
+    stiffness = _ends(onset["stiffness"])
+    if math.isfinite(stiffness[0]):
+        parts.append(f"its tangential stiffness at rest is {stiffness[0]:.3g} mN/µm")
+    words = "; ".join(parts)
+    return words[0].upper() + words[1:] + "."
+
+
+def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
+    """A table of means and intervals, headings first."""
+    a = onset.attrs
+    head = f"{with_unit(float(a['load_mN']), 'mN')}, μ0 = {float(a['mu0']):g}, τ0 = {_strength(float(a['tau0_GPa']))}"
+    half = onset.sel(fraction=HALF)
+    rows = [
+        ["sliding load (mN)", _cell(onset["sliding_load"])],
+        ["creep before sliding (nm)", _cell(onset["displacement_at_sliding"], 1000.0)],
+        ["tangential stiffness (mN/µm)", _cell(onset["stiffness"])],
+        ["contact that slips at half of the load (%)", _cell(half["slipped_area"], 100.0)],
+        ["load on it (%)", _cell(half["slipped_load"], 100.0)],
+        *(
+            [f"energy of a cycle of {each:g} of it (pJ)", _cell(onset["energy_lost"].sel(fraction=each), 1000.0)]
+            for each in AMPLITUDES
+        ),
+    ]
+    return [["onset of sliding", head], *(row for row in rows if row[1] != "none")]
+
+
+def onset_note(onset: xarray.Dataset) -> str:
+    """What the numbers are means of, and what they assume."""
+    a = onset.attrs
+    members = int(a["members"])
+    words = f"Of {members} member{'s' if members > 1 else ''}, all contacts rubbing."
+    if not int(a.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
+        words += f" Poisson's ratio is taken as {float(np.ravel(a['poisson_ratio'])[0]):g}."
+    return words
+
+
+def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
+    """The curve, its numbers and the parameters of models fitted to it, as JSON has them: mN, µm, GPa."""
+    numbers = {
+        name: dict(zip(STATISTICS, map(finite, _ends(onset[name])), strict=True))
+        for name in ("sliding_load", "displacement_at_sliding", "stiffness")
+    }
+    curve = [
+        {"fraction": float(fraction)}
+        | {
+            name: dict(zip(STATISTICS, map(finite, _ends(onset[name].sel(fraction=fraction))), strict=True))
+            for name in ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
+        }
+        for fraction in onset["fraction"].values
+    ]
+    known = {str(name): value for name, value in onset.attrs.items()}
+    models = {
+        model: {name.removeprefix(f"{model}_"): float(value) for name, value in known.items() if name.startswith(model)}
+        for model in ("iwan", "lugre")
+    }
+    return {
+        "sentence": onset_text(onset),
+        "load": float(known["load_mN"]),
+        "mu0": float(known["mu0"]),
+        "tau0": float(known["tau0_GPa"]),
+        "members": int(known["members"]),
+        "poisson_ratio": np.ravel(known["poisson_ratio"]).astype(float).tolist(),
+        **numbers,
+        **{model: parameters or None for model, parameters in models.items()},
+        "curve": curve,
+    }
+
+
+def _ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
+    mean, lower, upper = (factor * float(table.sel(statistic=each)) for each in STATISTICS)
+    return mean, lower, upper
+
+
+def _cell(table: xarray.DataArray, factor: float = 1.0) -> str:
+    return with_interval(*_ends(table, factor))
+
+
+def _strength(tau0: float) -> str:
+    return with_unit(tau0, "GPa") if tau0 else "0"

@@ -1,0 +1,145 @@
+"""Reading one point of what `at_load` gives: its numbers, and in words what it is a point of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.views.digits import with_unit
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+RULES = {
+    "all": "if all contacts rub",
+    "opposing": "if only climbing contacts rub (the paper's rule)",
+}
+"""The sliding rules in words. Of measured bodies the first comes first, because mu0 is measured on smooth faces."""
+
+
+def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
+    """Every cell, load, mu0 and tau0 of what `at_load` gives, one after the other."""
+    cells = [name for name in CELLS if name in at.dims]
+    dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
+    for place in np.ndindex(*(at.sizes[name] for name in dims)):
+        yield at.isel(dict(zip(dims, place, strict=True)))
+
+
+CELLS = ("fractal_dimension", "amplitude", "cut_off")
+"""Dimensions of cells of any study."""
+
+
+def value_of(point: xarray.Dataset, name: str) -> float:
+    """The mean of a quantity at a point, over directions too where it depends on them; NaN where there is none."""
+    if name not in point.variables:
+        return math.nan
+    table = point[name]
+    if "statistic" in table.dims:
+        table = table.sel(statistic="mean")
+    known = table.values[np.isfinite(table.values)]
+    return float(known.mean()) if known.size else math.nan
+
+
+def pressure_of(point: xarray.Dataset) -> float:
+    """Mean pressure in contact (GPa)."""
+    if "mean_pressure" in point:
+        return value_of(point, "mean_pressure")
+    area = value_of(point, "contact_area")
+    return float(point["load"]) / area if area > 0 else math.nan
+
+
+def rules_of(study: Study) -> list[str]:
+    """The sliding rules of a study, the one to quote first."""
+    order = list(RULES) if study.surfaces.kind == "measured" else list(reversed(RULES))
+    return sorted(study.contact.rules(), key=order.index)
+
+
+def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
+    """Whether a load over the nominal area means something: not of spheres on a strip as thick as somebody chose."""
+    if "nominal_area" not in point.coords:
+        return False
+    lines = study.surfaces.kind == "profile" or getattr(study.surfaces, "press", "areas") == "lines"
+    return not lines or study.contact.mechanics == "half-space" or "cylinder" in law_of(study)
+
+
+def law_of(study: Study) -> str:
+    """The contact law of asperities, in whatever words; empty of a half-space."""
+    return str(getattr(study.contact, "law", "")).lower()
+
+
+def is_capped(study: Study) -> bool:
+    """Whether pressures have a limit."""
+    return getattr(study.contact, "hardness", None) is not None or "jackson" in law_of(study)
+
+
+def modulus_of(point: xarray.Dataset, study: Study) -> float:
+    """E* in GPa."""
+    return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
+
+
+def materials_text(study: Study) -> str:
+    """What the bodies are made of, "mild steel on brass"; empty where their names are not known."""
+    names = getattr(study.contact, "materials", None)
+    return "" if names is None else " on ".join(names)
+
+
+def hardness_range(study: Study) -> tuple[float, float] | None:
+    """Between which values (GPa) the hardness of the softer material lies, if it is that which the study has."""
+    names, hardness = getattr(study.contact, "materials", None), getattr(study.contact, "hardness", None)
+    if names is None or hardness is None:
+        return None
+    from stiction.mechanics.materials import material, softer_hardness
+
+    try:
+        known = softer_hardness(*(material(name) for name in names))
+    except ValueError:  # of names that somebody gave himself
+        return None
+    same = abs(float(hardness) / known - 1) < ROUNDED
+    return (known.low, known.high) if same and known.low < known.high else None
+
+
+ROUNDED = 0.006
+"""Relative difference between a number and itself in three digits, at most."""
+
+
+def load_text(point: xarray.Dataset, study: Study) -> str:
+    """The load of a point, and over the nominal area: "10 mN (100 MPa)"."""
+    load = float(point["load"])
+    words = with_unit(load, "mN")
+    return (
+        f"{words} ({with_unit(load / float(point['nominal_area']), 'GPa')})"
+        if has_nominal_area(point, study)
+        else words
+    )
+
+
+def over_text(directions: Any) -> str:
+    """What a mean over directions (degrees) is a mean over.
+
+    Examples
+    --------
+    >>> over_text([0, 180]), over_text([0, 45]), over_text([0, 90, 180, 270])
+    ('the mean over both senses of x', 'the mean over 0° and 45°', 'the mean over 4 directions all round')
+    """
+    degrees = np.sort(np.asarray(directions, dtype=float) % 360)
+    if degrees.size == 1:
+        return f"the upper body moves {way_text(float(degrees[0]))}"
+    gaps = np.diff(np.append(degrees, degrees[0] + 360))
+    if np.allclose(gaps, 360 / degrees.size):
+        if degrees.size == 2:
+            axis = {0.0: "x", 90.0: "y"}.get(float(degrees[0]), f"{degrees[0]:g}°")
+            return f"the mean over both senses of {axis}"
+        return f"the mean over {degrees.size} directions all round"
+    named = [f"{each:g}°" for each in degrees]
+    return f"the mean over {', '.join(named[:-1])} and {named[-1]}"
+
+
+def way_text(direction: float) -> str:
+    """A direction in words: "to +x", "at 30°"."""
+    axes = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
+    return f"to {axes[direction]}" if direction in axes else f"at {direction:g}°"

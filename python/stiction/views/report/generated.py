@@ -1,0 +1,218 @@
+"""What a page knows of a result of generated bodies: means over its members, their sums, and some pairs to look at."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.mechanics.quantities import AREAL_VALIDITY, QUANTITIES, VALIDITY
+from stiction.studies.at_load import reached_loads
+from stiction.studies.store import Stored
+from stiction.studies.study import Study, study_names
+from stiction.views.figures.ensemble import FRACTION_LIMIT
+from stiction.views.report.example import Example
+from stiction.views.report.page import ReportError, counted, packed
+from stiction.views.report.page_result import BYTES, CELLS, PageResult, motions_of, way
+from stiction.views.report.sums import MOTIONS, RATIOS, means_of_solved, sums_of_ensemble
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST_MEANS = 1_000_000
+"""Pairs of surfaces times steps times motions, of which a page can make a map between two pictures."""
+
+MOST_SUMS = 12_000_000
+"""Sums of single members in a page, of four bytes each when compressed; without them it has no intervals."""
+
+PER_MEMBER = 7
+"""Sums of each member at each step."""
+
+MOST_OVERLAP = 0.1
+"""Mean of overlap / radius above which the page warns; of the fractions it is `FRACTION_LIMIT`."""
+
+DRAWN = ("share_beyond_hertz", "share_below_grid")
+"""Figures of validity that hatch the map and dot the curves."""
+
+
+def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) -> PageResult:
+    """What a page says of a result of generated bodies, called by a name, or by that of its study where this is empty.
+
+    Raises
+    ------
+    ReportError
+        If it is too large for a page or has no members, or one of its numbers is not finite.
+    """
+    step = study.step
+    averages, members = _averages(result, study)
+    rules, angles = motions_of(study)
+    motions = len(rules) * len(angles)
+    values = motions * members * int(np.prod([averages.sizes[dim] for dim in (*_CELLS, step)]))
+    has_intervals = members > 1 and values * PER_MEMBER <= MOST_SUMS
+    found = sums_of_ensemble(result, list(_CELLS), step, motions, has_sums=has_intervals)
+    numbers = {"means": packed(found.means, BYTES["means"]), "sums": packed(found.sums, BYTES["sums"])}
+    example = None
+    if study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+        example = Example.of(_coordinates(averages, result), study)
+        numbers["profiles"] = packed(example.profiles, BYTES["profiles"])
+        numbers["contacts"] = packed(example.contacts, BYTES["contacts"])
+    facts = found.facts | _facts_of(averages, study, result)
+    facts |= {
+        "name": name or _name_of(study),
+        "hasIntervals": has_intervals,
+        "repetitions": members,
+        "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
+        "example": None if example is None else example.facts,
+    }
+    version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
+    return PageResult(
+        study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
+        version=str(version), there=_count(result),
+    )  # fmt: skip
+
+
+_CELLS = ("fractal_dimension", "amplitude")
+
+
+def _facts_of(averages: xarray.Dataset, study: Study, result: xarray.Dataset | Stored) -> dict[str, Any]:
+    """What does not depend on single members."""
+    surfaces: Any = study.surfaces
+    counts: NDArray[np.bool_] = averages["contact_count"].values > 0  # (dimension, amplitude, step)
+    rules, angles = motions_of(study)
+    convention = " (classical)" if surfaces.convention == "classical" else ""
+    return {
+        "reading": "mean",
+        "interval": "jackknife",
+        "cell": CELLS["fractal_dimension"] | {"title": f"{CELLS['fractal_dimension']['title']}{convention}"},
+        "dimensions": averages["fractal_dimension"].values.tolist(),
+        "convention": convention,
+        "amplitudes": averages["amplitude"].values.tolist(),
+        "measure": surfaces.amplitude_measure,
+        "steps": averages[study.step].values.tolist(),
+        "rules": rules,
+        "directions": angles,
+        "ways": [{"words": f"to {way(angle)}", "directions": [d]} for d, angle in enumerate(angles)],
+        "validity": _validity(averages),
+        "touched": counts.any(axis=2).tolist(),
+        "touchedAtLast": counts[:, :, -1].tolist(),
+        "loads": _loads(result) if counts.any() else [],
+        "quantities": [], "answers": [], "asked": [], "gap": None, "picture": None, "spectra": None,
+    }  # fmt: skip
+
+
+def _count(result: xarray.Dataset | Stored) -> int:
+    """Members of a result that are there."""
+    return len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
+
+
+def _coordinates(averages: xarray.Dataset, result: xarray.Dataset | Stored) -> xarray.Dataset:
+    """The coordinates of a result, its members included."""
+    members = result.finished if isinstance(result, Stored) else result["repetition"].values
+    return averages.coords.to_dataset().assign_coords(repetition=np.asarray(members))
+
+
+def _averages(result: xarray.Dataset | Stored, study: Study) -> tuple[xarray.Dataset, int]:
+    """Means over the members (..., dimension, amplitude, step), finite only if every number is, and their number."""
+    if not isinstance(result, Stored):
+        _check_dataset(result, study)
+    elif not len(result.finished):
+        raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
+    averages, members = means_of_solved(result)
+    if not members:
+        raise ReportError("no member of the result has a solution at every load")
+    averages = averages.transpose(..., "fractal_dimension", "amplitude", study.step)
+    motions = [dim for dim in MOTIONS if dim in averages.dims]
+    cells = ("fractal_dimension", "amplitude", study.step)
+    values = int(np.prod([averages.sizes[dim] for dim in (*motions, *cells)]))
+    if values > MOST_MEANS:
+        raise ReportError(
+            f"the result has {values} pairs times {'approaches' if study.step == 'approach' else 'loads'}, more than "
+            f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
+        )
+    free = study.contact.mechanics == "half-space"  # of free half-planes no approach is known
+    for name in study.sums():
+        if not (free and name == "approach"):
+            _check_finite(name, averages[name].values)
+    return averages, members
+
+
+def _check_dataset(dataset: xarray.Dataset, study: Study) -> None:
+    for name in ("fractal_dimension", "amplitude", "repetition", study.step):
+        if not dataset.sizes.get(name):
+            raise ReportError(f"the result has nothing along {name!r}; a page needs one repetition or more")
+    for name in ("fractal_dimension", "amplitude", study.step, *study.sums()):
+        if name not in dataset.variables:
+            raise ReportError(f"the result has no {name}; a page is made of what `run` returns")
+    for name in ("fractal_dimension", "amplitude", study.step):
+        _check_finite(name, dataset[name].values)
+    if not (np.diff(dataset[study.step].values) > 0).all():
+        raise ReportError(f"the result has a {study.step} that does not rise; a page is made of what `run` returns")
+
+
+def _check_finite(name: str, values: NDArray[Any]) -> None:
+    if not np.isfinite(values).all():
+        raise ReportError(f"the result has a {name} that is not finite; a page needs numbers")
+
+
+def _validity(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
+    """What the page says of each figure of validity, and from where on it warns."""
+    figures = {}
+    for name in (*VALIDITY, *AREAL_VALIDITY, "load_share_at_hardness", "area_share_at_hardness"):
+        of, over = RATIOS[name]
+        if not {of, *over} <= set(data.data_vars) or (not over and not data[of].values.any()):
+            continue
+        words = QUANTITIES[name].short
+        figures[name] = {
+            "words": words[0].upper() + words[1:],
+            "isShare": "share" in name,
+            "limit": FRACTION_LIMIT if "share" in name else MOST_OVERLAP,
+            "isDrawn": name in DRAWN,
+            "of": of,
+            "over": over,
+        }
+    return figures
+
+
+def _loads(result: xarray.Dataset | Stored) -> list[float]:
+    """Lowest and highest load of the map, mN, in three digits; none where none is carried."""
+    try:
+        return [float(f"{load:.3g}") for load in reached_loads(result, 2)]
+    except ValueError:
+        return []
+
+
+def _name_of(study: Study) -> str:
+    """That of the built-in study that it is, but for the number of repetitions; else what it is of."""
+    for name in study_names():
+        if Study.named(name).with_changes({"ensemble.repetitions": study.ensemble.repetitions}) == study:
+            return name
+    return "study"
+
+
+def _head(study: Study) -> list[str]:
+    rules, angles = motions_of(study)
+    surfaces: Any = study.surfaces
+    contact: Any = study.contact
+    lengths = (float(surfaces.extent),) if surfaces.kind == "profile" else surfaces.extents()
+    how = "the elastic half-space" if contact.mechanics == "half-space" else "asperities"
+    law = "" if contact.mechanics == "half-space" else f", law {contact.model(rules[0]).law}"
+    return [
+        f"{surfaces.case[0].upper()}{surfaces.case[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
+        f"pressed by {how}{law}; E* = {float(contact.effective_modulus):g} GPa; contacts that rub: "
+        f"{' and '.join(rules)}; motion to {', '.join(map(way, angles))}."
+    ]
+
+
+def _pairs(study: Study, facts: dict[str, Any]) -> str:
+    """Say of how many pairs the page is."""
+    dimensions, amplitudes, steps = (len(facts[name]) for name in ("dimensions", "amplitudes", "steps"))
+    parts = [
+        counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces"),
+        f"at {'each of ' if dimensions > 1 else ''}" + counted(dimensions, "fractal dimension"),
+    ]
+    if amplitudes > 1:
+        parts.append(f"and {counted(amplitudes, 'amplitude')}")
+    loads = study.contact.mechanics == "half-space"
+    how = counted(steps, "load") if loads else counted(steps, "approach", "approaches")
+    return f"{' '.join(parts)}, pressed together at {how}"

@@ -1,0 +1,241 @@
+"""What a page knows of a result of measured bodies: their members' sums at every load, the answers, and the picture."""
+
+from __future__ import annotations
+
+from inspect import signature
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._text import printable
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.studies.at_load import at_load
+from stiction.studies.onset import onset_beside
+from stiction.studies.resolution import seen
+from stiction.studies.store import Stored
+from stiction.studies.study import Study
+from stiction.views.answer import answers, slopes_text
+from stiction.views.doubts import Doubt
+from stiction.views.figures.ensemble import FRACTION_LIMIT
+from stiction.views.figures.standard import hardness_of, picture_of, title_of
+from stiction.views.inputs import doubts_of_inputs
+from stiction.views.onset import onset_note, onset_text
+from stiction.views.point import over_text
+from stiction.views.point import points as points_of
+from stiction.views.report.page import MOST_TEXT, ReportError, counted, escaped, listed, packed
+from stiction.views.report.page_result import CELLS, PageResult, motions_of, way
+from stiction.views.report.picture import pictured
+from stiction.views.report.sums import RATIOS, sums_of_members
+from stiction.views.resolution import waves_text
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST_VALUES = 4_000_000
+"""Numbers of measured bodies in a page."""
+
+_OF_LOAD = (
+    ("contact_area_fraction", "True contact area A/A0", "contact_area", "%", None),
+    ("contact_area", "True contact area", "contact_area", "µm²", None),
+    ("contact_count", "Contacts", "contact_count", "", None),
+    ("mean_pressure", "Mean pressure in contact", "contact_area", "GPa", None),
+    ("normal_stiffness", "Normal stiffness", "normal_stiffness", "mN/µm", None),
+    ("approach", "Approach", "approach", "um", None),
+    ("share_on_largest", "Load on the contact that carries most", "share_on_largest", "%", 0.4),
+    ("share_at_edge", "Load on contacts that the edge cuts", "share_at_edge", "%", FRACTION_LIMIT),
+    ("fraction_on_small", "Load on contacts of at most 4 points", "fraction_on_small", "%", FRACTION_LIMIT),
+    ("load_share_at_hardness", "Load where the pressure is the hardness", "load_share_at_hardness", "%", None),
+    ("share_beyond_hertz", "Load beyond Hertz (overlap > radius / 10)", "", "%", FRACTION_LIMIT),
+    ("share_below_grid", "Load on radii below the grid spacing", "", "%", FRACTION_LIMIT),
+    ("share_overlapping", "Load on ellipses that overlap", "", "%", 0.1),
+)
+"""Name, words, variable, unit, and from where on the page warns, of what it says of each load beside friction."""
+
+
+def page_of_measured(
+    result: xarray.Dataset | Stored, study: Study, name: str, picture: xarray.Dataset | None, *, with_picture: bool
+) -> PageResult:
+    """What a page says of a result of measured bodies, called by a name, or by those of its files where this is empty.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored
+    study : Study
+    name : str
+    picture : xarray.Dataset, optional
+        What `contact_picture` returns.
+    with_picture : bool
+        Whether that beside a stored result is taken where none is given: of a result that has the page for itself.
+
+    Raises
+    ------
+    ReportError
+        If something that a page needs is not in the result, or it is too large.
+    """
+    dataset = result.dataset() if isinstance(result, Stored) else result
+    step = study.step
+    for dim in ("cut_off", "repetition", step):
+        if not dataset.sizes.get(dim):
+            raise ReportError(f"the result has nothing along {dim!r}; a page needs one member or more")
+    for scalar in ("nominal_area", "effective_modulus"):
+        if scalar not in dataset.coords or not float(dataset[scalar]) > 0:
+            raise ReportError(f"the result has no {scalar} above 0; a page is made of what `run` returns")
+    quantities = _quantities(dataset)
+    plain = list(dict.fromkeys(["normal_elastic", *(part for each in quantities for part in _parts(each))]))
+    found = sums_of_members(dataset, ["cut_off"], step, plain)
+    if found.sums.size > MOST_VALUES:
+        raise ReportError(f"the result has {found.sums.size} numbers, more than the {MOST_VALUES} that a page can hold")
+    files = title_of(study)
+    name = (f"{files} ({name})" if with_picture else name) if name else files
+    facts = found.facts | _facts_of(dataset, study) | {"name": name, "quantities": quantities}
+    numbers = {"means": packed(found.means, 8), "sums": packed(found.sums, 8)}
+    picture = picture_of(result) if picture is None and with_picture else picture
+    if picture is not None:
+        more, packs = pictured(picture)
+        facts |= more
+        numbers |= packs
+    members = int(facts["repetitions"])
+    version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
+    details = "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
+    return PageResult(
+        study=study, name=name, head=[*_head(study, facts), *_beside(result, study)],
+        pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
+        facts=facts, numbers=numbers, version=str(version), there=members, details=details,
+    )  # fmt: skip
+
+
+def _facts_of(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
+    surfaces: Any = study.surfaces
+    of_friction: Any = study.friction
+    loads = dataset[study.step].values.tolist()
+    asked = [float(load) for load in of_friction.load]
+    rules, angles = motions_of(study)
+    ways = [{"words": f"to {way(angle)}", "directions": [d]} for d, angle in enumerate(angles)]
+    if len(angles) > 1:
+        ways.insert(0, {"words": over_text(angles), "directions": list(range(len(angles)))})
+    return {
+        "reading": "elastic",
+        "interval": "neighbours" if surfaces.press == "lines" else "sample",
+        "hasIntervals": True,
+        "cell": CELLS["cut_off"],
+        "dimensions": dataset["cut_off"].values.tolist(),
+        "convention": "",
+        "amplitudes": [1.0],
+        "measure": "",
+        "repetitions": int(dataset.sizes["repetition"]),
+        "steps": loads,
+        "loads": [loads[0], loads[-1]],
+        "rules": rules,
+        "directions": angles,
+        "ways": ways,
+        "validity": {},
+        "modulus": float(dataset["effective_modulus"]),
+        "area": float(dataset["nominal_area"]),
+        "kinds": _kinds(dataset),
+        "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
+        "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
+        "asked": asked,
+        "answers": _answers(dataset, study, asked),
+        "gap": _gap(dataset),
+        "example": None,
+        "picture": None,
+        "spectra": None,
+    }
+
+
+def _beside(result: xarray.Dataset | Stored, study: Study) -> list[str]:
+    """Which waves were seen, and how the pair begins to slide, where that is kept beside the result."""
+    found = seen(study)
+    onset = onset_beside(result) if isinstance(result, Stored) else None
+    words = [] if found is None else [waves_text(found)]
+    return words if onset is None else [*words, f"{onset_text(onset)} {onset_note(onset)}"]
+
+
+def _head(study: Study, facts: dict[str, Any]) -> list[str]:
+    surfaces: Any = study.surfaces
+    hardness = hardness_of(study)
+    how = "the elastic half-space" if study.contact.mechanics == "half-space" else "asperities"
+    limited = "" if hardness is None else f", hardness {hardness:g} GPa"
+    pressed = {"areas": "Areas", "lines": "Lines"}.get(surfaces.press, "Surfaces with the spectra of both")
+    return [f"{pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {facts['modulus']:g} GPa{limited}."]
+
+
+def _history(side: str, history: str, study: Study) -> str:
+    """How a file was read and prepared, as markup."""
+    lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
+    file = escaped(getattr(study.surfaces, side).file)
+    return f"<p>The {side} body: <code>{file}</code></p>" + (f"<ul>{lines}</ul>" if lines else "")
+
+
+def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
+    """Shifts and surrogates, and which members are of each."""
+    surrogate = np.zeros(dataset.sizes["repetition"], np.bool_)
+    if "surrogate" in dataset.coords:
+        surrogate = dataset["surrogate"].values.astype(bool)
+    words = {False: "positions of the two surfaces", True: "pairs of surrogates"}
+    return [
+        {"words": words[which], "members": np.flatnonzero(surrogate == which).tolist()}
+        for which in (False, True) if (surrogate == which).any()
+    ]  # fmt: skip
+
+
+def _parts(quantity: dict[str, Any]) -> list[str]:
+    return [quantity["of"], *quantity["over"]]
+
+
+def _quantities(dataset: xarray.Dataset) -> list[dict[str, Any]]:
+    found = []
+    for name, words, of, unit, limit in _OF_LOAD:
+        of, over = (of, ()) if of else RATIOS[name]
+        if not {of, *over} <= set(dataset.data_vars) or not np.isfinite(dataset[of].values).any():
+            continue
+        if name == "load_share_at_hardness" and not dataset[of].values.any():
+            continue
+        found.append({"name": name, "words": words, "of": of, "over": list(over), "unit": unit, "limit": limit})
+    return found
+
+
+def _answers(dataset: xarray.Dataset, study: Study, asked: list[float]) -> list[dict[str, Any]]:
+    """Verdict, sentence and doubts at every load that was asked for, mu0, tau0 and cut-off."""
+    at = at_load(dataset, asked)
+    said = []
+    for point, answer in zip(points_of(at), answers(at, study, beside=_of_files(study, asked)), strict=True):
+        said.append(
+            {
+                "at": {name: float(value) for name, value in answer.at.items()},
+                "verdict": answer.verdict,
+                "sentence": printable(answer.sentence, MOST_TEXT * 4),
+                "doubts": [_doubt(each) for each in answer.doubts],
+                "slopes": slopes_text(answer, point, study),
+            }
+        )  # fmt: skip
+    return said
+
+
+def _of_files(study: Study, loads: list[float]) -> tuple[Doubt, ...]:
+    """Doubts that come from the two files; none where they cannot be read any more."""
+    surfaces: Any = study.surfaces
+    try:
+        upper, lower = surfaces.upper.read(), surfaces.lower.read()
+    except ValueError:
+        return ()
+    return doubts_of_inputs(upper, lower, study, loads)
+
+
+def _doubt(doubt: Doubt) -> dict[str, str]:
+    text, cure = (printable(words, MOST_TEXT) for words in (doubt.text, doubt.cure))
+    return {"text": text, "cure": cure, "severity": doubt.severity}
+
+
+def _gap(dataset: xarray.Dataset) -> dict[str, Any] | None:
+    """What friction by the slope alone is made of, over cut-off and member."""
+    if not {"rms_gradient", "rms_slope"} <= set(dataset.data_vars):
+        return None
+    gradient = dataset["rms_gradient"].transpose("cut_off", "repetition").values
+    slope = dataset["rms_slope"]
+    slope = slope if "direction" in slope.dims else slope.expand_dims("direction")
+    return {
+        "gradient": listed(gradient),
+        "slope": listed(slope.transpose("direction", "cut_off", "repetition").values),
+        "kappa": float(signature(gentle_friction).parameters["kappa"].default),
+    }

@@ -1,0 +1,166 @@
+"""The page of a result, or of two of a kind side by side: what it says, and the numbers that it carries.
+
+Of generated bodies the page has the means over the members and the sums of every member, and `numbers.js` does with
+them what `friction_map`, `area_map` and `stiffness_map` do. Of measured bodies it has the sums of every member at every
+load, and does what `at_load` does where each member carries the load before sliding. So every mu0 and tau0 is at hand,
+with intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stiction._files import replaced_file
+from stiction.mechanics import friction
+from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
+from stiction.studies.result import is_measured
+from stiction.studies.store import Stored
+from stiction.studies.study import study_of
+from stiction.views.doubts import WIDE
+from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
+from stiction.views.point import RULES
+from stiction.views.report.generated import page_of_generated
+from stiction.views.report.measured import page_of_measured
+from stiction.views.report.page import MARK, Page, ReportError, escaped
+from stiction.views.report.page_result import BYTES, PageResult
+from stiction.views.report.picture import CONTACT_BYTES
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST_RESULTS = 2
+"""On one page."""
+
+LOAD_STEPS = 80
+"""Loads of a map."""
+
+STATUSES = {
+    friction.STATUS_OK: ("", ""),
+    friction.STATUS_NOT_REACHED: ("load not reached", "no computed approach or load carries it"),
+    friction.STATUS_BELOW_RANGE: ("below the loads computed", "the first computed approach or load carries more"),
+    friction.STATUS_NO_CONTACT: ("no contact", "no pair touches within the approaches"),
+    friction.STATUS_NOT_SOLVED: ("not solved", "the half-space did not reach its tolerance for any member"),
+    friction.STATUS_SELF_LOCKED: (
+        "self-locked: no load is carried",
+        "friction locks the contacts: at the largest approach the mean load is zero or below",
+    ),
+}
+"""What the legend of the map, and a sentence, say of each status."""
+
+
+def save_report(
+    result: xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored],
+    path: str | Path,
+    *,
+    names: Sequence[str] = (),
+    picture: xarray.Dataset | None = None,
+) -> None:
+    """Write the page of a result; an older report of that name is replaced when the new one is whole.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored, or two of them
+        As for `report_page`.
+    path : path
+    names : sequence of str
+        As for `report_page`.
+    picture : xarray.Dataset, optional
+        As for `report_page`.
+
+    Raises
+    ------
+    ReportError
+        As `report_page`, and if the path holds something that is no report or cannot be written.
+    """
+    with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
+        partial.write_bytes(report_page(result, names=names, picture=picture).encode("utf-8", "replace"))
+
+
+def report_page(
+    result: xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored],
+    *,
+    names: Sequence[str] = (),
+    picture: xarray.Dataset | None = None,
+) -> str:
+    """The page of a result, or of two side by side, as HTML, which needs nothing else.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored, or two of them
+        What `run` returns; both of generated or both of measured bodies.
+    names : sequence of str
+        What each is called on the page; a built-in study, and a pair of files, have names of their own.
+    picture : xarray.Dataset, optional
+        What `contact_picture` returns, of a single result; that beside a stored result by default.
+
+    Raises
+    ------
+    ReportError
+        If there are more than two, they are not of a kind, one is too large for a page or has no members, or one of
+        its numbers is not what a page can show.
+    """
+    import xarray
+
+    results: list[Any] = list(result) if isinstance(result, (list, tuple)) else [result]
+    for each in results:
+        if not isinstance(each, (xarray.Dataset, Stored)):
+            raise ReportError(f"result must be a Dataset, a stored result or a list of them, got {type(each).__name__}")
+    if not 1 <= len(results) <= MOST_RESULTS:
+        raise ReportError(f"a page is of one result or two, got {len(results)}")
+    named = [*names, *[""] * len(results)][: len(results)]
+    try:
+        studies = [each.study if isinstance(each, Stored) else study_of(each) for each in results]
+    except ValueError as error:
+        raise ReportError(str(error)) from None
+    if len({is_measured(study) for study in studies}) > 1:
+        raise ReportError("two results side by side are both of generated or both of measured bodies")
+    alone = len(results) == 1
+    made = [
+        page_of_measured(each, study, name, picture if alone else None, with_picture=alone)
+        if is_measured(study) else page_of_generated(each, study, name)
+        for each, study, name in zip(results, studies, named, strict=True)
+    ]  # fmt: skip
+    return _page(made).html()
+
+
+def _page(results: list[PageResult]) -> Page:
+    studies = [result.study for result in results]
+    modulus = [float(study.contact.effective_modulus) for study in studies]
+    facts = {
+        "confidence": CONFIDENCE,
+        "fewest": FEWEST_OF_SAMPLE,
+        "fewestNeighbours": FEWEST_NEIGHBOURS,
+        "stepsAround": AROUND,
+        "statuses": {name: {"short": short, "why": why} for name, (short, why) in STATUSES.items()},
+        "bytes": BYTES,
+        "pictureBytes": CONTACT_BYTES,
+        "ticks": TICKS,
+        "colourQuantiles": COLOUR_QUANTILES,
+        "loadSteps": LOAD_STEPS,
+        "wide": WIDE,
+        "mu0": list(studies[0].friction.mu0),
+        "tau0": [1000 * float(value) for value in studies[0].friction.tau0],
+        "mu0Most": max(1.0, *(study.friction.mu0[-1] for study in studies)),
+        "tau0Most": max(
+            max(1000 * float(study.friction.tau0[-1]), 20 * own) for study, own in zip(studies, modulus, strict=True)
+        ),  # MPa
+        "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * min(modulus),
+        "ruleWords": RULES,
+        "results": [result.facts for result in results],
+    }
+    several = len(results) > 1
+    return Page(
+        name=" and ".join(result.name for result in results),
+        head=[f"{f'{result.name}: ' if several else ''}{line}" for result in results for line in result.head],
+        words={
+            "percent": f"{100 * CONFIDENCE:g} %",
+            "pairs": escaped(" and ".join(result.pairs for result in results)),
+            "unfinished": "".join(result.unfinished() for result in results),
+            "studies": "".join(result.described(several) for result in results),
+        },
+        facts=facts,
+        numbers={f"{name}-{r}": text for r, result in enumerate(results) for name, text in result.numbers.items()},
+        versions=f"Computed by stiction {', '.join(sorted({result.version for result in results}))}",
+    )

@@ -1,0 +1,243 @@
+"""What a pair says of the finest wave that was seen: cut-offs, the limit that a hardness sets, and what lies beyond."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.mechanics.continuation import friction_stretch, interface_stretch
+from stiction.mechanics.resolution import TYPICAL_HARDNESSES
+from stiction.studies.resolution import Seen, seen
+from stiction.views.digits import percent, two_digits, with_unit
+from stiction.views.point import modulus_of, points, pressure_of, rules_of, value_of
+from stiction.views.rows import finite
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+AT_HARDNESS = 0.5
+"""Fraction of the load at the hardness from which on the scan has reached it."""
+
+Rows = list[list[str]]
+
+RULE_TITLES = {"all": "all rub", "opposing": "the paper's rule"}
+
+
+# ---- Waves -----------------------------------------------------------------------------------------------------------
+
+
+def waves_text(found: Seen) -> str:
+    """Which waves were seen, and how much of the slope is in the shortest octave of them."""
+    part = percent(found.fraction_below(2 * found.shortest))
+    return (
+        f"Waves from {with_unit(found.shortest, 'um')} to {with_unit(found.longest, 'um')}; those below "
+        f"{with_unit(2 * found.shortest, 'um')} make {part} of the gap's mean square slope h'\N{SUPERSCRIPT TWO}."
+    )
+
+
+def waves_record(found: Seen) -> dict[str, Any]:
+    """The same as numbers, µm."""
+    return {
+        "shortest_um": found.shortest,
+        "longest_um": found.longest,
+        "rms_gradient": finite(found.gradient),
+        "fraction_of_mean_square_slope_in_shortest_octave": finite(found.fraction_below(2 * found.shortest)),
+        "hurst_exponent": None if found.estimate is None else finite(found.estimate.value),
+    }
+
+
+# ---- Cut-offs --------------------------------------------------------------------------------------------------------
+
+
+def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
+    """A table of one load, mu0 and tau0 over cut-offs, headings first; the plastic limit is its last row.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `resolution_at` gives, at one load, mu0 and tau0.
+    study : Study
+    """
+    rules = rules_of(study)
+    rows = [["waves below", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
+    for point in points(at):
+        friction = point["friction_all_round"]
+        cut_off = float(point["cut_off"])
+        rows.append([
+            with_unit(cut_off, "um") if cut_off else "none off",
+            two_digits(value_of(point, "rms_gradient")),
+            percent(value_of(point, "contact_area_fraction")),
+            _pressure(point),
+            *(f"{float(friction.sel(sliding=rule, statistic='mean')):.3f}" for rule in rules),
+        ])  # fmt: skip
+    limit = plastic_limit(at, study)
+    if limit is not None:
+        hardness = hardness_of(study)
+        area = float(at["load"]) / hardness / float(at["nominal_area"])
+        rows.append(["plastic limit", "", percent(area), with_unit(hardness, "GPa"), f"{limit:.3f}"])
+    return rows
+
+
+def _pressure(point: xarray.Dataset) -> str:
+    pressure = pressure_of(point)
+    return with_unit(pressure, "GPa") if math.isfinite(pressure) else "none"
+
+
+def hardness_of(study: Study) -> float:
+    """GPa; NaN without one."""
+    hardness = getattr(study.contact, "hardness", None)
+    return math.nan if hardness is None else float(hardness)
+
+
+def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
+    """mu0 + tau0/H, below which no finer scan comes where all contacts rub; None without a hardness."""
+    hardness = hardness_of(study)
+    if math.isnan(hardness) or study.contact.mechanics != "half-space":
+        return None
+    return float(point["mu0"]) + float(point["tau0"]) / hardness
+
+
+def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:
+    """The same table as numbers: µm, GPa."""
+    records = []
+    for point in points(at):
+        friction = point["friction_all_round"]
+        records.append(
+            {
+                **{name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")},
+                "rms_gradient": finite(value_of(point, "rms_gradient")),
+                "contact_area_fraction": finite(value_of(point, "contact_area_fraction")),
+                "mean_pressure": finite(pressure_of(point)),
+                **{
+                    f"friction_{rule}": finite(float(friction.sel(sliding=rule, statistic="mean")))
+                    for rule in rules_of(study)
+                },
+            }
+        )
+    return records
+
+
+def cut_off_note(at: xarray.Dataset, study: Study) -> str:
+    """What the table is of, and what it says."""
+    members = value_of(at, "members")
+    words = f"Waves below so much taken off both bodies; means over {members:.0f} members."
+    if plastic_limit(at, study) is not None:
+        words += " No finer scan passes the plastic limit; the paper's rule has none, and belongs to its waves."
+    return words
+
+
+# ---- Without a hardness ----------------------------------------------------------------------------------------------
+
+
+def yielding(point: xarray.Dataset, study: Study, found: Seen) -> list[tuple[float, float, float, float, float]]:
+    """For typical hardnesses (GPa): waves (µm) at which the mean pressure is so much, the interval, and mu0 + tau0/H.
+
+    The elastic mean pressure is E* h'(λ)/κ, with κ as in this result; NaN where no wave has such a slope.
+    """
+    modulus, pressure = modulus_of(point, study), pressure_of(point)
+    if not pressure > 0:
+        return []
+    count = value_of(point, "contact_count")
+    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
+    return [
+        (hardness, *found.yields_at(hardness / pressure, count), mu0 + tau0 / hardness)
+        for hardness in TYPICAL_HARDNESSES
+        if hardness < modulus / 2
+    ]
+
+
+def yielding_rows(point: xarray.Dataset, study: Study, found: Seen) -> Rows:
+    """A table of what typical hardnesses would give, headings first; empty where nothing is known."""
+    rows = []
+    for hardness, wave, low, high, limit in yielding(point, study, found):
+        if math.isnan(wave):
+            reached = "never, by these slopes"
+        elif wave > found.shortest:
+            reached = "this scan already"
+        else:
+            reached = f"{with_unit(wave, 'um')} [{_end(low)}, {_end(min(high, found.shortest))}]"
+        rows.append([with_unit(hardness, "GPa"), reached, f"{limit:.3f}"])
+    return [["if the hardness is", "it yields at waves of", "μ_s all rub, at least"], *rows] if rows else []
+
+
+def _end(wave: float) -> str:
+    return with_unit(wave, "um") if math.isfinite(wave) else "none"
+
+
+ELASTIC = (
+    "This answer is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness ends that; "
+    "give --hardness, or materials by name."
+)
+
+
+def yielding_records(point: xarray.Dataset, study: Study, found: Seen) -> list[dict[str, Any]]:
+    """The same as numbers: GPa, µm."""
+    return [
+        {
+            "load": float(point["load"]), "mu0": float(point["mu0"]), "tau0": float(point["tau0"]),
+            "hardness": hardness, "reached_at_um": finite(wave), "lower": finite(low), "upper": finite(high),
+            "friction_all_at_least": limit,
+        }
+        for hardness, wave, low, high, limit in yielding(point, study, found)
+    ]  # fmt: skip
+
+
+# ---- All of it -------------------------------------------------------------------------------------------------------
+
+
+def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | None) -> dict[str, Any] | None:
+    """What JSON says of the resolution: waves, cut-offs and, without a hardness, where it would yield."""
+    found = seen(study)
+    if found is None and over is None:
+        return None
+    record: dict[str, Any] = {}
+    if found is not None:
+        record["waves"] = waves_record(found)
+        if getattr(study.contact, "hardness", 0) is None:
+            record["yielding"] = [each for point in points(_scan(at)) for each in yielding_records(point, study, found)]
+    if over is not None:
+        record["cut_offs"] = cut_off_records(over, study)
+    return record
+
+
+def limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
+    """What a picture over cut-offs draws besides: the limit of a hardness, and what is continued, as plain arrays.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `resolution_at` gives, at one load, mu0 and tau0.
+    study : Study
+
+    Returns
+    -------
+    dict
+        friction and area_fraction, the plastic limit (None without a hardness); shortest (µm), below which nothing was
+        seen (None where the files are gone); wavelength (µm), finer_area_fraction and finer_friction ("all"), each
+        (n, 3) value, lower, upper, of the elastic answer continued by the Hurst exponent (empty with a hardness).
+    """
+    limit, found = plastic_limit(at, study), seen(study)
+    table: dict[str, Any] = {
+        "friction": limit, "area_fraction": None, "shortest": None if found is None else found.shortest,
+        "wavelength": np.empty(0), "finer_area_fraction": np.empty((0, 3)), "finer_friction": np.empty((0, 3)),
+    }  # fmt: skip
+    area, load = float(at["nominal_area"]), float(at["load"])
+    if limit is not None:
+        hardness = hardness_of(study)
+        return table | {"area_fraction": load / hardness / area}
+    fraction = value_of(at.isel(cut_off=0), "contact_area_fraction")
+    if found is None or not fraction > 0 or study.contact.mechanics != "half-space":
+        return table
+    waves, gradients, fractions = found.finer(fraction, value_of(at.isel(cut_off=0), "contact_count"))
+    steepness = gradients[:, :1]
+    friction = float(at["mu0"]) + float(at["tau0"]) * fractions / interface_stretch(steepness) * area / load
+    friction *= friction_stretch(steepness, found.roughness.dimensions)
+    return table | {"wavelength": waves, "finer_area_fraction": fractions, "finer_friction": friction}
+
+
+def _scan(at: xarray.Dataset) -> xarray.Dataset:
+    return at.isel(cut_off=[0]) if "cut_off" in at.dims else at

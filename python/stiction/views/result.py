@@ -1,0 +1,249 @@
+"""A result as an object for notebooks: the answer, its table, its figures and its page, from one folder or dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from stiction._shown import picture_of, png_of, words
+from stiction._units import in_core_units, loads_in_core_units
+from stiction.studies.at_load import at_load
+from stiction.studies.maps import study_of_result
+from stiction.studies.result import is_measured
+from stiction.studies.study import Study
+from stiction.views import answer, rows, text
+from stiction.views.asked import asked_loads, at_asked_loads
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
+
+    from stiction.studies.store import Stored
+    from stiction.views.answer import Answer, Doubt
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a study says, generated or measured: `pair` and `read_result` return it, and notebooks show it.
+
+    Attributes
+    ----------
+    source : xarray.Dataset or Stored
+        What `run` returned, or the folder that it wrote.
+    beside : tuple of Doubt
+        What is doubtful of the bodies themselves, whatever the load.
+
+    Examples
+    --------
+    >>> from stiction import Result, Study, run
+    >>> result = Result(run(Study.named("quick").with_changes({"ensemble.repetitions": 2, "surfaces.points": 3000})))
+    >>> sorted(result.dataset.sizes)
+    ['amplitude', 'approach', 'fractal_dimension', 'repetition']
+    """
+
+    source: xarray.Dataset | Stored
+    beside: tuple[Doubt, ...] = ()
+
+    @cached_property
+    def study(self) -> Study:
+        """The study that it is of."""
+        return study_of_result(self.source)
+
+    @property
+    def path(self) -> Path | None:
+        """The folder that it lies in, if any."""
+        return getattr(self.source, "path", None)
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """Every sum of every member, in memory."""
+        from stiction.studies.store import Stored
+
+        return self.source.dataset() if isinstance(self.source, Stored) else self.source
+
+    # ---- The answer --------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def answers(self) -> list[Answer]:
+        """What may be quoted at each load, mu0 and tau0 that the study asks for."""
+        return answer.answers(self._asked, self.study, beside=self.beside)
+
+    @property
+    def value(self) -> float:
+        """The coefficient of static friction to quote first; NaN where there is none."""
+        return self.answers[0].value if self.answers[0].rules else float("nan")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The ends of its 95 % interval."""
+        first = self.answers[0]
+        return (first.lower, first.upper) if first.rules else (float("nan"), float("nan"))
+
+    @property
+    def verdict(self) -> str:
+        """One of "Quote it", "Quote with care" and "Do not quote"."""
+        return self.answers[0].verdict
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """Why it is to be quoted with care or not at all, and what to do about it."""
+        return self.answers[0].doubts
+
+    @property
+    def sentence(self) -> str:
+        """The answer in one sentence, with everything that it depends on."""
+        return self.answers[0].sentence
+
+    @cached_property
+    def _asked(self) -> xarray.Dataset:
+        return at_asked_loads(self.source)
+
+    def at(
+        self,
+        load: str | ArrayLike | None = None,
+        *,
+        mu0: ArrayLike | None = None,
+        tau0: str | ArrayLike | None = None,
+        reading: Any = None,
+    ) -> xarray.Dataset:
+        """What `at_load` gives at other loads and materials; nothing is computed again.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Such as "10 mN", or of measured bodies "10 MPa" on the nominal area; those of the study by default.
+        mu0 : array_like of float, optional
+        tau0 : str or array_like of float, GPa, optional
+            Such as "50 MPa".
+        reading : {"mean", "elastic", "normal"}, optional
+            Which load is meant.
+        """
+        loads = asked_loads(self.source) if load is None else self._loads_of(load)
+        return at_load(self.source, loads, mu0=mu0, tau0=in_core_units("tau0", tau0, "pressure"), reading=reading)
+
+    def _loads_of(self, load: Any) -> Any:
+        """Loads in mN; of measured bodies text may be a pressure on the nominal area."""
+        if is_measured(self.study):
+            return loads_in_core_units("load", load, float(self.dataset["nominal_area"]))
+        return in_core_units("load", load, "force")
+
+    def table(self) -> pandas.DataFrame:
+        """What the CSV file holds: a row for each load, mu0, tau0, rule and motion, with intervals and doubts."""
+        return rows.table_of(self._asked, self.study, beside=self.beside)
+
+    # ---- Pictures ----------------------------------------------------------------------------------------------------
+
+    def figures(self) -> list[str]:
+        """Names that `figure` takes."""
+        return [name for name, _ in self._drawings()]
+
+    def figure(self, name: str) -> Figure:
+        """One of the figures, as matplotlib draws it.
+
+        Parameters
+        ----------
+        name : str
+            One of `figures()`: of measured bodies such as "friction", "compass", "contacts", "positions", "sizes".
+
+        Raises
+        ------
+        ValueError
+            If there is none of that name.
+        """
+        import matplotlib as mpl
+
+        from stiction.views.style import STYLE
+
+        drawings = dict(self._drawings())
+        if name not in drawings:
+            raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
+        with mpl.rc_context(STYLE):
+            figure: Figure = drawings[name]()
+        vars(figure)["_repr_png_"] = partial(png_of, figure)  # so that a notebook shows it without pyplot
+        return figure
+
+    def _drawings(self) -> Sequence[tuple[str, Any]]:
+        from stiction.views.figures.standard import figures_of, picture_of
+
+        return list(figures_of(self.source, picture_of(self.source)))
+
+    def report(self, path: str | Path) -> Path:
+        """Write the interactive page of the result, which needs nothing but a browser, and return its path."""
+        from stiction.views.report import save_report
+
+        save_report([self.source], Path(path), names=[self.path.resolve().name if self.path else "result"])
+        return Path(path)
+
+    # ---- How it shows itself -----------------------------------------------------------------------------------------
+
+    @cached_property
+    def _over_and_onset(self) -> dict[str, Any]:
+        """What lies beside a stored result: its answers over cut-offs, and the onset of sliding."""
+        from stiction.studies.onset import onset_beside
+        from stiction.studies.resolution import resolution_at
+        from stiction.studies.store import Stored
+
+        if not isinstance(self.source, Stored):
+            return {}
+        return {"over": resolution_at(self.source), "onset": onset_beside(self.source)}
+
+    def __repr__(self) -> str:
+        """Show what the terminal shows."""
+        try:
+            return self._text().rstrip()
+        except ValueError as error:  # nothing touches, or nothing is finished
+            return f"no answer: {error}"
+
+    def _text(self) -> str:
+        if is_measured(self.study):
+            return text.result_text(self._asked, self.study, beside=self.beside, **self._over_and_onset)
+        return text.overview_text(self._asked, self.study)
+
+    def _repr_html_(self) -> str:
+        """Show the answer as the terminal does, with a picture."""
+        picture = ""
+        names = self.figures()
+        for name in ("contacts", "friction", *names[:1]):
+            if name in names:
+                picture = picture_of(self.figure(name))
+                break
+        return f"<div>{words(repr(self))}{picture}</div>"
+
+
+def read_result(directory: str | Path) -> Result:
+    """Read what `run`, `pair` or the command wrote into a directory, or what is finished of it.
+
+    Parameters
+    ----------
+    directory : path
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    ValueError
+        If there is no result, or it is damaged.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stiction import Study, read_result, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> folder = tempfile.mkdtemp()
+    >>> _ = run(Study.named("quick").with_changes(small), store=folder)
+    >>> dict(read_result(folder).dataset.sizes)["repetition"]
+    2
+    """
+    from stiction.studies.store import open_stored
+    from stiction.views.inputs import doubts_of_study
+
+    stored = open_stored(Path(directory))
+    return Result(stored, doubts_of_study(stored.study))

@@ -1,0 +1,261 @@
+"""Results as rows, for other programs: one frame of an answer, from which CSV and JSON are made.
+
+JSON has one schema for every command. A record has ``schema`` (this number grows when a reader would have to change),
+``stiction`` (the version), ``command``, what it is about, and ``values``. A value has ``name``, ``value``, ``unit``
+("1" if it has none), ``lower`` and ``upper`` (the 95 % interval), ``at`` (where it is, in µm, mN, GPa and degrees) and
+``status``. Of results there are ``answers`` besides: what may be quoted of each point, with its doubts. What there is
+none of is null.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from stiction._core import __version__
+from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.quantities import QUANTITIES
+from stiction.views.answer import Answer, Doubt, answers
+from stiction.views.point import CELLS, rules_of
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from stiction.studies.study import Study
+
+SCHEMA = 1
+
+PLACE = (*CELLS, "load", "mu0", "tau0", "sliding", "direction", "axis", "quantile")
+"""Coordinates that say where a value is, in the order of their columns."""
+
+_FRICTION = {
+    "friction_all_round": "all directions", "friction_by_axis": "axis", "friction_coefficient": "direction",
+}  # fmt: skip
+"""Coefficients that are rows of the CSV, and what the motion of each is called."""
+
+_MOTIONS = {"axis": "along {:g}".format, "direction": "{:g}".format}
+
+_DIRECTED = (*_FRICTION, "status", "ok", "spread_low", "spread_high", "gentle_friction")
+"""Variables that belong to a sliding rule."""
+
+
+# ---- The frame -------------------------------------------------------------------------------------------------------
+
+
+def frame(at: xarray.Dataset) -> pandas.DataFrame:
+    """Every number of what `at_load` gives: a row for each, with its name, unit, interval, status and place.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `at_load` returns.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns ``name``, ``value``, ``unit``, ``lower``, ``upper``, ``status``, and those of `PLACE` that the result
+        has: in µm, mN, GPa and degrees. A place that a value does not depend on is NaN.
+    """
+    import pandas
+
+    parts = [_rows_of(at, str(name)) for name, table in at.data_vars.items() if table.dtype.kind in "if"]
+    whole = pandas.concat(parts, ignore_index=True)
+    places = [name for name in PLACE if name in whole]
+    return whole[["name", "value", "unit", "lower", "upper", "status", *places]]
+
+
+def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
+    table = at[name]
+    kept = at[[name]].drop_vars([each for each in table.coords if each not in (*PLACE, "statistic")], errors="ignore")
+    if "status" in at and set(at["status"].dims) <= set(table.dims):
+        kept["status"] = at["status"]
+    if "statistic" in table.dims:
+        spread = kept[name].to_dataset(dim="statistic").rename(mean="value")
+        kept = spread.assign(status=kept["status"]) if "status" in kept else spread
+    else:
+        kept = kept.rename({name: "value"})
+    # Of one sliding rule or direction the coordinate is single: a column all the same.
+    single = [each for each in PLACE if each in kept.coords and not kept[each].ndim]
+    if name not in _DIRECTED:
+        kept = kept.drop_vars([each for each in ("sliding", "direction") if each in single])
+        single = [each for each in single if each in kept.coords]
+    rows = kept.reset_coords(single).to_dataframe().reset_index() if kept.sizes else kept.reset_coords().to_pandas()
+    if not kept.sizes:
+        rows = rows.to_frame().T
+    rows = rows.drop(columns="index", errors="ignore").assign(name=name, unit=_unit(table, name))
+    for column in ("lower", "upper"):
+        if column not in rows:
+            rows[column] = math.nan
+    if "status" not in rows:
+        rows["status"] = [STATUS_OK if math.isfinite(value) else "no-mean" for value in rows["value"]]
+    return rows.astype({"value": float, "lower": float, "upper": float})
+
+
+def _unit(table: xarray.DataArray, name: str) -> str:
+    own = QUANTITIES[name].unit if name in QUANTITIES else "1"
+    return str(table.attrs.get("units", own)).replace("um^2", "um2") or "1"
+
+
+# ---- CSV -------------------------------------------------------------------------------------------------------------
+
+_TITLES = {
+    "fractal_dimension": ("fractal dimension", 1.0), "amplitude": ("amplitude (um)", 1.0),
+    "cut_off": ("cut-off (um)", 1.0), "load": ("normal load (mN)", 1.0), "mu0": ("mu0", 1.0),
+    "tau0": ("tau0 (MPa)", 1000.0),
+}  # fmt: skip
+"""Columns of the CSV that say where a row is, and the factor to their units."""
+
+
+def csv_text(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> str:
+    """`table_of` for spreadsheets."""
+    text: str = table_of(at, study, beside=beside).to_csv(index=False, float_format="%.9g")
+    return text
+
+
+def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> pandas.DataFrame:
+    """A row for each cell, load, mu0, tau0, sliding rule and motion; units in the header.
+
+    Each row has the coefficient of static friction of its motion (all directions, an axis or a direction), the
+    quantities of its load, and the verdict and the doubts of its answer.
+    """
+    import pandas
+
+    rows = frame(at)
+    keys = [name for name in _TITLES if name in rows]
+    parts: list[pandas.DataFrame] = []
+    for name, motion in _FRICTION.items():
+        if name not in at or (name != "friction_all_round" and parts and motion not in at[name].dims):
+            continue  # of one direction, which is all of them
+        own = rows[rows["name"] == name]
+        column = own[motion].map(_MOTIONS[motion]) if motion in at[name].dims else _FRICTION["friction_all_round"]
+        own = own.assign(motion=column, sliding=own["sliding"] if "sliding" in own else rules_of(study)[0])
+        parts.append(own[[*keys, "sliding", "motion", "status", "value", "lower", "upper"]])
+    table = pandas.concat(parts, ignore_index=True)
+    title = "coefficient of static friction"
+    table = table.rename(columns={"value": title, "lower": f"{title}: lower", "upper": f"{title}: upper"})
+    for name in _of_loads(at):
+        own = _over_directions(rows[rows["name"] == name])
+        on = [key for key in (*keys, "sliding") if key in own and own[key].notna().all()]
+        words = QUANTITIES[name].short
+        unit = "" if own["unit"].iloc[0] == "1" else f" ({own['unit'].iloc[0]})"
+        columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
+        table = table.merge(own[[*on, *columns]].rename(columns=columns), on=on, how="left")
+    table = table.merge(_verdicts(answers(at, study, beside=beside), keys), on=keys, how="left")
+    for key in keys:
+        table[key] *= _TITLES[key][1]
+    return table.rename(columns={key: _TITLES[key][0] for key in keys} | {"motion": "upper body to (degree)"})
+
+
+def _over_directions(rows: pandas.DataFrame) -> pandas.DataFrame:
+    """Rows of a quantity, as means over the directions where it depends on them."""
+    if "direction" not in rows or rows["direction"].isna().all():
+        return rows
+    by = [name for name in PLACE if name != "direction" and name in rows and rows[name].notna().all()]
+    return rows.groupby([*by, "unit"], as_index=False, sort=False)[["value", "lower", "upper"]].mean()
+
+
+def _of_loads(at: xarray.Dataset) -> list[str]:
+    """Quantities that a load has one of."""
+    return [
+        str(name) for name, table in at.data_vars.items()
+        if name in QUANTITIES and name not in _DIRECTED and "load" in table.dims and "quantile" not in table.dims
+        and table.dtype.kind in "if"
+    ]  # fmt: skip
+
+
+def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
+    import pandas
+
+    return pandas.DataFrame(
+        {
+            **{key: [one.at[key] for one in found] for key in keys},
+            "verdict": [one.verdict for one in found],
+            "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one in found],
+        }
+    )
+
+
+# ---- JSON ------------------------------------------------------------------------------------------------------------
+
+
+def record(command: str, values: list[dict[str, Any]], **about: Any) -> str:
+    """A record as JSON text."""
+    whole = {"schema": SCHEMA, "stiction": __version__, "command": command, **about, "values": values}
+    return json.dumps(whole, ensure_ascii=False, allow_nan=False, indent=1)
+
+
+def entry(
+    name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
+    at: dict[str, Any] | None = None, status: str = STATUS_OK,
+) -> dict[str, Any]:  # fmt: skip
+    """One value."""
+    return {
+        "name": name, "value": finite(value), "unit": unit, "lower": finite(lower), "upper": finite(upper),
+        "at": at or {}, "status": status,
+    }  # fmt: skip
+
+
+def finite(value: float) -> float | None:
+    """A number of JSON, which has none that are not finite."""
+    return float(value) if math.isfinite(value) else None
+
+
+def record_text(
+    command: str, at: xarray.Dataset, study: Study, /, *, beside: Sequence[Doubt] = (),
+    over: xarray.Dataset | None = None, onset: xarray.Dataset | None = None, **about: Any,
+) -> str:  # fmt: skip
+    """What a command says of a result at some loads: every value, the answers with their doubts, and what is beside.
+
+    `over` and `onset` are what `resolution_at` and `onset_beside` give.
+    """
+    from stiction.views.onset import onset_record
+    from stiction.views.resolution import resolution_record
+
+    about = {"kind": "pair" if study.surfaces.kind == "measured" else "study", **about}
+    about |= {name: str(at.attrs[name]) for name in ("upper", "lower", "reading") if name in at.attrs}
+    for name in ("effective_modulus", "nominal_area"):
+        if name in at.coords:
+            about[name] = float(at[name])
+    resolution = resolution_record(at, study, over)
+    about |= {} if resolution is None else {"resolution": resolution}
+    about |= {} if onset is None else {"onset": onset_record(onset)}
+    about["answers"] = [answer_record(one) for one in answers(at, study, beside=beside)]
+    return record(command, values_of(frame(at)), **about)
+
+
+def values_of(rows: pandas.DataFrame) -> list[dict[str, Any]]:
+    """The values of a record, from a frame."""
+    places = [name for name in PLACE if name in rows]
+    values = []
+    for row in rows.to_dict("records"):
+        where = {name: row[name] for name in places if row[name] == row[name]}  # without NaN
+        values.append(
+            entry(
+                row["name"], row["value"], row["unit"], lower=row["lower"], upper=row["upper"], at=where,
+                status=row["status"],
+            )
+        )  # fmt: skip
+    return values
+
+
+def answer_record(one: Answer) -> dict[str, Any]:
+    """What may be quoted of a point."""
+    return {
+        "at": one.at,
+        "status": one.status,
+        "rules": [
+            {
+                "rule": rule.rule, "value": finite(rule.value), "lower": finite(rule.lower),
+                "upper": finite(rule.upper), "members_from": finite(rule.low), "members_to": finite(rule.high),
+                "by_slopes_alone": finite(rule.slopes),
+            }
+            for rule in one.rules
+        ],
+        "verdict": one.verdict,
+        "sentence": one.sentence,
+        "finer_scans": None if one.bracket is None else {"from": one.bracket[0], "to": one.bracket[1], "rule": "all"},
+        "doubts": [{"text": each.text, "cure": each.cure, "severity": each.severity} for each in one.doubts],
+    }  # fmt: skip

@@ -1,0 +1,152 @@
+"""Which waves of a scan were seen and may be trusted, and one spectrum of several scans: rows, text and CSV."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import instrument_limit, scale_dependent_roughness
+from stiction.surfaces.surface import Surface
+from stiction.views.digits import percent, with_unit
+
+if TYPE_CHECKING:
+    from stiction.surfaces.joined import JoinedSpectrum
+
+OCTAVES = 4
+"""Cut-offs at which the slope is told: two points and their doubles."""
+
+
+def scale_rows(
+    body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False
+) -> list[tuple[str, str]]:
+    """Slope over the shortest wave that is counted, and from which wave on the scan may be trusted, in words.
+
+    Parameters
+    ----------
+    body : Profile or Surface
+        Not flat.
+    tip_radius : float, µm, optional
+        Of the stylus or the probe.
+    periodic : bool
+        As in `power_spectrum`.
+    """
+    found = scale_dependent_roughness(body, periodic=periodic)
+    limit = instrument_limit(body, tip_radius=tip_radius, periodic=periodic)
+    pixels = limit.pixels
+    below = percent(float(found.fraction_below(2 * pixels)))
+    slopes = ", ".join(
+        f"{float(found.gradient_at(wave)):.3g} from {with_unit(float(wave), 'um')}"
+        for wave in pixels * 2.0 ** np.arange(OCTAVES)
+        if wave < found.wavelength[0]
+    )
+    rows = [
+        ("waves", f"{with_unit(pixels, 'um')} (two points) to {with_unit(float(found.wavelength[0]), 'um')}"),
+        ("", f"those below {with_unit(2 * pixels, 'um')} make {below} of the mean square slope"),
+        ("slope of waves", slopes),
+    ]
+    reached = _REASONS[limit.reason]
+    if limit.reason == "pixels":
+        rows.append(("instrument", f"no noise floor{'' if tip_radius is None else ', and its tip follows all'}"))
+    else:
+        wave = with_unit(limit.wavelength, "um")
+        rows.append(("instrument", f"not to be trusted below {wave}: {reached}; --cutoff '{wave}' takes that off"))
+    return rows
+
+
+_REASONS = {
+    "pixels": "two points",
+    "noise floor": "the spectrum ends flat, as of noise",
+    "tip": "sharper than the tip follows",
+}
+
+
+def scale_values(body: Profile | Surface, *, tip_radius: float | None = None) -> dict[str, tuple[float, str]]:
+    """The same as numbers with units."""
+    found = scale_dependent_roughness(body)
+    limit = instrument_limit(body, tip_radius=tip_radius)
+    return {
+        "shortest_wave": (limit.pixels, "um"),
+        "slope_in_shortest_octave": (float(found.fraction_below(2 * limit.pixels)), "1"),
+        "noise_floor_below": (limit.noise, "um"),
+        "tip_follows_down_to": (limit.tip, "um"),
+    }
+
+
+# ---- Together --------------------------------------------------------------------------------------------------------
+
+
+def joined_text(names: Sequence[str], joined: JoinedSpectrum) -> str:
+    """What each scan gives to one spectrum, how far it is off the others, and the slope over wavelength."""
+    from stiction.views.text import aligned, fitted
+
+    rows = [["scan", "waves taken", "ended by", "beside the others"]]
+    for name, (shortest, longest), reason, off in zip(
+        names, joined.bands, joined.reasons, joined.disagreement, strict=True
+    ):
+        beside = "no overlap" if math.isnan(off) else f"{off:.2f} times as much power"
+        rows.append([name, f"{with_unit(shortest, 'um')} to {with_unit(longest, 'um')}", reason, beside])
+    found = joined.roughness()
+    slopes = [["waves from", "h'", "h'' (1/µm)"]]
+    waves = found.wavelength[:: max(1, found.wavelength.size // MOST_ROWS)]
+    slopes += [
+        [
+            with_unit(float(wave), "um"),
+            f"{float(found.gradient_at(wave)):.3g}",
+            f"{float(found.curvature_at(wave)):.3g}",
+        ]
+        for wave in waves
+    ]
+    said = ""
+    if (joined.count == 0).any():
+        said = "Between some scans there are waves that none has; a power law joins them.\n"
+    off = joined.disagreement[np.isfinite(joined.disagreement)]
+    if (np.abs(np.log(off)) > math.log(MUCH)).any():
+        said += "Scans differ by more than a factor of two in power: heights are scaled otherwise, or waves are cut.\n"
+    return "\n\n".join([aligned(rows), aligned(slopes)]) + "\n" + (fitted(said) + "\n" if said else "")
+
+
+MOST_ROWS = 12
+"""Wavelengths at which slopes are told."""
+
+MUCH = 2.0
+"""Factor between spectra of one surface, above which it is said."""
+
+
+def joined_record(names: Sequence[str], joined: JoinedSpectrum) -> dict[str, Any]:
+    """The same as JSON has it: µm."""
+    from stiction.views.rows import finite
+
+    found = joined.roughness()
+    scans = [
+        {
+            "file": name, "shortest_um": band[0], "longest_um": band[1], "ended_by": reason,
+            "power_over_others": finite(float(off)),
+        }
+        for name, band, reason, off in zip(names, joined.bands, joined.reasons, joined.disagreement, strict=True)
+    ]  # fmt: skip
+    curve = {
+        "wavelength_um": found.wavelength, "rms_gradient": found.gradient, "rms_curvature_per_um": found.curvature,
+        "density_um4": joined.density, "waves": joined.count,
+    }  # fmt: skip
+    return {"scans": scans, "spectrum": {name: [float(each) for each in values] for name, values in curve.items()}}
+
+
+def joined_csv(names: Sequence[str], joined: JoinedSpectrum) -> str:
+    """A row for each wavelength: slope and curvature down to it, density, and what each scan gives to it."""
+    import pandas
+
+    found = joined.roughness()
+    columns: dict[str, Any] = {
+        "wavelength (um)": found.wavelength,
+        "rms gradient down to it": found.gradient,
+        "rms curvature down to it (1/um)": found.curvature,
+        "wave number (1/um)": joined.wave_number,
+        "C2D (um4)": joined.density,
+        "waves": joined.count,
+    } | {f"fraction of {name}": part for name, part in zip(names, joined.contribution, strict=True)}
+    text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
+    return text

@@ -1,0 +1,445 @@
+"""Results as text for a terminal: the answer first, then one table, at the width that the reader has."""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.mechanics import friction
+from stiction.mechanics.quantities import QUANTITIES
+from stiction.studies.resolution import seen
+from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
+from stiction.views.digits import from_to, two_digits, with_interval, with_unit
+from stiction.views.onset import onset_note, onset_rows, onset_text
+from stiction.views.point import CELLS, RULES, has_nominal_area, is_capped, load_text, points, value_of, way_text
+from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+LEAST_WIDTH = 40
+"""Columns below which nothing is made narrower."""
+
+HALF = 0.5
+"""Fraction of the load that is outside of what the model says, from which on a number of a table is marked."""
+
+Rows = Sequence[Sequence[str]]
+
+
+# ---- Layout ----------------------------------------------------------------------------------------------------------
+
+
+def width_of_terminal() -> int:
+    """Columns of the terminal, or what the environment says."""
+    return max(LEAST_WIDTH, shutil.get_terminal_size().columns)
+
+
+def fitted(text: str, width: int | None = None, *, indent: str = "", hang: str = "") -> str:
+    """Text of one paragraph, filled to the width of the terminal."""
+    together = _TOGETHER.sub("\N{NO-BREAK SPACE}", text)
+    return textwrap.fill(
+        together, width or width_of_terminal(), initial_indent=indent, subsequent_indent=indent + hang,
+        break_long_words=False, break_on_hyphens=False,
+    ).replace("\N{NO-BREAK SPACE}", " ")  # fmt: skip
+
+
+_TOGETHER = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|[GMk]Pa|%|°)(?!\w))")
+"""Spaces at which no line ends: around an equals sign, and between a number and its unit."""
+
+
+def aligned(rows: Rows, width: int | None = None) -> str:
+    """A table whose columns are aligned and which fits the width of the terminal.
+
+    Columns that do not fit go into further tables below, each with the first column again; where this itself is too
+    wide, its cells go on in the next line.
+
+    Parameters
+    ----------
+    rows : sequence of rows
+        Each a sequence of cells; a row may be shorter than the others.
+    width : int, optional
+        That of the terminal by default.
+
+    Examples
+    --------
+    >>> print(aligned([["", "mean"], ["contacts", "11 [8, 14]"]], 60))
+              mean
+    contacts  11 [8, 14]
+    """
+    room = width or width_of_terminal()
+    columns = max(map(len, rows), default=0)
+    others = max((len(cell) for row in rows for cell in row[1:]), default=0)
+    rows = [each for row in rows for each in _in_lines(row, max(room - others - 2, LEAST_LABEL))]
+    sizes = [max(len(row[c]) if c < len(row) else 0 for row in rows) for c in range(columns)]
+    blocks, first = [], 1
+    while first < max(columns, 2):
+        last = first + 1
+        while last < columns and sizes[0] + sum(2 + size for size in sizes[first : last + 1]) <= room:
+            last += 1
+        blocks.append("\n".join(_line([row[0], *row[first:last]], [sizes[0], *sizes[first:last]]) for row in rows))
+        first = last
+    return "\n".join(blocks)
+
+
+LEAST_LABEL = 16
+"""Columns of the first column of a table, however wide the others are."""
+
+
+def _in_lines(row: Sequence[str], width: int) -> list[Sequence[str]]:
+    """A row whose first cell is no wider than this, in as many lines as it takes."""
+    lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
+    return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
+
+
+def _line(cells: Sequence[str], sizes: Sequence[int]) -> str:
+    return "  ".join(cell.ljust(size) for cell, size in zip(cells, sizes, strict=False)).rstrip()
+
+
+# ---- Any result ------------------------------------------------------------------------------------------------------
+
+
+def result_text(
+    at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (),
+    over: xarray.Dataset | None = None, onset: xarray.Dataset | None = None,
+) -> str:  # fmt: skip
+    """The answer of a result, its verdict and a table, for the terminal.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `at_load` returns, at the loads, mu0 and tau0 that were asked for.
+    study : Study
+        Of which the result is.
+    verbose : bool
+        Whether to say everything: what was pressed, each direction, every quantity.
+    beside : sequence of Doubt
+        As `doubts_of_inputs` gives them.
+    over, onset : xarray.Dataset, optional
+        What `resolution_at` and `onset_beside` give.
+    """
+    found = answers(at, study, beside=beside)
+    first = _first_cell(at)
+    point = next(points(first))
+    slopes = slopes_text(found[0], point, study)
+    parts = [answers_text(found), doubts_text(found), fitted(slopes) if slopes else ""]
+    if any(math.isfinite(one.value) for one in found):
+        parts.append(quantities_text(first, study, verbose=verbose))
+        parts.append(axes_text(point, verbose=verbose))
+        if verbose:
+            parts.append(directions_text(point))
+        over = at if over is None and at.sizes.get("cut_off", 0) > 1 else over
+        parts.append(resolution_text(first, study, over))
+        parts.append("" if onset is None else onset_block(onset))
+    if verbose:
+        parts.insert(0, history_text(at, study))
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _first_cell(at: xarray.Dataset) -> xarray.Dataset:
+    return at.isel({name: 0 for name in CELLS if name in at.dims})
+
+
+def answers_text(found: Sequence[Answer]) -> str:
+    """The coefficients and their inputs: a block for one answer, a line for each of several."""
+    if len(found) == 1:
+        return _block(found[0])
+    varying = [name for name in found[0].at if len({one.at[name] for one in found}) > 1]
+    titles = [*(_title(name) for name in varying), *(f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules), ""]
+    rows = [titles]
+    for one in found:
+        values = [_coefficient(one, index) for index in range(len(one.rules))]
+        rows.append([*(_coordinate(name, one.at[name]) for name in varying), *values, one.verdict])
+    return aligned(rows) + "\n" + fitted(f"{_shared(found)}{found[0].note}", indent="  ")
+
+
+def _coefficient(one: Answer, index: int) -> str:
+    rule = one.rules[index]
+    return two_digits(rule.value, rule.lower, rule.upper) if math.isfinite(rule.value) else one.status
+
+
+def _shared(found: Sequence[Answer]) -> str:
+    """The inputs that all answers have."""
+    words = [one.inputs.split(", ") for one in found]
+    same = [word for word in words[0] if all(word in each for each in words)]
+    return f"with {', '.join(same)}; " if same else ""
+
+
+def _title(name: str) -> str:
+    return {"fractal_dimension": "D", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}.get(name, name)
+
+
+_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
+
+
+def _coordinate(name: str, value: float) -> str:
+    if name == "cut_off" and value == 0:
+        return "none"
+    return with_unit(value, _UNITS[name]) if name in _UNITS and value else f"{value:.4g}"
+
+
+def _block(one: Answer) -> str:
+    """One answer: a line for each rule, the inputs below."""
+    lines = []
+    for index, rule in enumerate(one.rules):
+        head = "μ_s = " if index == 0 else "      "
+        words = f"{head}{_coefficient(one, index)}  {RULES[rule.rule]}"
+        if index == 0 and rule.rule == "all":
+            words += ": take this if μ0 was measured on smooth faces"
+        if math.isfinite(rule.low) and math.isfinite(rule.value):
+            words += f"; four of five members {from_to(rule.value, rule.low, rule.high)}"
+        lines.append(fitted(words, hang=" " * 8))
+    lines.append(fitted(f"at {one.inputs}; {one.note}", indent="  "))
+    if one.bracket is not None:
+        words = bracket_text(one.bracket)
+        lines.append(fitted(words[0].upper() + words[1:] + ".", indent="  "))
+    return "\n".join(lines)
+
+
+def doubts_text(found: Sequence[Answer]) -> str:
+    """The verdict on every answer, with its doubts and what to do about them."""
+    if len({(one.verdict, one.doubts) for one in found}) == 1:
+        return _judged(found[0].verdict, found[0].doubts)
+    # Doubts of one kind have one cure, and differ in their numbers.
+    kinds: dict[tuple[str, str], list[Doubt]] = {}
+    for doubt in (doubt for one in found for doubt in one.doubts):
+        kinds.setdefault((doubt.severity, doubt.cure), []).append(doubt)
+    lines = [
+        _doubt(same[0], f" ({len(same)} of {len(found)})")
+        for same in sorted(kinds.values(), key=lambda same: same[0].severity != "fault")
+    ]
+    return "\n".join(["Doubts, in the first answer that has each:", *lines[:MOST_DOUBTS], *_rest(len(lines))])
+
+
+MOST_DOUBTS = 6
+"""That are told of several answers; JSON and CSV have all."""
+
+
+def _rest(number: int) -> list[str]:
+    return [f"  … and {number - MOST_DOUBTS} more (--json)"] if number > MOST_DOUBTS else []
+
+
+def _judged(verdict: str, doubts: Iterable[Doubt]) -> str:
+    return "\n".join([verdict, *(_doubt(doubt) for doubt in doubts)])
+
+
+def _doubt(doubt: Doubt, more: str = "") -> str:
+    mark = "!" if doubt.severity == "fault" else "-"
+    return fitted(f"{mark} {doubt.text}{more}: {doubt.cure}", indent="  ", hang="  ")
+
+
+# ---- Quantities ------------------------------------------------------------------------------------------------------
+
+_SHOWN = (
+    "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "approach",
+)  # fmt: skip
+"""Quantities that every table has, where a result has them."""
+
+_MORE = (
+    "share_opposing", "share_on_largest", "share_at_edge", "fraction_on_small", "share_on_steepest_upper",
+    "share_on_steepest_lower", "load_share_at_hardness", "area_share_at_hardness", "relative_overlap",
+    "share_beyond_hertz", "share_below_grid", "share_crossed", "share_overlapping", "share_unanswered", "error",
+)  # fmt: skip
+"""Those that a verbose one has besides."""
+
+_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
+
+_SCALES = {"um": (1000.0, "nm"), "um^2": (1.0, "µm²"), "GPa": (1.0, "GPa"), "mN": (1.0, "mN"), "mN/um": (1.0, "mN/µm")}
+"""Factor and unit of what tables show."""
+
+
+def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
+    """Means and 95 % intervals of one cell: a row for each quantity, a column for each load."""
+    one = at.isel({name: 0 for name in ("mu0", "tau0") if name in at.dims})
+    loads = list(points(one))
+    fraction = "contact_area_fraction" in one and has_nominal_area(loads[0], study)
+    rows = [["mean [95 %]", *(load_text(point, study) for point in loads)]]
+    for name in (*_SHOWN, *(_MORE if verbose else ())):
+        hidden = {"contact_area": fraction and not verbose, "contact_area_fraction": not fraction}.get(name, False)
+        if name in one and not hidden:
+            rows += _row(name, QUANTITIES[name].short, [point[name] for point in loads])
+    for name, quantile in _QUANTILES if verbose else ():
+        if name in one:
+            words = f"{QUANTITIES[name].short}, {100 * quantile:.0f} % are below"
+            rows += _row(name, words, [point[name].sel(quantile=quantile, method="nearest") for point in loads])
+    if verbose and "rms_gradient" in one:
+        rows += _row("rms_gradient", QUANTITIES["rms_gradient"].short, [point["rms_gradient"] for point in loads])
+    return aligned(rows)
+
+
+def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list[str]]:
+    """A row, or none where no load has a number."""
+    unit = QUANTITIES[name].unit
+    factor, shown = (100.0, "%") if _is_fraction(name) else _SCALES.get(unit, (1.0, ""))
+    cells = [_cell(table, factor) for table in tables]
+    if all(cell == "none" for cell in cells):
+        return []
+    return [[f"{words} ({shown})" if shown else words, *cells]]
+
+
+def _is_fraction(name: str) -> bool:
+    return name == "contact_area_fraction" or "share" in name or name.startswith("fraction")
+
+
+def _cell(table: xarray.DataArray, factor: float) -> str:
+    if "statistic" not in table.dims:
+        value = float(factor * table.mean())
+        return "none" if math.isnan(value) else f"{value:.2g}"
+    if table.name == "error":
+        return f"{float(table.sel(statistic='mean').max()):.1g}"
+    ends = [factor * float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")]
+    return with_interval(*ends)
+
+
+def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
+    """Whether the surfaces have grooves; if so, or if everything is told, the coefficient along each axis."""
+    if "friction_by_axis" not in point or point.sizes.get("axis", 0) < 2:
+        return ""
+    table = point["friction_by_axis"]
+    rules = [rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values)]
+    lay = lay_text(table.sel(sliding=rules[0]) if "sliding" in table.dims else table)
+    if lay.startswith("No") and not verbose:
+        return fitted(lay)
+    rows = [["μ_s along an axis", *(RULE_TITLES[rule] for rule in rules)]]
+    for axis in point["axis"].values:
+        along = table.sel(axis=axis)
+        own = [along.sel(sliding=rule) if "sliding" in along.dims else along for rule in rules]
+        rows.append([_axis(float(axis)), *(_cell(each, 1.0) for each in own)])
+    return aligned(rows) + "\n" + fitted(lay)
+
+
+def _axis(degrees: float) -> str:
+    return {0.0: "x", 90.0: "y"}.get(degrees, f"{degrees:g}°")
+
+
+def lay_text(table: xarray.DataArray) -> str:
+    """Grooves or none, from the coefficients along several axes: whether the intervals of the extremes are apart."""
+    mean, lower, upper = (table.sel(statistic=each) for each in ("mean", "lower", "upper"))
+    if not np.isfinite(lower.values).all():
+        return "Whether there are grooves is not known: the axes have no intervals."
+    high, low = (int(choose(mean.values)) for choose in (np.argmax, np.argmin))
+    names = [_axis(float(table["axis"][place])) for place in (high, low)]
+    if float(lower[high]) > float(upper[low]):
+        more = 100 * (float(mean[high]) / float(mean[low]) - 1)
+        return f"Grooves: friction along {names[0]} is {more:.2g} % higher than along {names[1]}."
+    return "No grooves: the axes differ by less than their intervals."
+
+
+def directions_text(point: xarray.Dataset) -> str:
+    """The coefficient in every direction of the upper body."""
+    if "direction" not in point.dims:
+        return ""
+    rules = [rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values)]
+    rows = [["μ_s, upper body", *(RULE_TITLES[rule] for rule in rules)]]
+    for direction in point["direction"].values:
+        own = point["friction_coefficient"].sel(direction=direction)
+        cells = [_cell(own.sel(sliding=rule) if "sliding" in own.dims else own, 1.0) for rule in rules]
+        rows.append([way_text(float(direction)), *cells])
+    return aligned(rows)
+
+
+def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | None) -> str:
+    """Which waves were seen, how the first answer moves with a cut-off, and what lies beyond.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `at_load` returns.
+    study : Study
+    over : xarray.Dataset, optional
+        What `resolution_at` gives.
+    """
+    found, parts = seen(study), []
+    if found is not None:
+        parts.append(fitted(waves_text(found)))
+    if over is not None:
+        first = over.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
+        parts.append(aligned(cut_off_rows(first, study)) + "\n" + fitted(cut_off_note(first, study), indent="  "))
+    capped = is_capped(study) or study.contact.mechanics != "half-space"
+    if found is not None and not capped and (rows := yielding_rows(next(points(at)), study, found)):
+        parts.append(fitted(ELASTIC) + "\n" + aligned(rows))
+    return "\n\n".join(parts)
+
+
+def onset_block(onset: xarray.Dataset) -> str:
+    """How the pair begins to slide: a sentence, and a table."""
+    said = f"{onset_text(onset)} {onset_note(onset)}"
+    return fitted(said) + "\n" + aligned(onset_rows(onset))
+
+
+def history_text(at: xarray.Dataset, study: Study) -> str:
+    """What was pressed, and how."""
+    lines = []
+    for name in ("upper", "lower"):
+        if name in at.attrs:
+            steps = str(at.attrs[name]).split("\n")
+            lines.append(fitted(f"{name:<9}{'; '.join(steps)}", hang=" " * 9))
+    mechanics = {"half-space": "the elastic half-space", "asperities": "asperities that do not feel each other"}
+    model = [mechanics[study.contact.mechanics]]
+    if "nominal_area" in at.coords:
+        model.append(f"on a nominal area of {float(at['nominal_area']):.4g} µm²")
+    if study.contact.mechanics == "asperities" and study.surfaces.kind != "surface":
+        model += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
+    lines.append(fitted(f"{'model':<9}{', '.join(model)}", hang=" " * 9))
+    return "\n".join(lines)
+
+
+# ---- Overview --------------------------------------------------------------------------------------------------------
+
+
+def overview_text(at: xarray.Dataset, study: Study) -> str:
+    """A table of mu_s over load and the cells of a study, one for each mu0, tau0 and sliding rule of `at`."""
+    across = next(name for name in ("fractal_dimension", "cut_off") if name in at.dims)
+    rest = [name for name in (*CELLS, "mu0", "tau0", "sliding") if name in at.dims and name != across]
+    tables, marked = [], False
+    for place in np.ndindex(*(at.sizes[name] for name in rest)):
+        part = at.isel(dict(zip(rest, place, strict=True)))
+        rows = [[_overview_title(part), *(_column(across, each) for each in at[across].values)]]
+        for load in at["load"].values:
+            own = part.sel(load=load)
+            cells = [_overview_cell(own.isel({across: i})) for i in range(at.sizes[across])]
+            marked = marked or any(cell.endswith("*") for cell in cells)
+            rows.append([f"  {with_unit(float(load), 'mN')}", *cells])
+        tables.append(_titled(rows))
+    if marked:
+        tables.append(
+            fitted("* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing")
+        )
+    return "\n".join(tables)
+
+
+def _titled(rows: list[list[str]]) -> str:
+    """A title above the columns: it is longer than they are wide."""
+    return fitted(rows[0][0]) + "\n" + aligned([["", *rows[0][1:]], *rows[1:]])
+
+
+def _column(name: str, value: Any) -> str:
+    return f"D = {float(value):.3g}" if name == "fractal_dimension" else _coordinate(name, float(value))
+
+
+def _overview_title(part: xarray.Dataset) -> str:
+    words = [f"μ_s [95 %] at μ0 = {float(part['mu0']):g}, τ0 = {_coordinate('tau0', float(part['tau0']))}"]
+    if "amplitude" in part.coords and part["amplitude"].ndim == 0:
+        words.append(f"amplitude {with_unit(float(part['amplitude']), 'um')}")
+    if "sliding" in part.coords and part["sliding"].ndim == 0:
+        words.append(RULES[str(part["sliding"].values)])
+    return ", ".join(words)
+
+
+def _overview_cell(point: xarray.Dataset) -> str:
+    statuses = np.unique(np.atleast_1d(point["status"].values))
+    bad = [str(status) for status in statuses if status != friction.STATUS_OK]
+    if bad:
+        return bad[0]
+    name = "friction_all_round" if "friction_all_round" in point else "friction_coefficient"
+    table = point[name]
+    cell = with_interval(*(float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")))
+    beyond = any(value_of(point, each) > HALF for each in ("share_beyond_hertz", "share_below_grid"))
+    return cell + "*" * beyond

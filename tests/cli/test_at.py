@@ -1,0 +1,199 @@
+"""Commands on results of every kind: at, info, export, plot, run again; of a study, of lines and of maps."""
+
+import csv
+import json
+import shutil
+
+import pytest
+import xarray
+from command import assert_refused, stiction_command
+from small import SMALL
+from stiction import run, self_affine, self_affine_surface, write_profile, write_surface
+from stiction.studies.at_load import at_load
+from stiction.studies.store import open_stored
+from stiction.views.answer import answers
+from stiction.views.digits import two_digits
+from stiction.views.rows import SCHEMA
+
+MATERIAL = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
+
+PAIRS = {
+    "lines": ("upper.csv", "lower.csv", *MATERIAL, "--load", "0.1 mN", "--offsets", "8"),
+    "maps": (
+        "upper.npy", "lower.npy", "--unit", "um", "--spacing", "0.2 um", *MATERIAL,
+        "--load", "10 MPa", "--load", "5 MPa", "--shifts", "3", "--mechanics", "asperities",
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, no_figures):
+    """Two scans, two maps, a study, and a pair of each kind."""
+    path = tmp_path_factory.mktemp("results")
+    for side in ("upper", "lower"):
+        scan = self_affine(1, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side)
+        write_profile(scan, path / f"{side}.csv")
+        rough = {"rms": 0.02, "shape": (24, 24), "spacing": 0.2, "shortest_wavelength": 0.8}
+        write_surface(self_affine_surface(1, hurst_exponent=0.8, side=side, **rough), path / f"{side}.npy")
+    run(SMALL.with_changes({"ensemble.repetitions": 4, "friction.tau0": ["0 MPa", "100 MPa"]}), store=path / "study")
+    with no_figures():
+        for name, arguments in PAIRS.items():
+            assert said("pair", *arguments, "--output", name, cwd=path)
+    return path
+
+
+def said(*arguments, cwd):
+    done = stiction_command(*arguments, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+# ---- at --------------------------------------------------------------------------------------------------------------
+
+
+AT = {
+    "study": (
+        ("--load", "1 uN", "--d", "1.3", "--mu0", "0.35", "--tau0", "20 MPa"), [1e-3], {"mu0": [0.35], "tau0": [0.02]},
+    ),
+    "lines": (("--load", "0.12 mN", "--mu0", "0.25"), [0.12], {"mu0": [0.25]}),
+    "maps": (("--load", "8 MPa", "--mu0", "0.25", "--tau0", "5 MPa"), [], {"mu0": [0.25], "tau0": [0.005]}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", AT)
+def test_at_is_what_the_library_says_at_any_mu0_and_tau0(folder, name):
+    arguments, loads, material = AT[name]
+    record = json.loads(said("at", name, *arguments, "--json", cwd=folder))
+    stored = open_stored(folder / name)
+    if name == "maps":
+        loads = [8e-3 * record["nominal_area"]]
+    expected = at_load(stored, loads, **material)
+    if name == "study":
+        expected = expected.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
+    expected = answers(expected, stored.study)
+    assert [one["verdict"] for one in record["answers"]] == [one.verdict for one in expected]
+    assert [one["at"]["load"] for one in record["answers"]] == pytest.approx([one.at["load"] for one in expected])
+    for one, other in zip(record["answers"], expected, strict=True):
+        assert [rule["value"] for rule in one["rules"]] == pytest.approx([rule.value for rule in other.rules])
+    text = said("at", name, *arguments, cwd=folder)
+    first = expected[0].rules[0]
+    assert two_digits(first.value, first.lower, first.upper) in text
+    assert expected[0].verdict in text
+
+
+def test_at_of_a_pair_takes_its_own_materials(folder):
+    record = json.loads(said("at", "lines", "--load", "0.1 mN", "--json", cwd=folder))
+    assert [(one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
+
+
+def test_at_of_a_study_takes_every_dimension_unless_one_is_asked_for(folder):
+    text = said("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=folder)
+    assert [line.split()[0] for line in text.splitlines()[:5]] == ["D", "1", "1.2", "1.4", "1.6"]
+
+
+def test_at_in_one_direction_is_not_the_mean_of_all(folder):
+    arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
+    one = json.loads(said(*arguments, "--direction", "30", "--json", cwd=folder))
+    assert "the upper body moves at 30°" in said(*arguments, "--direction", "30", cwd=folder)
+    assert "the mean over 12 directions all round" in said(*arguments, cwd=folder)
+    at = at_load(open_stored(folder / "maps"), [one["answers"][0]["at"]["load"]], tau0=[0.0])
+    expected = at["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
+    assert one["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
+
+
+def test_at_says_why_there_is_no_answer(folder):
+    text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", cwd=folder)
+    assert text.startswith("μ_s = not-reached")
+    assert "! no step of the result carries this load: give less load" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("study", "--load", "-1 mN", "--mu0", "0.3"), ["--load must be above 0"]),
+        (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at least 0"]),
+        (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at least 0"]),
+        (("study", "--load", "1 um"), ["--load"]),
+        (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
+        (("study",), ["--load"]),
+        (("lines", "--load", "1 mN", "--d", "1.3"), ["--d is for studies"]),
+        (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude is for studies"]),
+        (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be one of"]),
+        (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
+    ],
+)
+def test_at_refuses_by_the_name_of_the_option(folder, arguments, words):
+    assert_refused(stiction_command("at", *arguments, cwd=folder), *words)
+
+
+# ---- info, export, run, plot -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["study", "lines", "maps"])
+def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
+    record = json.loads(said("info", name, "--json", cwd=folder))
+    assert list(record)[:3] == ["schema", "stiction", "command"]
+    assert (record["schema"], record["command"]) == (SCHEMA, "info")
+    assert record["finished"] == record["repetitions"] == open_stored(folder / name).study.ensemble.repetitions
+    assert record["values"]
+    assert all({"verdict", "doubts", "sentence"} <= set(one) for one in record["answers"])
+    text = said("info", name, cwd=folder)
+    assert f"{record['finished']} of {record['repetitions']} finished" in text
+    if name != "study":
+        assert f"\n{record['answers'][0]['verdict']}" in text or "Doubts" in text
+
+
+def test_info_of_a_study_has_a_table_for_each_tau0(folder):
+    text = said("info", "study", cwd=folder)
+    assert text.count("μ_s [95 %] at μ0 = ") == 2
+    assert "D = 1.4" in text
+
+
+def test_the_loads_of_a_pair_need_not_rise(folder):
+    record = json.loads(said("info", "maps", "--json", cwd=folder))
+    loads = [one["at"]["load"] for one in record["answers"]]
+    assert loads == sorted(loads)
+    assert len(set(loads)) == 2
+
+
+@pytest.mark.parametrize("name", ["study", "lines", "maps"])
+def test_export_writes_the_whole_result_or_a_table(folder, name, tmp_path):
+    said("export", name, str(tmp_path / "r.nc"), cwd=folder)
+    with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported:
+        exported = exported.load()
+    whole = open_stored(folder / name).dataset()
+    assert set(whole.data_vars) == set(exported.data_vars)
+    for variable in whole.data_vars:
+        assert exported[variable].equals(whole[variable]), variable
+    said("export", name, str(tmp_path / "r.csv"), cwd=folder)
+    rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
+    record = json.loads(said("info", name, "--json", cwd=folder))
+    assert {row["verdict"] for row in rows} == {one["verdict"] for one in record["answers"]}
+    for file in ("r.nc", "r.csv"):
+        assert_refused(stiction_command("export", name, str(tmp_path / file), cwd=folder), "exists already")
+    for file in ("r.xlsx", "r"):
+        assert_refused(stiction_command("export", name, file, cwd=folder), "must end in .nc", ".csv")
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("name", ["lines", "maps"])
+def test_a_pair_is_extended_by_running_its_folder(folder, name, tmp_path):
+    shutil.copytree(folder / name, tmp_path / name)
+    total = open_stored(tmp_path / name).study.ensemble.repetitions
+    said("run", str(tmp_path / name), "--set", f"ensemble.repetitions={total + 2}", cwd=folder)
+    assert open_stored(tmp_path / name).finished.size == total + 2
+    assert_refused(stiction_command("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=folder), "mu0")
+
+
+def test_plot_draws_where_and_as_it_is_told(folder, tmp_path, monkeypatch):
+    wanted = []
+
+    def drawn(_, where, *, formats):
+        wanted.append((where, formats))
+        return [where / "a.pdf"]
+
+    monkeypatch.setattr("stiction.views.figures.drawn", drawn)
+    text = said("plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=folder)
+    assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
+    assert wanted == [(tmp_path / "figures", ("pdf", "svg"))]
+    assert_refused(stiction_command("plot", "lines", "--format", "bmp", cwd=folder), "formats must be some of png")

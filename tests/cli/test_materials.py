@@ -1,0 +1,36 @@
+"""`stiction materials`: every number that the library has, with its source."""
+
+import json
+
+import pytest
+from command import assert_refused, stiction_command
+from stiction import materials
+from stiction.views.materials import materials_text
+
+
+def test_all_materials_are_listed(tmp_path):
+    done = stiction_command("materials", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for each in materials():
+        assert f"\n{each.name} " in done.stdout
+        assert " ".join(each.hardness.source.split()) in " ".join(done.stdout.split())
+
+
+def test_the_table_fits_a_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert max(map(len, materials_text(materials()).splitlines())) <= 80
+
+
+def test_one_is_found_by_any_of_its_names(tmp_path):
+    done = stiction_command("materials", "steel", "--json", cwd=tmp_path)
+    (entry,) = json.loads(done.stdout)["materials"]
+    assert entry["name"] == "mild steel"
+    assert "steel" in entry["aliases"]
+    hardness = entry["hardness"]
+    assert hardness["low"] < hardness["value"] < hardness["high"]
+    assert hardness["value"] == pytest.approx((hardness["low"] * hardness["high"]) ** 0.5)
+    assert "Tabor" in hardness["source"]
+
+
+def test_an_unknown_one_is_refused(tmp_path):
+    assert_refused(stiction_command("materials", "unobtainium", cwd=tmp_path), "unobtainium")

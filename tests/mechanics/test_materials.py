@@ -1,0 +1,132 @@
+"""Materials: whether their numbers can be, whether names are found, and what two of them make."""
+
+import importlib.util
+import math
+import pickle
+import re
+from pathlib import Path
+
+import pytest
+from stiction import (
+    MaterialValue,
+    compliance_fraction,
+    effective_modulus,
+    material,
+    materials,
+    softer_hardness,
+)
+
+ROUND_OFF = 1e-14
+
+EACH = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
+
+
+def test_there_are_thirty_of_all_kinds():
+    assert len(materials()) >= 30
+    kinds = {each.kind for each in materials()}
+    assert kinds == {"metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "rock"}
+    for name in ("steel", "brass", "silicon", "gold", "diamond-like carbon", "PTFE", "glass", "alumina", "granite"):
+        assert material(name).name
+
+
+@EACH
+def test_numbers_can_be(each):
+    for value in (each.young_modulus, each.poisson_ratio, each.hardness):
+        assert 0 < value.low <= value <= value.high
+        assert float(value) == pytest.approx(math.sqrt(value.low * value.high), rel=ROUND_OFF)
+        assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431", value.source), value.source
+    assert 0.1 < each.young_modulus.low <= each.young_modulus.high < 1300
+    assert each.poisson_ratio.high < 0.5
+    # Between a soft metal and the ideal strength of a covalent solid; a rock with cracks is softer than its grains.
+    assert 0.001 < each.hardness / each.young_modulus < (0.2 if each.kind == "rock" else 0.15)
+    assert each.young_modulus.high / each.young_modulus.low < 3.1
+    assert each.hardness.high / each.hardness.low < 8
+
+
+@pytest.mark.parametrize(
+    ("name", "young", "hardness"),
+    [
+        # Numbers of other books than those in the table: Johnson, Contact Mechanics (1985); Hutchings & Shipway (2017).
+        ("steel", 207, 1.2), ("tungsten carbide", 600, 15), ("soda-lime glass", 70, 5.6), ("aluminium", 70, 0.25),
+        ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
+    ],
+)  # fmt: skip
+def test_known_numbers_are_inside_the_ranges(name, young, hardness):
+    found = material(name)
+    assert 0.9 * found.young_modulus.low <= young <= 1.1 * found.young_modulus.high
+    assert 0.9 * found.hardness.low <= hardness <= 1.1 * found.hardness.high
+
+
+@EACH
+def test_is_found_by_each_of_its_names_however_written(each):
+    for name in (each.name, *each.aliases):
+        assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is each
+
+
+def test_no_two_share_a_name():
+    names = [re.sub(r"[\W_]", "", name).casefold() for each in materials() for name in (each.name, *each.aliases)]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("stainles steel", "the nearest are .*stainless steel"),
+        ("aluminum alloy 6063", "aluminium alloy 6061-T6"),
+        ("unobtainium??", "known material, got 'unobtainium"),
+        ("", "there are aluminium, aluminium alloy"),
+        (3, "name must be the name of a material, got 3"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_the_nearest(name, said):
+    with pytest.raises(ValueError, match=said):
+        material(name)
+
+
+def test_two_materials_make_a_modulus_a_compliance_and_a_hardness():
+    steel, brass = material("steel"), material("brass")
+    by_hand = 1 / sum((1 - each.poisson_ratio**2) / each.young_modulus for each in (steel, brass))
+    assert effective_modulus(steel, brass) == pytest.approx(by_hand, rel=ROUND_OFF)
+    four = effective_modulus(steel.young_modulus, steel.poisson_ratio, brass.young_modulus, brass.poisson_ratio)
+    assert four == pytest.approx(by_hand, rel=ROUND_OFF)
+    lower = compliance_fraction(steel, brass)
+    assert lower == pytest.approx(by_hand * (1 - brass.poisson_ratio**2) / brass.young_modulus, rel=ROUND_OFF)
+    assert lower + compliance_fraction(brass, steel) == pytest.approx(1, rel=ROUND_OFF)
+    assert compliance_fraction(steel, steel) == 0.5
+    assert softer_hardness(material("alumina"), brass) is brass.hardness
+    assert softer_hardness(brass, material("PTFE")) is material("PTFE").hardness
+
+
+def test_four_numbers_mean_what_they_did():
+    assert effective_modulus(200.0, 0.0, [200.0, 100.0], 0.0).tolist() == pytest.approx([100, 200 / 3])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("steel", "brass"), (material("steel"), 0.3, 200.0, 0.3), (material("steel"), material("gold"), 1.0, 0.3)],
+)
+def test_a_mixture_of_both_is_refused(arguments):
+    with pytest.raises(ValueError, match=r"effective_modulus|young_upper|array of real numbers"):
+        effective_modulus(*arguments)
+    with pytest.raises(ValueError, match="upper must be a Material"):
+        compliance_fraction("steel", material("brass"))
+    with pytest.raises(ValueError, match="lower must be a Material"):
+        softer_hardness(material("brass"), 3.0)
+
+
+def test_a_value_goes_to_another_process_with_its_range():
+    value = pickle.loads(pickle.dumps(material("copper").hardness))
+    assert isinstance(value, MaterialValue)
+    assert (value.low, value.high, value.source) == (0.34, 1.15, material("copper").hardness.source)
+    assert "0.34 to 1.15" in repr(value)
+    assert repr(MaterialValue(2, 2, "somebody")) == "<2, somebody>"
+
+
+def test_the_table_of_the_documents_is_that_of_the_package():
+    docs = Path(__file__).parents[2] / "docs"
+    spec = importlib.util.spec_from_file_location("materials_table", docs / "scripts/materials.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    assert (docs / "generated/materials.md").read_text(encoding="utf-8") == script.table(), (
+        "run docs/scripts/materials.py"
+    )

@@ -1,0 +1,619 @@
+import pickle
+
+import numpy as np
+import pytest
+from reference import dense_onset
+from scipy.integrate import quad
+from stiction import (
+    FourParameterIwan,
+    HertzCylinder,
+    JacksonGreen,
+    Profile,
+    Surface,
+    candidates,
+    contacts,
+    half_space,
+    hertz_ellipse,
+    hertz_line,
+    press,
+    random_phases,
+    self_affine,
+    self_affine_surface,
+    weierstrass_mandelbrot,
+)
+from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
+
+MODULUS = 10.0
+
+ROUND_OFF = 1e-12
+
+DENSE = 1e-6
+"""Of the largest value, against dense matrices, with the solver's tolerance of 1e-6."""
+
+MINDLIN = 1e-3
+"""Of the displacement of a ball whose contact is 24 points in radius."""
+
+RELATED = 0.01
+"""Of what an independent principle says on rough bodies."""
+
+PARTS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
+
+
+def flat_like(body):
+    return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
+
+
+def bowl(n, extent, radii):
+    """A paraboloid, its highest point off the grid."""
+    x = (np.arange(n) - n / 2 + 0.31) * extent / n
+    return Surface(-(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1])), spacing=extent / n)
+
+
+def rough(shape, seed=4, slope=0.1):
+    """A periodic self-affine body on a unit length or square."""
+    n = shape[-1]
+    waves = {"longest_wavelength": 0.5, "shortest_wavelength": min(8 / n, 0.25), "hurst_exponent": 0.8, "rms": 1.0}
+    if len(shape) == 1:
+        body = self_affine(seed, points=n, spacing=1 / n, periodic=True, **waves)
+    else:
+        body = self_affine_surface(seed, shape=shape, spacing=1 / n, **waves)
+    steps = [
+        np.diff(body.heights, axis=axis, append=np.take(body.heights, [0], axis)) * n for axis in range(len(shape))
+    ]
+    scale = slope / np.sqrt(sum(np.mean(np.square(step)) for step in steps))
+    return type(body)(body.heights * scale, spacing=body.spacing)
+
+
+def mean_pressure(body, fraction):
+    """A load that is a fraction of E* h' on the whole of a unit length or square."""
+    steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
+    return fraction * MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
+
+
+# ---- The half-space against closed forms ----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ball():
+    lower = bowl(96, 1.0, (1.0, 1.0))
+    radius = 0.25
+    return half_space(flat_like(lower), lower, [4 / 3 * MODULUS * radius**3], tolerance=1e-8), radius
+
+
+def test_a_ball_is_cattaneos_and_mindlins(ball):
+    curve, radius = ball
+    for poisson in (0.0, 0.3, (0.2, 0.5)):
+        onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=PARTS)
+        of_both = np.broadcast_to(poisson, 2)
+        ratio = np.mean((2 - of_both) / (2 * (1 - of_both)))
+        part = np.array(PARTS)
+        farthest = 0.3 * radius**2 * ratio  # mu0 times the approach, R = 1
+        stuck = (1 - part) ** (1 / 3)
+        assert onset.sliding_load == pytest.approx(0.3 * curve.load[0], rel=1e-9)
+        assert onset.displacement_at_sliding == pytest.approx(farthest, rel=MINDLIN)
+        np.testing.assert_allclose(onset.displacement, farthest * (1 - stuck**2), rtol=MINDLIN)
+        assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN)
+        found = radius * np.sqrt(1 - onset.slipped_area)
+        assert np.abs(found - radius * stuck).max() < 1 / 96  # within a cell
+        assert np.abs(onset.slipped_load - (1 - stuck**2) ** 1.5).max() < 0.01
+        # Johnson, Contact Mechanics (1985), eq. 7.57.
+        lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
+        lost *= onset.sliding_load * farthest
+        np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN)
+
+
+def test_a_ball_slips_from_its_edge_inwards(ball):
+    curve, radius = ball
+    x = (np.arange(96) - 48 + 0.31) / 96
+    away = np.hypot(x[:, None], x).ravel()
+    onset = curve.onset(0, mu0=0.3, steps=50)
+    slips = onset.slip_load() / onset.sliding_load
+    touching = curve.contact(0).pressure.ravel() > 0
+    assert np.isnan(slips[~touching]).all()
+    inside = touching & (away < radius)
+    off = slips[inside] - (1 - (away[inside] / radius) ** 3)
+    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)  # a step, and a cell at the edge
+    assert np.abs(np.median(off)) < 1 / 50
+    early = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
+    assert np.isnan(early[away < 0.5 * radius]).all()
+
+
+def test_a_cylinder_is_cattaneos():
+    n = 1024
+    x = (np.arange(n) - n / 2 + 0.31) / n
+    lower = Profile(-(x**2) / 2, spacing=1 / n)
+    curve = half_space(flat_like(lower), lower, [0.2], tolerance=1e-8)
+    half_width, peak = hertz_line(load=0.2, radius=1.0, effective_modulus=MODULUS)
+    onset = curve.onset(0, mu0=0.3, steps=PARTS)
+    for i, part in enumerate(PARTS):
+        stuck = half_width * np.sqrt(1 - part)
+        q = 0.3 * peak * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+        q -= 0.3 * peak * stuck / half_width * np.sqrt(np.maximum(1 - (x / stuck) ** 2, 0))
+        assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
+        assert abs(half_width * (1 - onset.slipped_area[i]) - stuck) < 1 / n
+    # A free half-plane has no displacement, but slip has one, and takes energy.
+    assert np.isnan(onset.displacement).all()
+    assert np.isnan(onset.displacement_at_sliding)
+    assert np.isnan(onset.stiffness)
+    assert (np.diff(onset.energy_lost(onset.tangential_load)) > 0).all()
+    with pytest.raises(ValueError, match="a free half-plane has none"):
+        curve.onset(0, mu0=0.3, displacements=[0.1])
+    with pytest.raises(ValueError, match="a free half-plane has none"):
+        onset.iwan()
+
+
+def test_an_ellipse_keeps_its_shape():
+    radii = (0.5, 1.5)
+    lower = bowl(128, 1.0, radii)
+    load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)
+    curve = half_space(flat_like(lower), lower, [float(load)], tolerance=1e-8)
+    onset = curve.onset(0, mu0=0.2, poisson=0.0, steps=PARTS)
+    part = np.array(PARTS)
+    np.testing.assert_allclose(onset.displacement, 0.2 * 0.04 * (1 - (1 - part) ** (2 / 3)), rtol=2 * MINDLIN)
+    pressure = curve.contact(0).pressure.ravel()
+    for i, stuck in enumerate((1 - part) ** (1 / 3)):
+        sticks = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
+        for axis, semi in enumerate(axes):
+            assert abs(sticks.any(axis=1 - axis).sum() / 2 - stuck * semi * 128) <= 1  # within a cell at each end
+
+
+def test_uniform_strength_on_a_ball_by_another_way(ball):
+    """tau0 alone: the asperity's closed form, whose bound is even over the true contact."""
+    curve, radius = ball
+    onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=PARTS)
+    area = np.pi * radius**2
+    assert onset.sliding_load == pytest.approx(0.2 * curve.contact_area[0], rel=ROUND_OFF)
+    assert onset.displacement_at_sliding == pytest.approx(2 * 0.2 * area / (np.pi * MODULUS / 2 * radius) / 2, rel=0.01)
+    for displacement, part in zip(onset.displacement, PARTS, strict=True):
+        edge = displacement / onset.displacement_at_sliding
+        assert 2 / np.pi * (np.arcsin(edge) + edge * np.sqrt(1 - edge**2)) == pytest.approx(part, rel=5 * MINDLIN)
+
+
+# ---- The half-space against a slow program --------------------------------------------------------------------------
+
+
+def strength(curve, mu0, tau0):
+    """Points in contact, their bound, pressure and true area, from the model; slopes are to add 1e-8 at most."""
+    pressure = curve.contact(0).pressure
+    touching = pressure > 0
+    periodic = curve._problem.grids.periodic
+    sides = np.zeros(pressure.shape)
+    for axis in range(pressure.ndim):
+        for way in (-1, 1):
+            beside = np.roll(touching, way, axis)
+            if not periodic:
+                edge = [slice(None)] * pressure.ndim
+                edge[axis] = 0 if way == 1 else -1
+                beside[tuple(edge)] = touching[tuple(edge)]
+            sides += ~beside
+    fraction = 1 - (0.19 if pressure.ndim == 1 else (np.pi - 1 + np.log(2)) / 24) * sides
+    return np.argwhere(touching), (mu0 * pressure + tau0 * fraction)[touching], pressure[touching], fraction[touching]
+
+
+@pytest.mark.parametrize("shape", [(32, 32), (24, 32), (256,)])
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
+def test_agrees_with_an_active_set(shape, boundary, mu0, tau0):
+    lower = rough(shape, slope=1e-4)
+    tau0 *= 1e-2  # pressures are of that order
+    curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
+    points, bound, pressure, fraction = strength(curve, mu0, tau0)
+    assert 20 < bound.size < 600
+    periodic = boundary == "periodic"
+    spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
+    table = dense_onset.influence(shape, spacing, MODULUS, periodic=periodic)
+    compliance = dense_onset.matrix(table, points, periodic=periodic)
+    parts = [0.1, 0.5, 0.9]
+    onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts)
+    exact = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts, tolerance=1e-10)
+    assert onset.sliding_load == pytest.approx(bound.sum() * np.prod(spacing), rel=1e-8)
+    for i, part in enumerate(parts):
+        q, way = dense_onset.traction(compliance, bound, part * bound.sum())
+        if len(shape) == 2 or periodic:
+            assert onset.displacement[i] == pytest.approx(way, rel=DENSE)
+        everywhere = np.zeros(shape)
+        everywhere[tuple(points.T)] = q
+        assert np.abs(exact.traction(i) - everywhere.ravel()).max() < DENSE * bound.max()
+        slips = q == bound
+        assert exact.slipped_area[i] == pytest.approx(fraction[slips].sum() / fraction.sum(), abs=1e-7)
+        assert exact.slipped_load[i] == pytest.approx(pressure[slips].sum() / pressure.sum(), abs=1e-7)
+        lost = 4 * bound @ (way - compliance @ q) * np.prod(spacing)
+        assert exact.energy_lost(onset.tangential_load[i]) == pytest.approx(
+            lost, rel=DENSE, abs=DENSE * abs(part * bound.sum() * way * np.prod(spacing))
+        )
+
+
+def test_masings_energy_is_that_of_going_back_and_forth():
+    lower = rough((16, 16), slope=1e-4)
+    curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
+    points, bound, _, _ = strength(curve, 0.3, 0.0)
+    assert bound.size > 40
+    table = dense_onset.influence((16, 16), lower.spacing, MODULUS, periodic=False)
+    compliance = dense_onset.matrix(table, points, periodic=False)
+    for part in (0.5, 0.9):
+        onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
+        top = onset.displacement[0]
+        # Up, down and up again: the second half of this is a cycle.
+        ways = top * np.concatenate([np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]])
+        loads, lost = dense_onset.stepped(compliance, bound, ways)
+        cell = np.prod(lower.spacing)
+        assert loads[4] * cell == pytest.approx(onset.tangential_load[0], rel=1e-5)
+        assert loads[14] == pytest.approx(-loads[4], rel=1e-6)
+        assert loads[-1] == pytest.approx(loads[4], rel=1e-6)
+        assert lost[5:].sum() * cell == pytest.approx(onset.energy_lost(onset.tangential_load[0]), rel=RELATED)
+        # The branch down is the way up twice as large.
+        half = curve.onset(0, mu0=0.3, poisson=0.0, displacements=[top / 2])
+        assert (loads[4] - loads[9]) / 2 * cell == pytest.approx(half.tangential_load[0], rel=1e-5)
+
+
+# ---- The half-space: identities and limits --------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=["periodic", "free"])
+def areas(request):
+    lower = rough((128, 128))
+    load = mean_pressure(lower, 0.02)
+    return half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=request.param, tolerance=1e-8)
+
+
+def test_all_hold_what_mu0_and_tau0_say(areas):
+    onset = areas.onset(1, mu0=0.3, tau0=0.05)
+    all_rub = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
+    assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
+    assert onset.tangential_load[-1] == onset.sliding_load
+    assert onset.traction(-1).sum() * areas._problem.cell == pytest.approx(all_rub, rel=1e-9)
+    # Gentle slopes: the rule "all" but for terms of their squares.
+    all_rub = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
+    assert onset.sliding_load == pytest.approx(all_rub, rel=0.1**2)
+    assert onset.slipped_area[-1] == onset.slipped_load[-1] == 1
+    assert onset.displacement[-1] == onset.displacement_at_sliding
+
+
+def test_all_rises_with_the_load(areas):
+    onset = areas.onset(0, mu0=0.3, tau0=0.02, steps=40)
+    for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
+        assert (np.diff(getattr(onset, name)) >= 0).all(), name
+    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # ever softer
+    assert (np.diff(onset.energy_lost(onset.tangential_load)) >= 0).all()
+    bound = onset.traction(-1)
+    for i in range(40):
+        assert ((onset.traction(i) >= 0) & (onset.traction(i) <= bound)).all()
+        assert onset.traction(i).sum() * areas._problem.cell == pytest.approx(onset.tangential_load[i], rel=1e-6)
+
+
+def test_at_rest_stiffnesses_are_mindlins(areas):
+    for poisson, upper, lower in ((0.3, 0.3, 0.3), ((0.1, 0.45), 0.1, 0.45), (0.5, 0.5, 0.5)):
+        onset = areas.onset(0, mu0=0.3, poisson=poisson, steps=1)
+        ratio = 0.5 * (2 - upper) / (2 * (1 - upper)) + 0.5 * (2 - lower) / (2 * (1 - lower))
+        assert onset.stiffness * ratio == pytest.approx(areas.stiffness[0], rel=1e-3)
+        light = areas.onset(0, mu0=0.3, tau0=0.05, poisson=poisson, steps=[1e-3])
+        assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-4)
+
+
+def test_a_stiffer_body_weighs_less():
+    lower = rough((32, 32))
+    curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], compliance_share=1.0)
+    soft = [curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)]
+    assert soft[0] == soft[1] < soft[2]
+
+
+def test_ciavarella_and_jaeger_on_areas(areas):
+    """Slip is mu0 times what lies between the pressure and that at a smaller load."""
+    onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
+    for i, smaller in enumerate((1, 0)):
+        q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller).pressure).ravel()
+        assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
+        way = 0.3 * (areas.approach[2] - areas.approach[smaller]) * (2 - 0.25) / (2 * (1 - 0.25))
+        assert onset.displacement[i] == pytest.approx(way, rel=1e-4)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_ciavarella_and_jaeger_on_lines(boundary):
+    lower = rough((1024,))
+    load = mean_pressure(lower, 0.05)
+    curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
+    for poisson in (0.0, 0.3):
+        onset = curve.onset(2, mu0=0.2, poisson=poisson, steps=[0.4, 0.7])
+        for i, smaller in enumerate((1, 0)):
+            q = 0.2 * (curve.contact(2).pressure - curve.contact(smaller).pressure)
+            assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
+            if boundary == "periodic":
+                # In the plane, tractions move points as pressures do (Johnson, sections 2.2 and 2.5).
+                way = 0.2 * (curve.approach[2] - curve.approach[smaller])
+                assert onset.displacement[i] == pytest.approx(way, rel=1e-4)
+                assert onset.stiffness == pytest.approx(curve.stiffness[2], rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [10.0, 0.01])
+def test_scales(areas, factor):
+    problem = areas._problem
+    lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
+    boundary = "periodic" if problem.periodic else "free"
+    larger = half_space(flat_like(lower), lower, areas.load[:1] * factor**2, boundary=boundary, tolerance=1e-8)
+    ours, theirs = (one.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for one in (areas, larger))
+    np.testing.assert_allclose(theirs.displacement, factor * ours.displacement, rtol=1e-6)
+    assert theirs.stiffness == pytest.approx(factor * ours.stiffness, rel=1e-6)
+    np.testing.assert_allclose(
+        theirs.energy_lost(theirs.tangential_load[1]), factor**3 * ours.energy_lost(ours.tangential_load[1]), rtol=1e-4
+    )
+
+
+def test_displacements_are_met(areas):
+    farthest = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
+    onset = areas.onset(0, mu0=0.3, displacements=[0.2 * farthest, 0.7 * farthest, farthest])
+    np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * farthest, rtol=1e-6)
+    again = areas.onset(0, mu0=0.3, steps=onset.tangential_load / onset.sliding_load)
+    np.testing.assert_allclose(again.displacement, onset.displacement, rtol=1e-6)
+
+
+def test_hardness_holds_tangentially():
+    lower = rough((64, 64))
+    load = mean_pressure(lower, 0.1)
+    curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
+    assert 0.05 < curve.load_share_at_hardness[0] < 1
+    onset = curve.onset(0, mu0=0.3, tau0=0.02)
+    assert onset.sliding_load == pytest.approx(0.3 * load + 0.02 * curve.contact_area[0], rel=1e-6)
+    assert np.isfinite(onset.stiffness)
+    # All at the hardness: a bound that is even.
+    curve = half_space(Surface(np.zeros((9, 9)), spacing=1.0), bowl(9, 9.0, (1.0, 1.0)), [9.0], hardness=1.0)
+    assert curve.load_share_at_hardness[0] == pytest.approx(1)
+    onset = curve.onset(0, mu0=0.3, steps=[0.5, 1.0])
+    assert 0 < onset.displacement[0] < onset.displacement[1]
+    assert 0 < onset.stiffness < np.inf
+
+
+def test_full_contact_is_rigid_until_it_slips():
+    lower = rough((32, 32))
+    curve = half_space(flat_like(lower), lower, [3.0], boundary="periodic")
+    onset = curve.onset(0, mu0=0.2, steps=10)
+    assert onset.stiffness == np.inf
+    assert onset.displacement[0] == pytest.approx(0, abs=1e-12 * onset.displacement_at_sliding)
+    assert onset.displacement[-1] > 0
+    with pytest.raises(ValueError, match="full contact"):
+        onset.iwan()
+    flat = flat_like(lower)
+    onset = half_space(flat, flat, [1.0], boundary="periodic").onset(0, mu0=0.2, steps=4)
+    np.testing.assert_allclose(onset.displacement, 0, atol=1e-15)
+    np.testing.assert_allclose(onset.traction(0), 0.05, rtol=1e-9)
+    assert onset.slipped_area.tolist() == [0, 0, 0, 1]
+    assert onset.energy_lost(onset.sliding_load) == pytest.approx(0, abs=1e-15)
+
+
+def test_a_flat_punch_slips_all_at_once():
+    """Free flats: pressures that move all alike hold alike, so that nothing slips before all does."""
+    for flat in (Profile(np.zeros(64), spacing=0.1), Surface(np.zeros((33, 40)), spacing=0.1)):
+        curve = half_space(flat, flat, [1.0])
+        onset = curve.onset(0, mu0=0.2, steps=[0.01, 0.5, 0.99, 1.0])
+        assert onset.slipped_area.tolist() == [0, 0, 0, 1]
+        np.testing.assert_allclose(onset.traction(1), 0.1 * curve.contact(0).pressure.ravel(), rtol=1e-4)
+        if flat.heights.ndim == 2:
+            np.testing.assert_allclose(onset.displacement * onset.stiffness, onset.tangential_load, rtol=1e-4)
+
+
+# ---- Asperities -----------------------------------------------------------------------------------------------------
+
+
+def one_ball(radii=(1.0, 1.0), approach=0.02):
+    lower = bowl(64, 1.0, radii)
+    return press(flat_like(lower), lower, [approach])
+
+
+def test_one_asperity_is_mindlins():
+    curve = one_ball()
+    for poisson in (0.0, 0.3):
+        onset = curve.onset(0, mu0=0.3, poisson=poisson)
+        ratio = (2 - poisson) / (2 * (1 - poisson))
+        part = np.arange(1, 21) / 20
+        table = contacts(*curve._pressed.bodies, 0.02)
+        load, area = table.force * table.normal[:, 2], table.area
+        radius, overlap = np.sqrt(area[0] / np.pi), table.overlap[0]
+        farthest = 0.3 * ratio * overlap
+        assert onset.sliding_load == pytest.approx(0.3 * load.sum(), rel=ROUND_OFF)
+        np.testing.assert_allclose(onset.displacement, farthest * (1 - (1 - part) ** (2 / 3)), rtol=1e-6)
+        np.testing.assert_allclose(onset.slipped_area, 1 - (1 - part) ** (2 / 3), rtol=1e-6)
+        assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=1e-6)
+        lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
+        np.testing.assert_allclose(
+            onset.energy_lost(onset.tangential_load), onset.sliding_load * farthest * lost, rtol=1e-6
+        )
+
+
+@pytest.mark.parametrize("radii", [(1.0, 1.0), (0.3, 1.0)])
+@pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.3, 0.1), (0.0, 0.1)])
+def test_one_asperity_is_the_half_spaces(radii, mu0, tau0):
+    lower = bowl(128, 1.0, radii)
+    asperity = press(flat_like(lower), lower, [0.04])
+    exact = half_space(flat_like(lower), lower, asperity.normal_elastic)
+    ours, theirs = (one.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=PARTS) for one in (asperity, exact))
+    np.testing.assert_allclose(ours.displacement, theirs.displacement, rtol=0.005)
+    np.testing.assert_allclose(ours.slipped_area, theirs.slipped_area, atol=0.02)
+    np.testing.assert_allclose(ours.slipped_load, theirs.slipped_load, atol=0.02)
+    assert ours.stiffness == pytest.approx(theirs.stiffness, rel=0.005)
+    lost = [one.energy_lost(one.tangential_load[4:]) for one in (ours, theirs)]
+    np.testing.assert_allclose(lost[0], lost[1], rtol=0.03)
+
+
+@pytest.mark.parametrize("direction", [0.0, 30.0, 90.0])
+def test_ellipses_give_way_by_cerrutis_force(direction):
+    """The displacement in the middle of an ellipse under a flat punch's tractions, by quadrature."""
+    poisson, turned = 0.3, np.radians(direction)
+    curve = one_ball((0.3, 1.0))
+    axes = contacts(*curve._pressed.bodies, 0.02).axes[0]
+
+    def reach(way):
+        return 1 / np.hypot(np.cos(way) / axes[0], np.sin(way) / axes[1])
+
+    def moved(
+        way,
+    ):  # of a unit force on 1/(2π a b) (1 - s²)^(-1/2), with 1/G = 4 (1 - ν)/E* of equal bodies, one of them
+        return (1 - poisson * np.sin(way - turned) ** 2) * reach(way)
+
+    shear = MODULUS * (1 - poisson)  # E* = G/(1 - ν) of equal bodies
+    total = quad(moved, 0, 2 * np.pi)[0] / (8 * np.pi * shear * axes.prod())
+    onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
+    assert onset.stiffness == pytest.approx(1 / (2 * total), rel=1e-9)
+    assert onset.direction == direction
+
+
+@pytest.fixture(scope="module")
+def many():
+    bodies = [self_affine_surface(2, hurst_exponent=0.8, rms=0.02, shape=(256, 256), spacing=0.05, side=side,
+                                  shortest_wavelength=0.4) for side in ("upper", "lower")]  # fmt: skip
+    return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
+
+
+def test_many_asperities_add_up(many):
+    bodies, curve = many
+    onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0)
+    assert curve.contact_count[1] > 20
+    table = contacts(*bodies, 0.04)
+    assert onset.sliding_load == pytest.approx(0.3 * curve.normal_elastic[1] + 0.1 * curve.contact_area[1], rel=1e-9)
+    assert onset.traction(3) @ table.area == pytest.approx(onset.tangential_load[3], rel=ROUND_OFF)
+    for name in ("displacement", "slipped_area", "slipped_load"):
+        assert (np.diff(getattr(onset, name)) > 0).all()
+    assert onset.slipped_area[-1] == pytest.approx(1)
+    light = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0, steps=[1e-6])
+    assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-3)
+    # Each by itself, all as far as the upper body.
+    slides = onset.slip_load()
+    assert (np.sort(slides)[:-1] <= onset.sliding_load).all()
+    assert np.isfinite(slides).all()
+    for load, i in ((onset.tangential_load[9], 9), (onset.tangential_load[14], 14)):
+        assert ((slides <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
+
+
+def test_energy_is_the_area_of_the_loop(many):
+    onset = many[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
+    for part in (0.5, 1.0):
+        way, load = onset.loop(part * onset.sliding_load)
+        area = 0.5 * abs(np.sum(way * np.roll(load, -1) - load * np.roll(way, -1)))
+        assert area == pytest.approx(onset.energy_lost(part * onset.sliding_load), rel=RELATED)
+        assert way[0] == pytest.approx(-way[len(way) // 2])
+        assert load.max() == pytest.approx(part * onset.sliding_load)
+        assert load.min() == pytest.approx(-part * onset.sliding_load)
+
+
+def test_lines_of_spheres_and_of_what_yields():
+    bodies = [
+        weierstrass_mandelbrot(random_phases(3, side=side), 1.2, points=20_000).with_amplitude(0.1)
+        for side in ("upper", "lower")
+    ]
+    for detection in ("cell", "gap-minimum"):
+        curve = press(*bodies, [0.03], detection=detection, shear="-x")
+        onset = curve.onset(0, mu0=0.3, tau0=0.05, direction="-x")
+        all_hold = 0.3 * curve.normal_elastic[0] + 0.05 * curve.contact_area[0]
+        assert onset.sliding_load == pytest.approx(all_hold, rel=1e-9)
+    assert onset.direction == 180.0
+    with pytest.raises(ValueError, match="direction on profiles"):
+        curve.onset(0, mu0=0.3, direction=90.0)
+    curve = press(*bodies, [0.03], law=HertzCylinder())
+    with pytest.raises(ValueError, match="HertzCylinder"):
+        curve.onset(0, mu0=0.3)
+    yields = press(*bodies, [0.03], law=JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)).onset(0, mu0=0.3)
+    assert yields.sliding_load < onset.sliding_load
+
+
+def test_a_curve_that_travels(many):
+    bodies, curve = many
+    again = pickle.loads(pickle.dumps(curve))
+    assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
+    found = press(candidates(*bodies, deepest=0.04), [0.04])
+    assert found.onset(0, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
+    with pytest.raises(ValueError, match="press them again"):
+        pickle.loads(pickle.dumps(found)).onset(0, mu0=0.3)
+
+
+# ---- For who goes on with it ----------------------------------------------------------------------------------------
+
+
+def test_iwan_and_lugre_find_themselves():
+    way = np.linspace(0, 1, 21)[1:]
+    known = {"sliding_load": 2.0, "stiffness": 3.0}
+    for chi, beta in ((-0.3, 0.5), (-0.7, 3.0)):
+        true = FourParameterIwan(2.0, 3.0, chi, beta, np.empty(0))
+        found = fitted_iwan(way, true.load(way), **known)
+        assert np.abs(found.residual).max() < 1e-8
+        assert (found.chi, found.beta) == pytest.approx((chi, beta), rel=1e-4)
+        # F_S at the end of the rise, without a jump; softer on the way.
+        end = true.displacement_at_sliding
+        assert true.load(end) == 2.0
+        assert true.load(end * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
+        # Segalman's springs one by one, of which those that slip take 4 times strength times slip a cycle.
+        edges = np.linspace(0, 1, 200_001) ** 3 * end
+        slips, spring = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
+        spring *= 3.0 / (1 + beta) / spring.sum()
+        slips, spring = np.append(slips, end), np.append(spring, 3.0 * beta / (1 + beta))
+        for u in (0.3 * end, 0.8 * end, 1.5 * end):
+            assert true.load(u) == pytest.approx(np.minimum(u, slips) @ spring, rel=1e-4)
+            lost = 4 * (spring * slips) @ np.maximum(u - slips, 0)
+            assert true.energy_lost(u) == pytest.approx(lost, rel=1e-4)
+    bristles = -2.0 * np.expm1(-3.0 * way / 2.0)
+    found = fitted_lugre(way, bristles, sliding_load=2.0)
+    assert found.stiffness == pytest.approx(3.0, rel=1e-6)
+    assert np.abs(found.residual).max() < 1e-6
+
+
+def test_what_a_curve_hands_on(many):
+    onset = many[1].onset(1, mu0=0.3, tau0=0.1)
+    frame = onset.frame()
+    assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
+    assert frame.to_csv(index=False).count("\n") == 22
+    assert frame["displacement_um"].iloc[-1] == onset.displacement_at_sliding
+    iwan, lugre = onset.iwan(), onset.lugre()
+    np.testing.assert_allclose(iwan.load(onset.displacement) - onset.tangential_load, iwan.residual, atol=ROUND_OFF)
+    assert np.sqrt(np.mean(iwan.residual**2)) < np.sqrt(np.mean(lugre.residual**2)) < 0.1 * onset.sliding_load
+    for array in (onset.displacement, onset.traction(0), onset.slip_load(), iwan.residual):
+        assert not array.flags.writeable
+    with pytest.raises(ValueError, match="at least 3 loads"):
+        many[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
+    with pytest.raises(ValueError, match="displacement must be at least 0"):
+        iwan.load(-1.0)
+
+
+# ---- Bad input ------------------------------------------------------------------------------------------------------
+
+BAD = [
+    ({"mu0": -0.1}, "mu0 must not be negative"),
+    ({"mu0": [0.1, 0.2]}, "mu0 must be a finite number"),
+    ({"mu0": 0.0}, "mu0 and tau0 must not both be 0"),
+    ({"mu0": 0.3, "tau0": -0.1}, "tau0 must not be negative"),
+    ({"mu0": 0.3, "steps": 0}, "steps must be a whole number"),
+    ({"mu0": 0.3, "steps": [0.5, 1.2]}, "it slides"),
+    ({"mu0": 0.3, "steps": [0.5, 0.5]}, "strictly increasing"),
+    ({"mu0": 0.3, "steps": []}, "strictly increasing"),
+    ({"mu0": 0.3, "steps": [0.0, 0.5]}, "above 0"),
+    ({"mu0": 0.3, "displacements": [1.0]}, "it slides"),
+    ({"mu0": 0.3, "displacements": [-1.0]}, "above 0"),
+    ({"mu0": 0.3, "poisson": 0.6}, "poisson must be"),
+    ({"mu0": 0.3, "poisson": (0.1, 0.2, 0.3)}, "poisson must be"),
+    ({"mu0": 0.3, "direction": "up"}, "direction must be"),
+    ({"mu0": 0.3, "direction": [0.0, 90.0]}, "direction must be one"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD)
+def test_bad_input(ball, arguments, message):
+    for curve in (ball[0], one_ball()):
+        with pytest.raises(ValueError, match=message):
+            curve.onset(0, **arguments)
+
+
+def test_bad_places(ball):
+    with pytest.raises(ValueError, match="index must be one of the 1 loads"):
+        ball[0].onset(1, mu0=0.3)
+    with pytest.raises(ValueError, match="index must be one of the 1 approaches"):
+        one_ball().onset(0.5, mu0=0.3)
+    x = np.arange(65) / 64 - 0.5
+    cup = Profile(x**2, spacing=1 / 64)
+    with pytest.raises(ValueError, match="there is no contact"):
+        press(flat_like(cup), cup, [0.01]).onset(0, mu0=0.3)
+    with pytest.raises(ValueError, match="tolerance must be"):
+        ball[0].onset(0, mu0=0.3, tolerance=0.0)
+    onset = ball[0].onset(0, mu0=0.3, steps=2)
+    with pytest.raises(ValueError, match="index must be one of the 2 tangential loads"):
+        onset.traction(2)
+    for amplitude in (-1.0, 2 * onset.sliding_load):
+        with pytest.raises(ValueError, match="above which it slides"):
+            onset.energy_lost(amplitude)
+    assert onset.energy_lost(0.0) == 0
+    assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)

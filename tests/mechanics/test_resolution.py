@@ -1,0 +1,257 @@
+"""Answers over cut-offs: the half-space beneath, what a hardness settles, limits and brackets, and names."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from stiction import (
+    Profile,
+    Surface,
+    cut_off,
+    half_space,
+    resolution,
+    resolution_friction,
+    scale_dependent_roughness,
+    self_affine,
+    self_affine_surface,
+)
+from stiction.mechanics.continuation import kappa_spread
+
+ROUND_OFF = 1e-12
+
+EDGES = 0.1
+"""Of an area, what cells at the edges of contacts are uncertain by on a coarse grid."""
+
+STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
+
+
+def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
+    return tuple(
+        self_affine_surface(
+            seed,
+            hurst_exponent=hurst,
+            rms=rms,
+            shape=(points, points),
+            spacing=spacing,
+            side=side,
+            longest_wavelength=points * spacing / 4,
+            shortest_wavelength=shortest,
+        )
+        for side in ("upper", "lower")
+    )
+
+
+@pytest.fixture(scope="module")
+def seen():
+    """A pair under 20 MPa at its own resolution and coarser ones."""
+    upper, lower = pair()
+    load = 0.02 * 128**2 * 0.04**2
+    lengths = [0.16, 0.32, 0.64]
+    return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL)
+
+
+def test_each_cut_off_is_the_half_space_of_what_is_left(seen):
+    upper, lower, load, found = seen
+    for length in found.cut_off.values:
+        bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
+        for sliding in ("all", "opposing"):
+            curve = half_space(
+                *bodies, [load], effective_modulus=115.0, hardness=4.0, boundary="periodic", sliding=sliding,
+                direction=[0.0, 90.0, 180.0, 270.0],
+            )  # fmt: skip
+            one = found.sel(cut_off=length, normal_load=load)
+            assert float(one.contact_area) == curve.contact_area[0]
+            assert float(one.contact_count) == curve.contact_count[0]
+            assert float(one.load_fraction_at_hardness) == curve.load_share_at_hardness[0]
+            assert float(one.mean_pressure) == pytest.approx(load / curve.contact_area[0], rel=ROUND_OFF)
+            normal, tangential = (
+                getattr(curve, name)(mu0=0.2, tau0=0.2).mean() for name in ("normal_load", "tangential_load")
+            )
+            mu = float(one.friction_coefficient.sel(sliding=sliding))
+            assert mu == pytest.approx(tangential / normal, rel=ROUND_OFF)
+    again = resolution_friction(found, mu0=0.2, tau0=0.2)
+    assert np.array_equal(again, found.friction_coefficient)
+    smooth = resolution_friction(found, mu0=0.0)
+    assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes that lean both ways
+
+
+def test_a_hardness_settles_the_answer_and_its_limits_hold(seen):
+    *_, load, found = seen
+    area = found.contact_area_fraction[:, 0].values
+    mu = found.friction_coefficient.sel(sliding="all")[:, 0].values
+    assert found.load_fraction_at_hardness[0, 0] > 0.8
+    assert np.abs(mu / mu[0] - 1).max() < 0.03
+    assert np.abs(area / area[0] - 1).max() < 0.25
+    least, limit = float(found.plastic_area_fraction[0]), float(found.plastic_friction_coefficient[0])
+    assert least == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
+    assert limit == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
+    # Every finer answer lies between the limit and the coarser one.
+    for finer in range(area.size):
+        assert (area[finer] >= least * (1 - EDGES)).all()
+        assert (area[finer] <= area[finer:] * (1 + EDGES)).all()
+        assert (mu[finer] >= limit * (1 - 0.02)).all()
+        assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
+
+
+def test_without_a_hardness_it_is_elastic_and_says_from_where_on_it_cannot_be(seen):
+    upper, lower, load, plastic = seen
+    found = resolution(
+        upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
+    )
+    assert "friction_coefficient" not in found
+    assert "plastic_area" not in found
+    assert math.isnan(found.attrs["hardness_GPa"])
+    assert found.model == "elastic half-space"
+    assert found.contact_area[0, 0] < found.contact_area[1, 0]
+    assert found.hardness.size > 3
+    lengths = found.plastic_wavelength[:, 0].sel(statistic="value").values
+    assert (np.diff(lengths) <= 0).all()  # the harder, the finer
+    at_four = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
+    harder, softer = (float(found.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
+    assert harder < at_four < softer
+
+
+def test_the_plastic_wavelength_is_where_the_slope_is_reached(seen):
+    upper, lower, load, found = seen
+    kappa = float(found.elastic_kappa[0])
+    assert kappa == pytest.approx(
+        float(found.elastic_area_fraction[0]) * 115.0 * float(found.rms_gradient[0]) / (load / (128 * 0.04) ** 2)
+    )
+    gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
+    roughness = scale_dependent_roughness(gap, periodic=True)
+    value, low, high = found.plastic_wavelength[0, 0].values
+    assert low <= value <= high
+    assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)  # it is in the scan
+    # Contacts are few, and κ within a factor of them.
+    curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
+    within = float(kappa_spread(curve.contact_count)[0])
+    assert 1.1 <= within <= math.exp(1)
+    assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / within, rel=1e-6)
+
+
+def test_finer_answers_are_continued_by_the_power_law():
+    """A scan without its short waves, and the same with them."""
+    upper, lower = pair(points=256, spacing=0.02)
+    coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
+    load = [0.02 * (256 * 0.02) ** 2]
+    options = {"boundary": "periodic", "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "cut_offs": []}
+    fine = resolution(upper, lower, load, hardness=None, **options)
+    found = resolution(*coarse, load, hardness=None, **options)
+    assert found.finer_wavelength[0] == 0.04
+    assert found.continued_rms_gradient.sel(statistic="value")[0] == pytest.approx(
+        float(found.rms_gradient[0]), rel=0.3
+    )
+    one = found.continued_rms_gradient.sel(finer_wavelength=0.04)
+    assert one.sel(statistic="lower") <= one.sel(statistic="value") <= one.sel(statistic="upper")
+    area = found.continued_elastic_area_fraction.sel(finer_wavelength=0.01)[0]
+    assert area.sel(statistic="lower") < area.sel(statistic="value") < area.sel(statistic="upper")
+    mu = found.continued_elastic_friction_coefficient
+    assert (found.continued_rms_gradient.diff("finer_wavelength") >= 0).all()
+    assert mu.min() > 0.2
+    assert float(fine.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
+
+
+def test_elastic_friction_of_a_finer_scan_is_in_its_interval():
+    """Pairs seen from 16 points on, and solved with all their waves."""
+    inside = 0
+    for seed in range(6):
+        rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}
+        fine = [self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower")]
+        coarse = []
+        for body in fine:
+            waves = np.fft.fft2(body.heights)
+            k = np.hypot(*np.meshgrid(*[np.fft.fftfreq(256, 0.02)] * 2, indexing="ij"))
+            coarse.append(Surface(np.fft.ifft2(np.where(k <= 1 / 0.32, waves, 0)).real[::2, ::2], spacing=0.04))
+        load = [0.2 * 5.12**2]
+        options = {"effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "boundary": "periodic", "cut_offs": []}
+        found = resolution(*coarse, load, hardness=None, **options)
+        at = found.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
+        truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
+        inside += bool(at.sel(statistic="lower") <= truth <= at.sel(statistic="upper"))
+    assert inside >= 5  # of 95 %, two misses would be a chance of 1 in 30
+
+
+def test_lines_are_pressed_both_ways():
+    upper, lower = (
+        self_affine(2, hurst_exponent=0.8, rms=0.02, points=1024, spacing=0.01, longest_wavelength=2.0, side=side)
+        for side in ("upper", "lower")
+    )
+    found = resolution(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0, mu0=0.3)
+    assert found.cut_off.values == pytest.approx([0.0, 0.04, 0.08, 0.16, 0.32])
+    assert found.sizes["normal_load"] == 2
+    curve = half_space(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0)
+    both = [curve.with_direction(way) for way in ("+x", "-x")]
+    normal = sum(each.normal_load(mu0=0.3) for each in both)
+    mu = sum(each.tangential_load(mu0=0.3) for each in both) / normal
+    assert found.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
+
+
+def test_lengths_are_free_of_scale():
+    one = resolution(*pair(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL)
+    bodies = [Surface(10 * body.heights, spacing=0.8) for body in pair(points=64, spacing=0.08)]
+    ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL)
+    for name in ("contact_area_fraction", "friction_coefficient", "rms_gradient", "plastic_area_fraction"):
+        assert ten[name].values == pytest.approx(one[name].values, rel=1e-6)
+    assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
+
+
+def test_names_units_and_words(seen, tmp_path):
+    found = seen[3]
+    for name in (*found.dims, *found.variables):
+        assert not hasattr(xr.Dataset, name), name
+        assert not hasattr(xr.DataArray, name), name
+    assert (found.instrument_limit_um, found.instrument_limit_reason) == (0.08, "pixels")
+    for name, values in found.data_vars.items():
+        assert values.attrs["units"], name
+        assert values.attrs["long_name"], name
+    for name in ("cut_off", "normal_load", "hardness", "finer_wavelength"):
+        assert found[name].attrs["units"] in ("µm", "mN", "GPa")
+    found.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as again:
+        xr.testing.assert_equal(again.load(), found)
+
+
+def test_progress_and_a_load_without_solution(monkeypatch):
+    from stiction.mechanics import resolution as module
+
+    upper, lower = pair(points=32, spacing=0.16)
+    own = module.half_space
+
+    def failing(upper, lower, loads, **options):
+        if max(loads) > 1:
+            raise RuntimeError("no solution")
+        return own(upper, lower, loads, **options)
+
+    monkeypatch.setattr(module, "half_space", failing)
+    steps = []
+    found = resolution(
+        upper, lower, [0.5, 2.0], boundary="periodic", cut_offs=[0.64],
+        progress=lambda done, count: steps.append((done, count)), **STEEL,
+    )  # fmt: skip
+    assert steps == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    assert np.isfinite(found.contact_area[:, 0]).all()
+    assert np.isnan(found.contact_area[:, 1]).all()
+    assert np.isnan(found.friction_coefficient[..., 1]).all()
+    assert np.isnan(found.plastic_wavelength[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"hardness": 0.0}, "hardness must be a finite number above 0 GPa"),
+        ({"cut_offs": [0.1]}, r"cut_offs must be 0 or from two points, 0.32 µm, to a third of the shortest side"),
+        ({"cut_offs": [3.0]}, "cut_offs must be 0 or"),
+        ({"mu0": -0.1}, "mu0 must not be negative"),
+        ({"mu0": 0.1, "tau0": "1 MPa"}, "tau0 must be a finite number"),
+        ({"loads": [2.0, 1.0]}, "loads must be above 0 mN and strictly increasing"),
+        ({"loads": [1e9]}, "loads must be below hardness times area"),
+        ({"upper": Profile(np.zeros(9), spacing=1.0)}, "must both be profiles or both surfaces"),
+        ({"boundary": "open"}, "boundary must be one of"),
+    ],
+)
+def test_bad_arguments_are_named(changes, said):
+    upper, lower = pair(points=32, spacing=0.16)
+    arguments = {"upper": upper, "lower": lower, "loads": [0.5], "hardness": 4.0} | changes
+    with pytest.raises(ValueError, match=said):
+        resolution(arguments.pop("upper"), arguments.pop("lower"), arguments.pop("loads"), **arguments)

@@ -1,0 +1,106 @@
+"""The closed form over cut-offs: its parts, its limits, and the half-space of the same surfaces."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from stiction import (
+    Profile,
+    gentle_friction,
+    resolution,
+    scale_dependent_roughness,
+    self_affine_surface,
+    spectral_resolution,
+)
+
+OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "effective_modulus": 115.0}
+
+
+def pair(points=256):
+    return [
+        self_affine_surface(
+            6, hurst_exponent=0.6, rms=0.01, shape=(points, points), spacing=0.02, side=side,
+            longest_wavelength=min(1.28, 0.02 * points), shortest_wavelength=0.08,
+        )
+        for side in ("upper", "lower")
+    ]  # fmt: skip
+
+
+def both(bodies):
+    return [scale_dependent_roughness(body, periodic=True) for body in bodies]
+
+
+def test_is_the_smaller_pressure_of_elastic_and_hard():
+    upper, lower = both(pair())
+    found = spectral_resolution(upper, lower, **OPTIONS)
+    gradient = np.hypot(upper.gradient_at(found.wavelength), lower.gradient_at(found.wavelength))
+    assert found.rms_gradient.values == pytest.approx(gradient)
+    pressure = np.minimum(115.0 * gradient / 2.2, 4.0)
+    shown = np.maximum(pressure, 0.05)  # no more than all touches
+    assert found.mean_pressure.values == pytest.approx(shown)
+    assert found.contact_area_fraction.values == pytest.approx(0.05 / shown)
+    mu = found.friction_coefficient.sel(sliding="all").values
+    assert mu == pytest.approx(0.2 + 0.2 / shown)
+    assert mu[-1] == pytest.approx(0.2 + 0.2 / 4.0)
+    at = float(found.plastic_wavelength)
+    assert float(found.rms_gradient.sel(wavelength=at)) >= 2.2 * 4.0 / 115.0
+    elastic = spectral_resolution(upper, lower, **OPTIONS | {"hardness": None})
+    ratio = np.asarray(upper.gradient_at(found.wavelength) / lower.gradient_at(found.wavelength))
+    wanted = gentle_friction(0.2, 0.2, rms_gradient=gradient, effective_modulus=115.0, kappa=2.2, slope_ratio=ratio)
+    light = elastic.contact_area_fraction.values < 1
+    assert elastic.friction_coefficient.sel(sliding="opposing").values[light] == pytest.approx(wanted[light])
+    assert math.isnan(elastic.plastic_wavelength)
+
+
+def test_meets_the_half_space():
+    bodies = pair()
+    upper, lower = both(bodies)
+    load = 0.05 * (256 * 0.02) ** 2
+    solved = resolution(
+        *bodies, [load], hardness=4.0, mu0=0.2, tau0=0.2, effective_modulus=115.0, boundary="periodic", cut_offs=[]
+    )
+    found = spectral_resolution(upper, lower, **OPTIONS, wavelengths=[0.04])
+    assert float(found.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
+    # A patch opposes as a whole, by less than its points.
+    for rule, within in (("all", 0.05), ("opposing", 0.15)):
+        one, other = (each.friction_coefficient.sel(sliding=rule).values.ravel()[0] for each in (found, solved))
+        assert one == pytest.approx(other, rel=within)
+
+
+def test_on_a_flat_only_one_is_rough():
+    upper = both(pair(64))[0]
+    found = spectral_resolution(upper, None, **OPTIONS)
+    assert found.rms_gradient.values == pytest.approx(upper.gradient_at(found.wavelength))
+    # A flat shares no slope: contacts are level.
+    opposing, everything = (found.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
+    assert opposing == pytest.approx(everything / 2)
+
+
+def test_names_and_units():
+    found = spectral_resolution(*both(pair(64)), **OPTIONS)
+    for name in (*found.dims, *found.variables):
+        assert not hasattr(xr.Dataset, name), name
+    for name, values in found.data_vars.items():
+        assert values.attrs["units"], name
+        assert values.attrs["long_name"], name
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"pressure": 0.0}, "pressure must be a finite number above 0 GPa"),
+        ({"hardness": 0.01}, "hardness must be a finite number above 0.05 GPa"),
+        ({"mu0": -1.0}, "mu0 must not be negative"),
+        ({"kappa": 0.0}, "kappa must be a finite number above 0"),
+        ({"wavelengths": [1e3]}, "wavelengths must be at most the longest"),
+        ({"wavelengths": [0.0]}, "wavelength must be above 0"),
+    ],
+)
+def test_bad_arguments_are_named(changes, said):
+    upper, lower = both(pair(32))
+    with pytest.raises(ValueError, match=said):
+        spectral_resolution(upper, lower, **OPTIONS | changes)
+    line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
+    with pytest.raises(ValueError, match="must be the ScaleDependentRoughness of areas"):
+        spectral_resolution(line, lower, **OPTIONS)

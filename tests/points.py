@@ -1,0 +1,126 @@
+"""What `at_load` gives, invented: results of measured and of generated bodies, with any number changed."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import xarray
+from stiction.mechanics.friction import STATUS_DTYPE
+
+STATISTIC = ("mean", "lower", "upper")
+RULES = ("all", "opposing")
+
+
+def interval(mean, half=0.05):
+    """Mean, lower and upper end, at a part of the mean to either side."""
+    return [mean, mean - half * abs(mean), mean + half * abs(mean)]
+
+
+def measured_study(*, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,)):
+    """As much of a study of measured bodies as views ask for."""
+    return SimpleNamespace(
+        surfaces=SimpleNamespace(kind="measured", press=press),
+        contact=SimpleNamespace(
+            mechanics=mechanics, effective_modulus=100.0, hardness=hardness, law=law, detection="gap-minimum",
+            curvature="convex", rules=lambda: ("opposing", "all"),
+        ),
+        friction=SimpleNamespace(mu0=mu0, tau0=(0.05,), load=(10.0,)),
+    )  # fmt: skip
+
+
+def generated_study():
+    """As much of a study of generated profiles as views ask for."""
+    return SimpleNamespace(
+        surfaces=SimpleNamespace(kind="profile"),
+        contact=SimpleNamespace(
+            mechanics="asperities", effective_modulus=10.0, hardness=None, law="hertz-sphere", detection="cell",
+            curvature="convex", rules=lambda: ("opposing",),
+        ),
+        friction=SimpleNamespace(mu0=(0.4,), tau0=(0.0,)),
+    )  # fmt: skip
+
+
+LOADED = {
+    "contact_area_fraction": 0.01, "contact_area": 100.0, "contact_count": 300.0, "mean_pressure": 0.5,
+    "normal_stiffness": 800.0, "approach": 0.05, "share_on_largest": 0.1, "share_at_edge": 0.05,
+    "fraction_on_small": 0.05, "share_opposing": 0.5, "load_share_at_hardness": 0.0, "error": 1e-7,
+}  # fmt: skip
+"""Quantities of a load, of which nothing is to be doubted."""
+
+
+def measured(
+    *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,), half=0.05,
+    all_rub=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
+):  # fmt: skip
+    """A result of measured bodies: every load, mu0 and tau0 has the same numbers, or those of `changes`."""
+    axes = sorted({each % 180 for each in directions})
+    sizes = {
+        "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
+        "mu0": len(mu0), "tau0": len(tau0), "quantile": 2, "statistic": 3,
+    }  # fmt: skip
+    friction = np.array([interval(all_rub, half), interval(opposing, half)])
+
+    def filled(values, *dims):
+        """Values over the last of the dimensions, the same along the others."""
+        return dims, np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
+
+    materials, last = ("load", "mu0", "tau0"), "statistic"
+    by_rule = friction[:, None, None, None, None, None, :]
+    axial = by_rule if by_axis is None else np.array(by_axis)[None, None, :, None, None, None, :]
+    variables = {
+        "friction_coefficient": filled(by_rule, "sliding", "cut_off", "direction", *materials, last),
+        "friction_by_axis": filled(axial, "sliding", "cut_off", "axis", *materials, last),
+        "friction_all_round": filled(by_rule[:, :, 0], "sliding", "cut_off", *materials, last),
+        "status": filled(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *materials),
+        "spread_low": filled(0.04, "cut_off", "sliding", *materials),
+        "spread_high": filled(0.19, "cut_off", "sliding", *materials),
+        "gentle_friction": filled(by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"),
+        "reading_difference": filled(changes.pop("reading_difference", 0.001), "cut_off", "load"),
+        "rms_gradient": filled(interval(changes.pop("rms_gradient", 0.2)), "cut_off", last),
+        "rms_slope": filled(interval(0.14), "cut_off", "direction", last),
+        "patch_area": filled(interval(0.2), "cut_off", "load", "quantile", last),
+        "pressure": filled(interval(0.4), "cut_off", "load", "quantile", last),
+        "members": filled(members),
+        "ok": filled(ok, "cut_off", "sliding", "direction", *materials),
+    }  # fmt: skip
+    for name, value in (LOADED | changes).items():
+        if value is not None:
+            variables[name] = filled(interval(value), "cut_off", "load", last)
+    coordinates = {
+        "cut_off": list(cut_offs), "sliding": list(RULES), "direction": list(directions), "axis": axes,
+        "load": list(loads), "mu0": list(mu0), "tau0": list(tau0), "quantile": [0.5, 0.9], "statistic": list(STATISTIC),
+        "nominal_area": 10_000.0, "effective_modulus": 100.0,
+    }  # fmt: skip
+    attributes = {
+        "upper": "read from a.di\nlevelled by a plane", "lower": "read from b.di", "spacing_um": [0.1, 0.1],
+        "reading": "elastic",
+    }  # fmt: skip
+    return xarray.Dataset(variables, coordinates, attributes)
+
+
+def generated(*, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half=0.05, **changes):
+    """A result of generated profiles in one direction, by the paper's rule."""
+    sizes = {"fractal_dimension": len(dimensions), "amplitude": 1, "load": len(loads), "mu0": 1, "tau0": 2}
+    cells = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
+
+    def filled(values, dims):
+        shape = [sizes[dim] for dim in dims]
+        return (*dims, "statistic"), np.broadcast_to(interval(values, half), [*shape, 3]).copy()
+
+    loaded = {"contact_area": 1.0, "contact_count": 30.0, "normal_stiffness": 0.2, "mean_pressure": 0.05,
+              "share_beyond_hertz": 0.1, "share_below_grid": 0.1} | changes  # fmt: skip
+    shape = [sizes[dim] for dim in cells]
+    return xarray.Dataset(
+        {
+            "friction_coefficient": filled(friction, cells),
+            "friction_all_round": filled(friction, cells),
+            "status": (cells, np.full(shape, status, STATUS_DTYPE)),
+            "members": ((), 100),
+            "reading_difference": (cells[:3], np.full(shape[:3], 0.02)),
+            **{name: filled(value, cells[:3]) for name, value in loaded.items()},
+        },
+        {
+            "fractal_dimension": list(dimensions), "amplitude": [0.1], "load": list(loads), "mu0": [0.4],
+            "tau0": [0.0, 0.1], "statistic": list(STATISTIC), "sliding": "opposing", "direction": 0.0,
+        },
+        {"reading": "mean"},
+    )  # fmt: skip

@@ -1,0 +1,107 @@
+"""Tractions up to a bound under a tangential load, by dense matrices and an active set: slow, and from the model alone.
+
+Find q with 0 <= q <= bound and a given sum, so that the displacement K q is one number where 0 < q < bound, not less
+where q = 0 and not more where q is at its bound.
+"""
+
+import numpy as np
+from scipy.integrate import quad
+
+ROUND_OFF = 1e-13
+
+
+def influence(shape, spacing, modulus, *, periodic):
+    """Displacement of a grid under 1 GPa on the cell at its origin."""
+    index = np.meshgrid(*[np.arange(n) for n in shape], indexing="ij")
+    if periodic:
+        table = np.zeros(shape)
+        for wave in np.ndindex(shape):
+            turns = [(m if 2 * m <= n else m - n) for m, n in zip(wave, shape, strict=True)]
+            k = 2 * np.pi * np.array([m / (n * s) for m, n, s in zip(turns, shape, spacing, strict=True)])
+            if any(turns):
+                phase = 2 * np.pi * sum(m * i / n for m, i, n in zip(turns, index, shape, strict=True))
+                table += 2 / (modulus * np.sqrt(k @ k)) * np.cos(phase) / np.prod(shape)
+        return table
+    table = np.empty(shape)
+    for place in np.ndindex(shape):
+        if len(shape) == 1:
+            x, a = place[0] * spacing[0], spacing[0] / 2
+            inside = [0.0] if x == 0 else None
+            table[place] = quad(lambda s, x=x: -2 / np.pi / modulus * np.log(abs(x - s)), -a, a, points=inside)[0]
+        else:
+            (y, x), (b, a) = np.multiply(place, spacing), np.divide(spacing, 2)
+
+            # 1/(π E* r) along x in closed form, along y by quadrature.
+            def strip(s, x=x, y=y, a=a):
+                return np.diff(np.arcsinh(np.array([x - a, x + a]) / abs(y - s)))[0] / np.pi / modulus
+
+            inside = [0.0] if place[0] == 0 else None
+            table[place] = quad(strip, -b, b, points=inside, epsabs=0, epsrel=1e-12, limit=400)[0]
+    return table
+
+
+def matrix(table, points, *, periodic):
+    """Displacement at each of some points, rows of indices, under 1 GPa at each."""
+    apart = points[:, None, :] - points[None, :, :]
+    apart = apart % np.array(table.shape) if periodic else np.abs(apart)
+    return table[tuple(np.moveaxis(apart, -1, 0))]
+
+
+def traction(compliance, bound, total):
+    """The traction with a sum, and the displacement of what sticks."""
+    least, most = np.zeros(bound.size, bool), np.zeros(bound.size, bool)
+    seen = set()
+    for _ in range(10 * bound.size):
+        sticks = ~(least | most)
+        q = np.where(most, bound, 0.0)
+        count = int(sticks.sum())
+        system = np.zeros((count + 1, count + 1))
+        system[:-1, :-1] = compliance[np.ix_(sticks, sticks)]
+        system[:-1, -1], system[-1, :-1] = -1.0, 1.0
+        right = np.append(-(compliance @ q)[sticks], total - q.sum())
+        solved = np.linalg.solve(system, right)
+        q[sticks], way = solved[:-1], solved[-1]
+        moved = compliance @ q
+        slack, room = ROUND_OFF * np.abs(moved).max(), ROUND_OFF * bound.max()
+        wrong = (sticks & ((q < -room) | (q > bound + room))) | (most & (moved > way + slack))
+        wrong |= least & (moved < way - slack)
+        if not wrong.any():
+            return np.clip(q, 0, bound), way
+        # All at once, as long as that is new; else the first alone, which ends (Murty).
+        state = least.tobytes() + most.tobytes()
+        if state in seen:
+            wrong[np.flatnonzero(wrong)[0] + 1 :] = False
+        seen.add(state)
+        freed = wrong & ~sticks
+        least, most = least & ~freed, most & ~freed
+        least |= wrong & sticks & (q < 0)
+        most |= wrong & sticks & (q > 0)
+    raise AssertionError("the active set does not settle")
+
+
+def stepped(compliance, bound, ways):
+    """Loads and dissipation as the upper body goes from way to way, with slip forth and back.
+
+    Each step is least energy 1/2 q·Kq - q·(way - slip so far) with |q| <= bound, by sweeps over the points.
+    """
+    slip = np.zeros(bound.size)
+    q = np.zeros(bound.size)
+    loads, lost = [], []
+    diagonal = np.diag(compliance)
+    for way in ways:
+        moved = compliance @ q
+        for _ in range(100_000):
+            change = 0.0
+            for i in range(bound.size):
+                new = min(max(q[i] + (way - slip[i] - moved[i]) / diagonal[i], -bound[i]), bound[i])
+                if new != q[i]:
+                    moved += compliance[:, i] * (new - q[i])
+                    change = max(change, abs(new - q[i]))
+                    q[i] = new
+            if change <= 1e-10 * bound.max():
+                break
+        after = np.where(np.abs(q) < bound, slip, way - compliance @ q)
+        lost.append(q @ (after - slip))
+        slip = after
+        loads.append(q.sum())
+    return np.array(loads), np.array(lost)

@@ -1,0 +1,30 @@
+"""Profiles and surfaces that the tests of several topics share."""
+
+import math
+
+import numpy as np
+from stiction import Profile, Surface, self_affine
+
+AMPLITUDE, WAVELENGTH = 0.1, 4.0
+
+
+def wave(points_per_wavelength, waves=8):
+    """Whole waves, so that every mean over points is that of the sinusoid where the points are many enough."""
+    x = np.arange(waves * points_per_wavelength) * WAVELENGTH / points_per_wavelength
+    return Profile(3.0 + AMPLITUDE * np.sin(2 * np.pi * x / WAVELENGTH), spacing=WAVELENGTH / points_per_wavelength)
+
+
+def rough(seed=3, **changes):
+    return self_affine(seed, **({"hurst_exponent": 0.8, "rms": 0.1, "points": 1000, "spacing": 0.01} | changes))
+
+
+def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longest=math.inf, whole=1, stretch=1.0):
+    """Gaussian heights with C2D ∝ q^(-2-2H), flat above a wavelength; cut out of a map that is `whole` times larger."""
+    rows, columns = whole * shape[0], whole * shape[1]
+    white = np.random.default_rng(seed).normal(size=(rows, columns))
+    q_y, q_x = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((rows, columns), spacing, strict=True))
+    q = np.hypot(stretch * q_y[:, np.newaxis], q_x)
+    amplitude = np.maximum(q, max(2 * np.pi / longest, q_x[1] / 4)) ** (-1 - hurst)
+    amplitude[0, 0] = 0
+    heights = np.fft.ifft2(amplitude * np.fft.fft2(white)).real[: shape[0], : shape[1]]
+    return Surface(heights / heights.std(), spacing=spacing)

@@ -1,0 +1,156 @@
+"""What a result says at a load: the three readings, their means and intervals."""
+
+import numpy as np
+import pytest
+from measured_studies import study_of, write_maps, write_profiles
+from stiction import Study, friction_map, pressed_maps, pressed_maps_mean, run, traverse, traverse_mean
+from stiction.studies import intervals
+from stiction.studies.at_load import at_load, axes_of, reached_loads
+from stiction.studies.member_values import member_values
+from stiction.studies.members import bodies_of
+from stiction.surfaces.pairing import MapPairs
+
+ROUND_OFF = 1e-9
+
+
+@pytest.fixture(scope="module")
+def areas(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("areas")
+    study = study_of(folder, spacing=write_maps(folder), members=5)
+    return study, run(study)
+
+
+@pytest.fixture(scope="module")
+def lines(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lines")
+    study = study_of(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
+    return study, run(study)
+
+
+def test_areas_are_what_pressed_maps_says(areas):
+    study, result = areas
+    maker = bodies_of(study).maker(0.0)
+    assert isinstance(maker, MapPairs)
+    other = pressed_maps_mean(
+        pressed_maps(
+            maker.upper, maker.lower, [2.0], mu0=0.3, tau0=[0.0, 0.05], shifts=5, effective_modulus=100.0
+        )
+    )  # fmt: skip
+    point = at_load(result, [2.0])
+    for rule in ("opposing", "all"):
+        here = point["friction_coefficient"].sel(sliding=rule).isel(cut_off=0)
+        there = other["friction_coefficient"].sel(sliding=rule)
+        np.testing.assert_allclose(here, there.transpose(*here.dims), rtol=1e-6)
+    for name in ("contact_area", "contact_area_fraction", "normal_stiffness", "share_on_largest", "contact_count"):
+        np.testing.assert_allclose(point[name].isel(cut_off=0), other[name], rtol=1e-5, err_msg=name)
+    gentle = other["gentle_friction"].sel(statistic="mean").mean("direction")
+    here = point["gentle_friction"].isel(cut_off=0).mean("direction").sel(sliding=gentle["sliding"])
+    np.testing.assert_allclose(here, gentle, rtol=0.01)
+
+
+def test_lines_are_what_a_traverse_says(lines):
+    study, result = lines
+    members = [bodies_of(study).member(index, 0.0) for index in range(12)]
+    slider = members[0].pair[0]
+    track = bodies_of(study).maker(0.0).pair(0)[1]
+    offsets = sorted(member.x for member in members)
+    chosen = {"mu0": 0.3, "tau0": 0.05, "offsets": offsets, "effective_modulus": 100.0}
+    for load in ("elastic", "normal"):
+        own = traverse_mean(traverse(slider, track, [0.05], load=load, **chosen))
+        point = at_load(result, [0.05], reading=load).sel(tau0=0.05, mu0=0.3)
+        here = point["friction_coefficient"].sel(sliding="opposing").isel(cut_off=0, load=0).values
+        np.testing.assert_allclose(here, own["friction_coefficient"].isel(load=0).values, rtol=2e-3)
+        if load == "elastic":  # areas are read off at the elastic load, whatever the reading
+            area = own["contact_area"].isel(load=0, shear=0)
+            np.testing.assert_allclose(point["contact_area"].isel(cut_off=0, load=0), area, rtol=1e-9)
+
+
+def test_the_readings_agree_on_gentle_surfaces(areas):
+    _, result = areas
+    round_about = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
+    values = [each["friction_all_round"].sel(statistic="mean").values for each in round_about.values()]
+    np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
+    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # a ratio of means and a mean of ratios
+    assert float(round_about["elastic"]["reading_difference"].max()) < 1e-3
+    assert {name: each.attrs["reading"] for name, each in round_about.items()} == {
+        name: name for name in round_about
+    }  # fmt: skip
+
+
+def test_generated_results_are_read_at_the_mean_load_as_maps_are():
+    study = Study.named("quick").with_changes({
+        "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
+    })  # fmt: skip
+    result = run(study)
+    load = float(reached_loads(result, 5)[2])
+    point, old = at_load(result, [load]), friction_map(result, [load])
+    np.testing.assert_array_equal(point["friction_coefficient"].sel(statistic="mean"), old["friction_coefficient"])
+    np.testing.assert_array_equal(point["friction_coefficient"].sel(statistic="upper"), old["upper"])
+    assert int(point["members"]) == 4
+    own = at_load(result, [load], reading="elastic")
+    assert own["friction_coefficient"].dims == (
+        "fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0", "statistic",
+    )  # fmt: skip
+
+
+def test_means_of_directions_are_taken_before_their_intervals(areas):
+    _, result = areas
+    values = member_values(result, [2.0], mu0=0.3)
+    point = at_load(result, [2.0], mu0=0.3)
+    one = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
+    expected = intervals.of_sample(one.mean("direction").values)
+    found = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
+    np.testing.assert_allclose(found, expected, rtol=ROUND_OFF)
+    senses = one.sel(direction=[60.0, 240.0]).mean("direction").values
+    by_axis = point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
+    np.testing.assert_allclose(by_axis, intervals.of_sample(senses), rtol=ROUND_OFF)
+    low, high = (
+        float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
+        for name in ("spread_low", "spread_high")
+    )
+    assert (low, high) == pytest.approx(tuple(np.quantile(one.values, [0.1, 0.9])))
+
+
+def test_axes_are_pairs_of_opposite_directions():
+    axes, places = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
+    assert axes.tolist() == [0.0, 30.0]
+    assert places.tolist() == [[1, 4], [0, 2]]
+    assert axes_of(np.array([0.0, 45.0]))[0].size == 0
+
+
+def test_loads_that_are_not_reached_say_so(areas, lines):
+    for _, result in (areas, lines):
+        highest = float(result["load"][-1])
+        point = at_load(result, [2 * highest])
+        assert np.isnan(point["friction_coefficient"]).all()
+        assert set(np.unique(point["status"])) <= {"not-reached", "not-solved"}
+        assert int(point["ok"].max()) == 0
+
+
+def test_fractions_between_steps_stay_fractions(areas):
+    _, result = areas
+    ladder = result["load"].values
+    point = at_load(result, [float(np.sqrt(ladder[0] * ladder[1]))])
+    for name in ("share_at_edge", "share_on_largest", "fraction_on_small"):
+        assert (member_values(result, point["load"].values)[name] <= 1 + 1e-12).all()
+
+
+def test_a_member_without_a_solution_is_left_out(areas):
+    _, result = areas
+    broken = result.copy(deep=True)
+    broken["normal_elastic"].values[0, 1] = np.nan
+    broken["status"].values[0, 1] = 5
+    point = at_load(broken, [2.0])
+    assert int(point["ok"].max()) == 4
+    assert np.isfinite(point["friction_all_round"]).all()
+    assert member_values(broken, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
+
+
+def test_bad_input(areas):
+    _, result = areas
+    for changes, words in (
+        ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),
+        ({"reading": "median"}, "reading must be one of"), ({"of": "surrogates"}, "of must not be"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=words):
+            at_load(result, **({"loads": [2.0]} | changes))

@@ -1,0 +1,83 @@
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+from stiction import Study, pair_of, press, random_phases, run, weierstrass_mandelbrot
+from stiction.mechanics.quantities import SUMS
+from stiction.studies import members as bodies
+from stiction.studies.members import ProfileGenerator
+
+STUDY = Study().with_changes(
+    {
+        "surfaces.fractal_dimension": [1.1, 1.4],
+        "surfaces.amplitude": ["50 nm", "100 nm"],
+        "surfaces.amplitude_measure": "Rq",
+        "surfaces.points": 3000,
+        "surfaces.extent": "2 um",
+        "surfaces.length_scale": "0.9 um",
+        "surfaces.gamma": 1.6,
+        "surfaces.directions": 30,
+        "surfaces.frequencies": 20,
+        "surfaces.convention": "classical",
+        "surfaces.band_limit": "nyquist",
+        "contact.approach.count": 4,
+        "ensemble.repetitions": 3,
+    }
+)
+
+
+@pytest.mark.parametrize("members", [1, 2, 5])
+def test_pairs_of_several_dimensions_are_those_of_each(monkeypatch, members):
+    monkeypatch.setattr(bodies, "FAMILY_MEMORY", members * 8 * STUDY.surfaces.points)
+    dimensions = np.array([1.0, 1.2, 1.45])
+    several = list(bodies.pairs_of(STUDY, 1, dimensions, 0.1))
+    assert len(several) == dimensions.size
+    for dimension, found in zip(dimensions, several, strict=True):
+        for body, alone in zip(found, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
+            assert body.heights.tobytes() == alone.heights.tobytes()
+            assert body.spacing == alone.spacing
+
+
+def test_a_pair_gives_the_bits_of_the_run():
+    result = run(STUDY)
+    for repetition in range(3):
+        for d, dimension in enumerate(result["fractal_dimension"].values):
+            for a, amplitude in enumerate(result["amplitude"].values):
+                pair = pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
+                curve = press(*pair, STUDY.contact.approaches())
+                for name in SUMS:
+                    assert result[name].values[d, a, repetition].tobytes() == getattr(curve, name).tobytes(), name
+
+
+def test_a_pair_is_two_profiles_of_its_study():
+    upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
+    for body, side in ((upper, "upper"), (lower, "lower")):
+        phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)
+        alone = weierstrass_mandelbrot(
+            phases, 1.25, length_scale=0.9, gamma=1.6, extent=2.0, points=3000, convention="classical",
+            band_limit="nyquist",
+        ).with_amplitude(0.1, "Rq")  # fmt: skip
+        assert body.heights.tobytes() == alone.heights.tobytes()
+        assert body.spacing == alone.spacing
+        assert not body.heights.flags.writeable
+    again, _ = pair_of(STUDY, 8, fractal_dimension=1.25, amplitude=0.1)
+    assert not np.array_equal(again.heights, upper.heights)
+
+
+@pytest.mark.parametrize(
+    ("repetition", "dimension", "amplitude", "words"),
+    [
+        (-1, 1.2, 0.1, "repetition must be"),
+        (0.5, 1.2, 0.1, "repetition must be"),
+        (0, 2.0, 0.1, "fractal_dimension must be"),
+        (0, 1.2, 0.0, "amplitude must be"),
+    ],
+)
+def test_what_is_no_pair_is_refused(repetition, dimension, amplitude, words):
+    with pytest.raises(ValueError, match=words):
+        pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
+
+
+def test_settings_are_frozen():
+    with pytest.raises(FrozenInstanceError):
+        ProfileGenerator.of(STUDY).gamma = 2.0

@@ -1,0 +1,114 @@
+"""How a measured pair begins to slide: means of what its members do, and what lies beside a result."""
+
+import io
+import math
+
+import numpy as np
+import pandas
+import pytest
+from measured_studies import study_of, write_maps, write_profiles
+from stiction import Study, half_space
+from stiction.studies.executors import threads
+from stiction.studies.export import export
+from stiction.studies.intervals import of_sample
+from stiction.studies.members import bodies_of
+from stiction.studies.onset import FILE, backbone, onset_beside, onset_of_result
+from stiction.studies.runner import fill
+from stiction.studies.store import open_stored
+from stiction.views.onset import onset_record, onset_rows, onset_text
+
+
+def computed(study, **options):
+    with threads(1) as executor:
+        return onset_of_result(study, executor, **options)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("maps")
+    more = (
+        'hardness = "4 GPa"\ncompliance_share = 0.3\npoisson_ratio = [0.3, 0.4]\nload = ["2 mN"]\ndirection = [0, 180]'
+    )
+    return study_of(folder, spacing=write_maps(folder), members=4, contact=more).with_changes(
+        {"friction.tau0": ["50 MPa"]}
+    )
+
+
+@pytest.fixture(scope="module")
+def onset(study):
+    return computed(study, members=3)
+
+
+def test_it_is_the_mean_of_what_the_members_do(study, onset):
+    curves = []
+    for index in range(3):
+        curve = half_space(
+            *bodies_of(study).member(index, 0.0).pair,
+            [2.0],
+            effective_modulus=100.0,
+            hardness=4.0,
+            compliance_share=0.3,
+        )
+        steps = onset["fraction"].values.tolist()
+        curves.append(curve.onset(0, mu0=0.3, tau0=0.05, steps=steps, poisson=[0.3, 0.4]))
+    for name in ("displacement", "slipped_area", "tangential_load"):
+        wanted = of_sample(np.array([getattr(each, name) for each in curves]))[0]
+        np.testing.assert_allclose(onset[name].sel(statistic="mean"), wanted, rtol=1e-9, err_msg=name)
+    mean, lower, upper = of_sample(np.array([each.stiffness for each in curves]))
+    np.testing.assert_allclose(onset["stiffness"], [mean, lower, upper], rtol=1e-9)
+    assert onset.attrs["members"] == 3
+
+
+def test_all_slips_at_the_sliding_load_and_the_curve_rises(onset):
+    mean = onset.sel(statistic="mean")
+    assert float(mean["slipped_area"][-1]) == 1
+    assert float(mean["tangential_load"][-1]) == float(mean["sliding_load"])
+    assert float(mean["displacement"][-1]) == pytest.approx(float(mean["displacement_at_sliding"]))
+    for name in ("displacement", "slipped_area", "energy_lost"):
+        assert (np.diff(mean[name]) >= 0).all()
+    assert onset.attrs["iwan_largest_residual"] < 0.1
+    assert onset.attrs["lugre_sigma0_mN_per_um"] > 0
+
+
+def test_asperities_of_lines_have_one_and_half_planes_no_displacement(tmp_path):
+    spacing = write_profiles(tmp_path)
+    for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
+        lines = study_of(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
+        found = computed(lines)
+        assert found.attrs["members"] >= 6
+        assert math.isfinite(float(found["displacement_at_sliding"].sel(statistic="mean"))) == (
+            mechanics == "asperities"
+        )
+        assert ("iwan_chi" in found.attrs) == (mechanics == "asperities")
+        assert "slips" in onset_text(found)
+
+
+def test_nothing_holds_bodies_without_friction_and_generated_ones_have_none(study):
+    assert computed(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
+    assert computed(Study.named("quick")) is None
+
+
+def test_it_is_read_beside_the_result_that_it_is_of(study, onset, tmp_path):
+    fill(study, tmp_path)
+    stored = open_stored(tmp_path)
+    assert onset_beside(stored) is None
+    export(onset, tmp_path / FILE)
+    assert onset_beside(stored).identical(onset)
+    other = onset.assign_attrs(mu0=0.4)
+    export(other, tmp_path / FILE, replace=True)
+    assert onset_beside(stored) is None
+
+
+def test_the_table_is_the_backbone_from_rest_on(onset):
+    table = pandas.read_csv(io.StringIO(backbone(onset)))
+    assert (table.iloc[0] == 0).all()
+    np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
+
+
+def test_the_sentence_the_rows_and_the_record_have_the_same_numbers(onset):
+    record = onset_record(onset)
+    creep = 1000 * record["displacement_at_sliding"]["mean"]
+    assert f"creeps {creep:.2g}"[:8] in onset_text(onset)
+    assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]
+    assert len(record["curve"]) == onset.sizes["fraction"]
+    assert any(row[0].startswith("creep before sliding") for row in onset_rows(onset))

@@ -1,0 +1,105 @@
+"""Members of studies of measured bodies: the same numbers as pressing by hand, whatever the kind."""
+
+import numpy as np
+import pytest
+from measured_studies import study_of, write_maps, write_profiles
+from stiction import Profile, approach_at_load, half_space, levelled, press, turned_over
+from stiction.mechanics.friction import STATUSES
+from stiction.studies.members import about, bodies_of
+from stiction.studies.pressed import cost_of_member, member_sums
+from stiction.studies.result import OF_MEMBERS, dataset_of, names_of, stacked, variables_of
+
+ROUND_OFF = 1e-9
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_areas_are_those_of_pressing_by_hand(tmp_path, mechanics):
+    study = study_of(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
+    loads, angles = study.contact.steps(), study.contact.degrees()
+    values = member_sums(study, 2)
+    upper, lower = bodies_of(study).member(2, 0.0).pair
+    for rule, sliding in enumerate(study.contact.rules()):
+        if mechanics == "half-space":
+            curve = half_space(upper, lower, loads, effective_modulus=100.0, direction=angles, sliding=sliding)
+        else:
+            approaches = approach_at_load(upper, lower, loads, mu0=0.0, effective_modulus=100.0)
+            curve = press(upper, lower, approaches, effective_modulus=100.0, direction=angles, sliding=sliding)
+        for name in ("tangential_elastic", "normal_frictional", "tangential_adhesive"):
+            np.testing.assert_allclose(values[name][0, rule], getattr(curve, name), rtol=ROUND_OFF, atol=1e-14)
+        np.testing.assert_allclose(values["contact_area"][0], curve.contact_area, rtol=ROUND_OFF)
+        np.testing.assert_allclose(values["approach"][0], curve.approach, rtol=ROUND_OFF)
+    np.testing.assert_allclose(values["normal_elastic"][0], loads, rtol=1e-6)
+    assert (values["status"] == STATUSES.index("ok")).all()
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_lines_are_those_of_pressing_by_hand(tmp_path, mechanics):
+    study = study_of(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
+    loads = study.contact.steps()
+    values, member = member_sums(study, 3), bodies_of(study).member(3, 0.0)
+    whole = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
+    above, below = (levelled(each, "line") for each in whole)
+    slider = levelled(Profile(turned_over(above).heights[:600], spacing=0.02), "line")
+    first = round(member.x / 0.02)
+    assert 0 < first <= 600
+    beneath = Profile(below.heights[first : first + 600], spacing=0.02)
+    for way, shear in enumerate(("+x", "-x")):
+        for rule, sliding in enumerate(study.contact.rules()):
+            if mechanics == "half-space":
+                curve = half_space(slider, beneath, loads, effective_modulus=100.0, direction=shear, sliding=sliding)
+            else:
+                model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
+                approaches = approach_at_load(slider, beneath, loads, mu0=0.0, **model)
+                curve = press(slider, beneath, approaches, sliding=sliding, **model)
+            for name in ("tangential_elastic", "normal_adhesive", "tangential_frictional"):
+                np.testing.assert_allclose(
+                    values[name][0, rule, way], getattr(curve, name), rtol=ROUND_OFF, atol=1e-14, err_msg=name
+                )
+    assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
+
+
+def test_a_dataset_has_what_the_study_says(tmp_path):
+    study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
+    parts = [member_sums(study, index) for index in range(3)]
+    dataset = dataset_of(study, range(3), stacked(study, parts), about(study))
+    assert set(dataset.data_vars) == set(names_of(study))
+    for name, each in variables_of(study).items():
+        assert dataset[name].dims == each.dims
+        assert dataset[name].shape == each.shape
+        assert "long_name" in dataset[name].attrs
+    assert set(OF_MEMBERS) <= set(dataset.coords)
+    assert float(dataset["nominal_area"]) == pytest.approx(3.6**2)
+    assert "turned over" in dataset.attrs["upper"]
+
+
+def test_a_load_without_a_solution_leaves_the_others_theirs(tmp_path, monkeypatch):
+    study = study_of(tmp_path, spacing=write_maps(tmp_path), members=1)
+    loads = study.contact.steps()
+    from stiction.studies import pressing
+
+    def fails(upper, lower, loads, **rest):
+        if np.isclose(loads, study.contact.steps()[1]).any():
+            raise RuntimeError("no solution")
+        return half_space(upper, lower, loads, **rest)
+
+    monkeypatch.setattr(pressing, "half_space", fails)
+    values = member_sums(study, 0)
+    assert values["status"][0].tolist() == [
+        STATUSES.index("not-solved" if index == 1 else "ok") for index in range(loads.size)
+    ]
+    assert np.isnan(values["normal_elastic"][0]).tolist() == [index == 1 for index in range(loads.size)]
+    assert values["contact_count"][0, 1] == 0
+
+
+def test_an_estimate_of_cost_does_not_depend_on_how_many_members_there_are(tmp_path):
+    spacing = write_maps(tmp_path)
+    few, many = (study_of(tmp_path, spacing=spacing, members=count) for count in (2, 200))
+    assert cost_of_member(few) == cost_of_member(many) > 0
+
+
+def test_another_file_of_the_same_name_is_refused(tmp_path):
+    study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_known_files()
+    bodies_of(study)
+    np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
+    with pytest.raises(ValueError, match=r"upper\.npy: is another file"):
+        bodies_of(study.with_changes({"ensemble.seed": 5}))

@@ -1,0 +1,291 @@
+"""Two maps at several relative positions: the same numbers as pressing by hand, and what must not change."""
+
+import numpy as np
+import pytest
+import xarray
+from stiction import (
+    Surface,
+    approach_at_load,
+    contacts,
+    gentle_friction,
+    half_space,
+    isotropic_surface,
+    levelled,
+    press,
+    pressed_maps,
+    pressed_maps_mean,
+    self_affine_surface,
+    surrogate,
+)
+from stiction.mechanics.patches import slopes
+from stiction.studies.result import QUANTILES
+from stiction.surfaces.pairing import FEWEST_POINTS, MapPairs
+
+ANGLES = (0.0, 30.0, 90.0, 180.0)
+MATERIAL = {"mu0": [0.3, 0.4], "tau0": [0.0, 0.05]}
+LOADS = (0.02, 0.1)
+
+ROUND_OFF = 1e-9
+"""Of the same sums at an approach that is found to 1e-12, or on lengths that are ten times as large."""
+
+SOLVED = 1e-4
+"""Area and friction of two solutions to 1e-6: points at a patch's edge may be in or out."""
+
+
+def surface(side="lower", seed=3, shape=(64, 64), rms=0.02, shortest=0.4):
+    return self_affine_surface(
+        seed, hurst_exponent=0.8, rms=rms, shape=shape, spacing=0.1, longest_wavelength=3.2,
+        shortest_wavelength=shortest, side=side,
+    )  # fmt: skip
+
+
+def pair(**changes):
+    return surface("upper", **changes), surface("lower", **changes)
+
+
+def numbers(result):
+    return {name: values.values for name, values in result.data_vars.items() if values.dtype.kind == "f"}
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_every_number_is_that_of_pressing_by_hand(mechanics):
+    upper, lower = pair()
+    result = pressed_maps(upper, lower, LOADS, **MATERIAL, directions=ANGLES, shifts=3, mechanics=mechanics)
+    x, y = MapPairs(upper, lower).moved(2)
+    rows, columns = round(y / 0.1), round(x / 0.1)
+    # Rows and columns of the upper that lie on those of the lower, cut to 48 by 48 in the middle.
+    top, left = max(0, rows) + (64 - abs(rows) - 48) // 2, columns + (64 - columns - 48) // 2
+    above = Surface(upper.heights[top - rows : top - rows + 48, left - columns : left - columns + 48], spacing=0.1)
+    below = Surface(lower.heights[top : top + 48, left : left + 48], spacing=0.1)
+    above, below = levelled(above, "plane"), levelled(below, "plane")
+    for sliding in ("opposing", "all"):
+        if mechanics == "half-space":
+            curve = half_space(above, below, LOADS, direction=ANGLES, sliding=sliding)
+        else:
+            approaches = approach_at_load(above, below, LOADS, mu0=0.0)
+            curve = press(above, below, approaches, direction=ANGLES, sliding=sliding)
+        at = result.sel(sliding=sliding).isel(shift=2).transpose("direction", "load", "mu0", "tau0", ...)
+        for m, mu0 in enumerate(MATERIAL["mu0"]):
+            for t, tau0 in enumerate(MATERIAL["tau0"]):
+                there = at.isel(mu0=m, tau0=t)
+                friction = curve.friction_coefficient(mu0=mu0, tau0=tau0)
+                np.testing.assert_allclose(there["friction_coefficient"], friction, rtol=ROUND_OFF)
+                np.testing.assert_allclose(there["normal_load"], curve.normal_load(mu0=mu0, tau0=tau0), rtol=ROUND_OFF)
+        np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=ROUND_OFF)
+        np.testing.assert_array_equal(at["contact_count"], curve.contact_count)
+        np.testing.assert_allclose(at["approach"], curve.approach, rtol=ROUND_OFF)
+        np.testing.assert_allclose(curve.normal_elastic, LOADS, rtol=1e-6)
+        if mechanics == "half-space":
+            np.testing.assert_allclose(at["normal_stiffness"], curve.stiffness, rtol=ROUND_OFF)
+    np.testing.assert_allclose(result["contact_area_fraction"], result["contact_area"] / (4.8 * 4.8), rtol=ROUND_OFF)
+    assert float(result["nominal_area"]) == pytest.approx(4.8 * 4.8)
+    assert (result["status"] == "ok").all()
+
+
+def test_the_gap_has_the_slopes_of_its_own():
+    upper, lower = pair()
+    result = pressed_maps(upper, lower, [0.1], mu0=0.3, directions=[0.0, 45.0, 90.0], shifts=2, mechanics="asperities")
+    gap = np.subtract(*(body.heights for body in MapPairs(upper, lower).pair(1)))
+    along_y, along_x = np.gradient(gap, 0.1)
+    at = result.isel(shift=1)
+    # Differences of neighbours miss the shortest waves, of four points.
+    assert float(at["rms_gradient"]) == pytest.approx(np.sqrt((along_x**2 + along_y**2).mean()), rel=0.1)
+    assert float(at["rms_slope"][1]) == pytest.approx(np.sqrt(((along_x + along_y) ** 2 / 2).mean()), rel=0.1)
+    assert at["rms_slope"][0] ** 2 + at["rms_slope"][2] ** 2 == pytest.approx(float(at["rms_gradient"]) ** 2)
+    alone = gentle_friction(0.3, rms_gradient=float(at["rms_gradient"]), rms_slope=float(at["rms_slope"][2]))
+    assert float(at["gentle_friction"].sel(sliding="opposing", direction=90.0).squeeze()) == pytest.approx(float(alone))
+
+
+@pytest.mark.parametrize(("mechanics", "tolerance"), [("asperities", ROUND_OFF), ("half-space", SOLVED)])
+def test_nothing_but_lengths_changes_with_the_scale(mechanics, tolerance):
+    upper, lower = pair()
+    larger = [Surface(10 * body.heights, spacing=1.0) for body in (upper, lower)]
+    chosen = {**MATERIAL, "directions": ANGLES, "shifts": 3, "mechanics": mechanics}
+    one = pressed_maps(upper, lower, LOADS, **chosen)
+    ten = pressed_maps(*larger, 100 * np.array(LOADS), **chosen)  # the same pressures
+    for name in ("friction_coefficient", "contact_area_fraction", "rms_gradient", "gentle_friction", "share_opposing"):
+        np.testing.assert_allclose(ten[name].values, one[name].values, rtol=tolerance, err_msg=name)
+    np.testing.assert_array_equal(ten["contact_count"].values, one["contact_count"].values)
+    np.testing.assert_allclose(ten["approach"].values, 10 * one["approach"].values, rtol=tolerance)
+    np.testing.assert_allclose(ten["normal_stiffness"].values, 10 * one["normal_stiffness"].values, rtol=tolerance)
+
+
+def test_by_a_power_of_two_nothing_changes_at_all():
+    """By ten the half-space goes other ways to its tolerance, with other round-off."""
+    upper, lower = pair()
+    larger = [Surface(8 * body.heights, spacing=0.8) for body in (upper, lower)]
+    one = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=ANGLES, shifts=2)
+    eight = pressed_maps(*larger, 64 * np.array(LOADS), mu0=0.3, directions=ANGLES, shifts=2)
+    for name in ("friction_coefficient", "contact_area_fraction", "contact_count", "pressure", "share_on_largest"):
+        np.testing.assert_allclose(eight[name].values, one[name].values, rtol=ROUND_OFF, err_msg=name)
+
+
+def test_gentle_gaussian_maps_are_on_the_one_curve():
+    """Within 5 % by the paper's rule on the mean, which few contacts of few shifts scatter about; 1 % if all rub."""
+    upper, lower = pair(shape=(128, 128), rms=0.01)
+    area = MapPairs(upper, lower).area
+    gradient = float(pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=1, mechanics="asperities")["rms_gradient"][0])
+    load = 0.05 * 10.0 * gradient * area
+    result = pressed_maps(upper, lower, [load], mu0=0.3, shifts=6)
+    mean = result[["friction_coefficient", "gentle_friction"]].mean(["shift", "direction"])
+    for sliding, tolerance in (("opposing", 0.05), ("all", 0.01)):
+        at = mean.sel(sliding=sliding)
+        assert float(at["friction_coefficient"].squeeze()) == pytest.approx(
+            float(at["gentle_friction"].squeeze()), rel=tolerance
+        )
+
+
+def test_more_shifts_are_the_same_and_others():
+    upper, lower = pair()
+    few = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=2, mechanics="asperities")
+    more = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=4, mechanics="asperities")
+    for name, values in numbers(few).items():
+        axis = few[name].dims.index("shift")
+        np.testing.assert_array_equal(values, more[name].values.take([0, 1], axis=axis), err_msg=name)
+
+
+def test_means_have_intervals_of_student():
+    upper, lower = pair()
+    result = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=5, mechanics="asperities")
+    result["friction_coefficient"].values[0, 0, 2] = np.nan
+    result["status"].values[0, 0, 2] = "not-solved"
+    mean = pressed_maps_mean(result)
+    values = np.delete(result["friction_coefficient"].values[0, 0, :, 0, 0, 0], 2)
+    middle, lower_end, upper_end = mean["friction_coefficient"].values[0, 0, 0, 0, 0]
+    half = 3.182446305 * values.std(ddof=1) / 2  # Student's t of 3 degrees of freedom
+    assert (middle, upper_end) == pytest.approx((values.mean(), values.mean() + half))
+    assert lower_end == pytest.approx(max(values.mean() - half, 0.0))
+    assert int(mean["ok"][0, 0, 0, 0, 0]), int(mean["shifts"]) == (4, 5)
+    two = pressed_maps_mean(pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=2, mechanics="asperities"))
+    assert np.isnan(two["contact_area"].sel(statistic="upper")).all()
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_distributions_are_of_the_contacts_that_carry_the_load(mechanics):
+    upper, lower = pair()
+    result = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=[30.0], shifts=2, mechanics=mechanics)
+    at = result.isel(shift=1).sel(load=0.1)
+    bodies = MapPairs(upper, lower).pair(1)
+    if mechanics == "half-space":
+        contact = half_space(*bodies, [0.1]).contact(0)
+        force = np.bincount(contact.patches.ravel(), weights=contact.pressure.ravel())[1:] * 0.01
+        area = np.bincount(contact.patches.ravel(), weights=contact.share.ravel())[1:] * 0.01
+    else:
+        touching = contacts(*bodies, float(at["approach"]))
+        force, area = touching.force * touching.normal[:, 2], touching.area
+    assert force.size == int(at["contact_count"])
+    assert force.sum() == pytest.approx(0.1, rel=1e-6)
+    # Areas on the ground plan are smaller by the cosines of slopes.
+    assert area.sum() == pytest.approx(float(at["contact_area"]), rel=0.02)
+    assert float(at["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
+    assert at["patch_area"].values == pytest.approx(np.quantile(area, QUANTILES), rel=1e-6)
+    middle = float(at["pressure"].sel(quantile=0.5, method="nearest"))
+    assert 0 < middle < float(at["pressure"].sel(quantile=0.9, method="nearest"))
+    mean = 0.1 / float(at["contact_area"])
+    assert 0.5 * mean < middle < 1.5 * mean
+
+
+def test_steepest_slopes_of_each_body():
+    upper, lower = pair()
+    result = pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=2, directions=[0.0])
+    bodies = MapPairs(upper, lower).pair(0)
+    first, body = half_space(*bodies, [0.1]).contact(0), bodies[0]
+    steep = np.hypot(*slopes(body.heights, body.spacing, periodic=False))
+    share = first.pressure[steep > np.quantile(steep, 0.9)].sum() / first.pressure.sum()
+    assert float(result["share_on_steepest_upper"][0, 0]) == pytest.approx(share, abs=SOLVED)
+    assert 0 <= float(result["share_on_steepest_lower"][0, 0]) < 0.5
+
+
+class TestSurrogates:
+    def test_stand_beside_the_shifts_and_change_none_of_them(self):
+        upper, lower = pair()
+        chosen = {"mu0": 0.3, "directions": ANGLES, "mechanics": "asperities"}
+        alone = pressed_maps(upper, lower, LOADS, shifts=3, **chosen)
+        both = pressed_maps(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **chosen)
+        assert both["surrogate"].values.tolist() == [False] * 3 + [True] * 4
+        shifts, made = both.isel(shift=slice(3)), both.isel(shift=slice(3, None))
+        xarray.testing.assert_identical(shifts.drop_attrs(), alone.drop_attrs())
+        for index in range(4):
+            bodies = [
+                window_of(surrogate(body, 7, repetition=index, side=side))
+                for body, side in ((upper, "upper"), (lower, "lower"))
+            ]
+            approaches = approach_at_load(*bodies, LOADS, mu0=0.0)
+            area = press(*bodies, approaches).contact_area
+            assert made["contact_area"].values[index] == pytest.approx(area, rel=ROUND_OFF)
+        means = [pressed_maps_mean(both, surrogates=each) for each in (False, True)]
+        assert float(means[1]["contact_area"][0, 0]) == pytest.approx(float(made["contact_area"][:, 0].mean()))
+        assert [int(mean["shifts"]) for mean in means] == [3, 4]
+        assert pressed_maps_mean(both).equals(means[0])
+        with pytest.raises(ValueError, match="surrogates must be False where there are no others"):
+            pressed_maps_mean(alone, surrogates=True)
+
+    def test_of_profiles_are_isotropic_surfaces(self):
+        bodies = [surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]
+        chosen = {"mu0": 0.3, "directions": [0.0], "mechanics": "asperities"}
+        result = pressed_maps(*bodies, [1.0], surrogates=3, seed=5, **chosen)
+        assert result["surrogate"].values.all()
+        assert result.attrs["shape"].tolist() == [384, 384]
+        upper, lower = (
+            isotropic_surface(body, 5, shape=(512, 512), repetition=2, side=side)
+            for body, side in zip(bodies, ("upper", "lower"), strict=True)
+        )
+        area = press(
+            *(made := (window_of(upper), window_of(lower))), approach_at_load(*made, [1.0], mu0=0.0)
+        ).contact_area
+        assert float(result["contact_area"][2, 0]) == pytest.approx(float(area[0]), rel=ROUND_OFF)
+        assert int(pressed_maps_mean(result)["shifts"]) == 3
+        with pytest.raises(ValueError, match="shifts are of maps"):
+            pressed_maps(*bodies, [1.0], shifts=3, **chosen)
+
+
+def window_of(body):
+    """The middle three quarters of a surface, level."""
+    rows, columns = (points - points // 4 for points in body.heights.shape)
+    top, left = (body.heights.shape[0] - rows) // 2, (body.heights.shape[1] - columns) // 2
+    cut = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)
+    return levelled(cut, "plane")
+
+
+def test_the_hardness_limits_the_pressure():
+    upper, lower = pair()
+    hard, soft = (
+        pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=1, hardness=hardness, directions=[0.0])
+        for hardness in (None, 0.1)
+    )
+    assert float(soft["load_share_at_hardness"].squeeze()) > 0.3
+    assert float(soft["contact_area"].squeeze()) > 1.2 * float(hard["contact_area"].squeeze())
+    assert float(hard["load_share_at_hardness"].squeeze()) == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"loads": [0.0]}, "loads must be a list of numbers above 0 mN"),
+        ({"loads": []}, "loads must be a list of numbers above 0 mN"),
+        ({"mu0": -1.0}, "mu0 must not be negative"),
+        ({"tau0": [[0.1]]}, "tau0 must be a number or a list"),
+        ({"directions": []}, "directions must be one or several different angles"),
+        ({"directions": [0.0, 360.0]}, "directions must be one or several different angles"),
+        ({"shifts": 0}, "shifts must be a whole number of at least 1"),
+        ({"shifts": 5000}, "shifts must be fewer on maps of"),
+        ({"surrogates": -1}, "surrogates must be a whole number of at least 0"),
+        ({"seed": 1.5, "surrogates": 2}, "seed must be a whole number"),
+        ({"level": "cubic"}, "level must be one of"),
+        ({"mechanics": "springs"}, "mechanics must be one of"),
+        ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for the half-space"),
+        ({"effective_modulus": 0.0}, "effective_modulus must be a finite number above 0"),
+        ({"lower": surface().row(0)}, "lower must be a Surface, got Profile"),
+    ],
+)
+def test_bad_input(changes, words):
+    upper, lower = pair()
+    arguments = {"upper": upper, "lower": lower, "loads": [0.1], "mu0": 0.3} | changes
+    with pytest.raises(ValueError, match=words):
+        pressed_maps(**arguments)
+
+
+def test_small_maps_are_refused():
+    small = Surface(np.zeros((FEWEST_POINTS, 30)), spacing=1.0)
+    with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
+        pressed_maps(small, small, [0.1], mu0=0.3)

@@ -1,0 +1,125 @@
+"""How finely a pair was seen: the study over cut-offs is the same pair, and waves are those of its gap."""
+
+import numpy as np
+import pytest
+from measured_studies import study_of, write_maps, write_profiles
+from stiction import Study, run, self_affine_surface
+from stiction.studies.at_load import at_load
+from stiction.studies.members import bodies_of
+from stiction.studies.resolution import FOLDER, resolution_at, resolution_study, seen
+from stiction.studies.runner import fill
+from stiction.studies.store import open_stored
+from stiction.surfaces.scale import scale_dependent_roughness
+from stiction.surfaces.surface import Surface
+from stiction.views.resolution import cut_off_rows, limits, plastic_limit, waves_text, yielding
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("maps")
+
+
+@pytest.fixture(scope="module")
+def study(folder):
+    spacing = write_maps(folder, shape=(128, 128))
+    return study_of(folder, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]')
+
+
+def test_the_study_over_cut_offs_is_the_same_pair_with_fewer_members_and_loads(study):
+    over = resolution_study(study)
+    assert over.surfaces.cells()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
+    assert over.ensemble.repetitions == 4
+    assert over.contact.steps().tolist() == [2.0]
+    assert over.contact.hardness == study.contact.hardness
+    assert over.surfaces.upper == study.surfaces.upper
+
+
+def test_behind_a_cut_off_its_doubles_follow(study):
+    over = resolution_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
+    assert over.surfaces.cells()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
+
+
+def test_there_is_none_where_nothing_would_be_said(study, tmp_path):
+    assert resolution_study(Study.named("quick")) is None
+    assert resolution_study(study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um"]})) is None
+    assert (
+        resolution_study(study.with_changes({"contact.mechanics": "asperities", "contact.law": "hertz-sphere"})) is None
+    )
+    small = study_of(tmp_path, spacing=write_maps(tmp_path))  # 48 points: a thirtieth is less than two of them
+    assert resolution_study(small) is None
+
+
+def test_what_is_kept_beside_a_result_is_read_with_it_and_only_with_it(study, tmp_path):
+    few = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
+    fill(few, tmp_path)
+    assert resolution_at(open_stored(tmp_path)) is None
+    over = resolution_study(few)
+    fill(over, tmp_path / FOLDER)
+    found = resolution_at(open_stored(tmp_path))
+    wanted = at_load(run(over), [2.0])
+    np.testing.assert_array_equal(found["friction_all_round"].values, wanted["friction_all_round"].values)
+    point = found.isel(load=0, mu0=0, tau0=1)
+    rows = cut_off_rows(point, few)
+    assert [row[0] for row in rows[1:]] == ["none off", "200 nm", "400 nm", "plastic limit"]
+    assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
+    assert plastic_limit(point, few) == pytest.approx(0.3 + 0.05 / 4)
+    least = limits(point, few)["area_fraction"]
+    area = found["contact_area_fraction"].sel(statistic="mean").values
+    assert least == pytest.approx(2.0 / 4 / float(found["nominal_area"]))
+    assert (area > least).all()
+    # With another pair beside it, it is none of this one.
+    softer = tmp_path / "softer"
+    fill(few.with_changes({"contact.hardness": "3 GPa"}), softer)
+    fill(over, softer / FOLDER)
+    assert resolution_at(open_stored(softer)) is None
+
+
+def test_waves_are_those_of_the_gap_that_is_pressed(study):
+    found = seen(study)
+    upper, lower = bodies_of(study).member(0, 0.0).pair
+    gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
+    roughness = scale_dependent_roughness(gap)
+    assert found.shortest == pytest.approx(0.2)
+    assert found.longest == pytest.approx(max(gap.extent))
+    assert found.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
+    assert waves_text(found).startswith("Waves from 200 nm to 9.6 µm; those below 400 nm make ")
+    assert seen(Study.named("quick")) is None
+
+
+def test_waves_behind_a_cut_off_begin_there(study):
+    assert seen(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
+
+
+def test_the_wave_at_which_it_yields_is_the_scans_own_at_its_own_pressure(study):
+    found = seen(study)
+    reached = [found.yields_at(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
+    assert np.all(np.diff(reached) < 0)
+    value, lower, upper = found.yields_at(0.8, 100.0)
+    assert lower < value < upper
+
+
+def test_a_scan_that_is_elastic_says_what_hardnesses_would_give(tmp_path):
+    for side in ("upper", "lower"):
+        made = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
+        np.save(tmp_path / f"{side}.npy", made.heights)
+    soft = study_of(tmp_path, spacing="0.1 um", members=2, contact='direction = [0, 180]\nload = ["2 mN"]')
+    point = at_load(run(soft), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
+    table = yielding(point, soft, seen(soft))
+    pressure = float(point["mean_pressure"].sel(statistic="mean"))
+    assert [row[0] for row in table] == [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
+    assert [row[4] for row in table] == pytest.approx([0.3 + 0.05 / row[0] for row in table])
+    for hardness, wave, *_ in table:
+        if hardness < 0.9 * pressure:
+            assert wave > 0.2  # within the scan
+        elif hardness > 1.1 * pressure:
+            assert not wave > 0.5
+    finer = limits(point.expand_dims("cut_off"), soft)
+    assert np.all(np.diff(finer["finer_area_fraction"][:, 0]) < 0)
+
+
+def test_files_that_are_gone_have_no_waves(tmp_path):
+    spacing = write_profiles(tmp_path)
+    lines = study_of(tmp_path, "lines", spacing=spacing, members=3)
+    assert seen(lines).shortest == pytest.approx(0.04)
+    (tmp_path / "upper.npy").unlink()
+    assert seen(lines.with_changes({"ensemble.repetitions": 2})) is None

@@ -1,0 +1,123 @@
+"""The Gaussian filter against its definition in slow code, its transmission, and what it must leave alone."""
+
+import math
+
+import numpy as np
+import pytest
+from rough_bodies import rough, self_affine_map
+from stiction import Profile, Surface, cut_off, surface_spectrum
+from stiction.surfaces.cut_off import transmission
+
+ROUND_OFF = 1e-12
+
+WEIGHTS = 1e-6
+"""Of heights. Weights sampled from the Gaussian differ from those of its transform cut at the Nyquist wave number by
+exp(-ln 2 (λ_c/2Δx)²), which is less than this from nine points on."""
+
+FEW_WEIGHTS = 1e-4
+"""Of an amplitude, what the weights left out take at wavelengths of two to five points."""
+
+
+def by_definition(heights, spacing, wavelength):
+    """At each point the line of least squares, weighted by the Gaussian of ISO 16610-21."""
+    alpha = math.sqrt(math.log(2) / math.pi)
+    x = np.arange(heights.size) * spacing
+    smooth = []
+    for at in x:
+        weight = np.exp(-np.pi * ((x - at) / (alpha * wavelength)) ** 2)
+        design = np.stack([np.ones(x.size), x - at], axis=1)
+        normal = design.T @ (weight[:, np.newaxis] * design)
+        smooth.append(np.linalg.solve(normal, design.T @ (weight * heights))[0])
+    return np.array(smooth)
+
+
+@pytest.mark.parametrize("points", [8, 15, 66.6])
+def test_is_the_weighted_line_at_each_point(points):
+    profile = rough(points=200)
+    wavelength = points * profile.spacing
+    smooth = cut_off(profile, wavelength).heights
+    wanted = by_definition(profile.heights, profile.spacing, wavelength)
+    tolerance = max(WEIGHTS, 2 ** -((points / 2) ** 2)) * np.ptp(profile.heights)
+    assert np.abs(smooth - wanted).max() < tolerance
+
+
+def test_an_area_is_filtered_along_both_axes():
+    surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
+    along_x = np.array([by_definition(row, 0.25, 4.0) for row in surface.heights])
+    both = np.array([by_definition(column, 0.5, 4.0) for column in along_x.T]).T
+    assert np.abs(cut_off(surface, 4.0).heights - both).max() < 2**-16 * np.ptp(surface.heights)  # of eight points
+
+
+@pytest.mark.parametrize("wavelength", [0.2, 0.25, 0.4, 1.0, 5.0])
+@pytest.mark.parametrize("periodic", [True, False])
+def test_leaves_half_of_a_wave_of_its_length_and_the_known_part_of_others(wavelength, periodic):
+    x = 0.1 * np.arange(2000)
+    for length in (0.25, 0.4, 0.5, 1.0, 5.0, 20.0):
+        waves = np.stack([np.cos(2 * np.pi * x / length), np.sin(2 * np.pi * x / length)], axis=1)
+        smooth = cut_off(Profile(7 + waves[:, 0], spacing=0.1), wavelength, periodic=periodic).heights - 7
+        middle = slice(700, 1300)
+        amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smooth[middle], rcond=None)[0])
+        wanted = math.exp(-math.log(2) * (wavelength / length) ** 2)
+        assert amplitude == pytest.approx(wanted, abs=ROUND_OFF if periodic else FEW_WEIGHTS)
+        assert transmission(2 * np.pi / length, wavelength) == pytest.approx(wanted, rel=ROUND_OFF)
+
+
+def test_transmits_a_periodic_surface_whatever_the_direction():
+    surface = self_affine_map(2, 0.6, (64, 96))
+    smooth = surface_spectrum(cut_off(surface, 4.0, periodic=True), periodic=True)
+    own = surface_spectrum(surface, periodic=True)
+    q = np.hypot(own.wave_number_y[:, np.newaxis], own.wave_number_x)
+    assert np.allclose(smooth.density, own.density * transmission(q, 4.0) ** 2, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("wavelength", [0.2, 0.3, 1.0, 13.0])
+def test_lines_and_planes_stay_as_they_are_up_to_the_ends(wavelength):
+    x = 0.1 * np.arange(400)
+    line = Profile(100 + 3 * x, spacing=0.1)
+    assert cut_off(line, wavelength).heights == pytest.approx(line.heights, abs=ROUND_OFF * 200)
+    plane = Surface(5 - 3 * x[:, np.newaxis] + 2 * x, spacing=0.1)
+    assert cut_off(plane, wavelength).heights == pytest.approx(plane.heights, abs=ROUND_OFF * 200)
+
+
+def test_is_linear_symmetric_and_scales():
+    one, other = rough(1, points=300), rough(2, points=300)
+    sum_of_both = cut_off(Profile(one.heights + 2 * other.heights, spacing=0.01), 0.2).heights
+    assert sum_of_both == pytest.approx(cut_off(one, 0.2).heights + 2 * cut_off(other, 0.2).heights, abs=ROUND_OFF)
+    backwards = cut_off(Profile(one.heights[::-1], spacing=0.01), 0.2).heights[::-1]
+    assert backwards == pytest.approx(cut_off(one, 0.2).heights, abs=ROUND_OFF)
+    larger = cut_off(Profile(1e4 * one.heights, spacing=100.0), 2000.0).heights
+    assert larger == pytest.approx(1e4 * cut_off(one, 0.2).heights, rel=1e-9, abs=1e-8)
+    surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
+    turned = cut_off(Surface(surface.heights.T, spacing=(0.25, 0.5)), 3.0).heights.T
+    assert turned == pytest.approx(cut_off(surface, 3.0).heights, abs=ROUND_OFF)
+
+
+def test_says_what_was_done_and_stays_on_the_grid():
+    profile = Profile(np.arange(60.0), spacing=0.1, history=("ground",))
+    smooth = cut_off(profile, 0.5)
+    assert smooth.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")
+    assert smooth.spacing == profile.spacing
+    surface = Surface(np.eye(12), spacing=(0.5, 0.25))
+    assert isinstance(cut_off(surface, 0.5), Surface)
+    assert cut_off(surface, 1.0).spacing == surface.spacing
+    assert not cut_off(Surface(np.ones((12, 12)), spacing=1.0), 3.0).heights.std()
+
+
+@pytest.mark.parametrize(
+    ("body", "wavelength", "said"),
+    [
+        (rough(), 0.019, r"wavelength must be from two points, 0.02 µm, to a third of the shortest side, 3.3\d* µm"),
+        (rough(), 3.4, "wavelength must be from two points"),
+        (rough(), 0.0, "wavelength must be a finite number above 0"),
+        (rough(), "1 um", "wavelength must be a finite number"),
+        (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, "a third of the shortest side, 0.666667 µm"),
+        ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
+    ],
+)
+def test_bad_arguments_are_named(body, wavelength, said):
+    with pytest.raises(ValueError, match=said):
+        cut_off(body, wavelength)
+
+
+def test_the_ends_of_the_range_are_allowed():
+    assert len(cut_off(rough(), 0.02)) == len(cut_off(rough(), 10 / 3)) == 1000

@@ -1,0 +1,128 @@
+"""One spectrum of scans by simulated instruments of one generated surface, whose spectrum is known."""
+
+import math
+
+import numpy as np
+import pytest
+from stiction import (
+    Profile,
+    Surface,
+    joined_spectrum,
+    scale_dependent_roughness,
+    self_affine_surface,
+    surface_spectrum,
+)
+
+POINTS, SPACING = 1024, 0.01
+
+SCATTER = 0.1
+"""Of a bin of some hundred waves and more, of a few pieces of the surface."""
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return self_affine_surface(
+        7, hurst_exponent=0.8, rms=0.03, shape=(POINTS, POINTS), spacing=SPACING, longest_wavelength=1.28
+    )
+
+
+def instruments(whole, noise=1e-5):
+    """Large pixels, which take a mean and have noise, and pieces of the surface by finer ones."""
+    random = np.random.default_rng(1)
+    means = whole.heights.reshape(POINTS // 8, 8, POINTS // 8, 8).mean((1, 3))
+    coarse = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)
+    fine = [
+        Surface(whole.heights[row : row + 512, column : column + 512], spacing=SPACING)
+        for row in (0, 512) for column in (0, 512)
+    ]  # fmt: skip
+    return [coarse, *fine]
+
+
+def truth(whole, wave_number, per_decade):
+    q, _, density = surface_spectrum(whole, periodic=True).waves()
+    half = 10 ** (0.5 / per_decade)
+    bins = [(q >= middle / half) & (q < middle * half) for middle in wave_number]
+    return np.array([
+        (density[here] * (q[here] / middle) ** 3).mean() for here, middle in zip(bins, wave_number, strict=True)
+    ])  # fmt: skip
+
+
+def test_gives_back_spectrum_and_slope_over_all_decades(whole):
+    joined = joined_spectrum(instruments(whole), per_decade=5)
+    sure = joined.count > 300
+    assert sure.sum() > 5
+    wanted = truth(whole, joined.wave_number, 5)
+    assert joined.density[sure] == pytest.approx(wanted[sure], rel=SCATTER)
+    own, known = joined.roughness(), scale_dependent_roughness(whole, periodic=True)
+    for length in (0.3, 0.15, 0.1):
+        assert float(own.gradient_at(length)) == pytest.approx(float(known.gradient_at(length)), rel=0.05)
+    assert joined.reasons == ("pixels",) * 5
+    assert joined.bands[0] == pytest.approx((0.64, 1024 * SPACING / 3))
+    assert joined.contribution.sum(axis=0) == pytest.approx(np.ones(joined.count.size))
+    assert (joined.contribution[0, joined.wave_number > 2 * np.pi / 0.5] == 0).all()
+    assert np.all(np.abs(np.log(joined.disagreement)) < 0.4)
+
+
+def test_a_wrong_calibration_is_seen(whole):
+    scans = instruments(whole)
+    wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
+    assert 2.5 < wrong.disagreement[0] < 6  # heights squared
+    alone = joined_spectrum(scans[:1])
+    assert math.isnan(alone.disagreement[0])
+    assert (alone.ratio == pytest.approx(1.0)) or np.isnan(alone.ratio).any()
+
+
+def test_what_a_tip_or_noise_hides_is_left_out(whole):
+    coarse, fine = instruments(whole, noise=0.1)[:2]
+    blunt = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
+    assert blunt.reasons[1] == "tip"
+    curvature = scale_dependent_roughness(fine).curvature_at(blunt.bands[1][0] * 1.2)
+    assert float(curvature) < 0.1 / 0.05
+    assert joined_spectrum([coarse], per_decade=8).reasons == ("noise floor",)
+    given = joined_spectrum([fine], shortest_wavelengths=[0.5])
+    assert given.bands[0][0] == 0.5
+    assert given.reasons == ("given",)
+
+
+def test_a_gap_between_scans_is_bridged_by_a_power_law(whole):
+    coarse, fine = instruments(whole)[:2]
+    joined = joined_spectrum([coarse, fine], shortest_wavelengths=[1.5, None], per_decade=20)
+    piece = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
+    assert (joined.density > 0).all()
+    gaps = piece.count == 0
+    assert (piece.contribution[:, gaps] == 0).all()
+    assert (np.diff(joined.wave_number) > 0).all()
+
+
+def test_a_profile_stands_for_its_isotropic_surface(whole):
+    lines = [Profile(whole.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
+    joined = joined_spectrum(lines, per_decade=5)
+    known = scale_dependent_roughness(whole, periodic=True)
+    assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(known.gradient_at(0.1)), rel=0.3)
+
+
+def test_surrogates_have_the_spectrum(whole):
+    joined = joined_spectrum(instruments(whole))
+    body = joined.surface(3, shape=(512, 512), spacing=0.04)
+    again = joined.surface(3, shape=(512, 512), spacing=0.04)
+    assert np.array_equal(body.heights, again.heights)
+    assert not np.array_equal(body.heights, joined.surface(3, shape=(512, 512), spacing=0.04, side="upper").heights)
+    made = scale_dependent_roughness(body, periodic=True)
+    assert float(made.gradient_at(0.2)) == pytest.approx(float(joined.roughness().gradient_at(0.2)), rel=0.08)
+    assert body.history == ("a random surface of a spectrum of 5 scans, seed 3, repetition 0",)
+
+
+@pytest.mark.parametrize(
+    ("scans", "options", "said"),
+    [
+        ([], {}, "scans must be at least one"),
+        (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one for each of the 1 scans, got 2"),
+        (None, {"shortest_wavelengths": [-1.0]}, "shortest_wavelengths must be a finite number above 0 µm"),
+        (None, {"shortest_wavelengths": [50.0]}, "has none from 50 µm"),
+        (None, {"per_decade": 2}, "per_decade must be a whole number of at least 4"),
+        ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),
+    ],
+)
+def test_bad_arguments_are_named(whole, scans, options, said):
+    with pytest.raises(ValueError, match=said):
+        joined_spectrum([whole] if scans is None else scans, **options)

@@ -1,0 +1,107 @@
+"""Pairs of lines and pieces of maps lie all over both scans, and each depends on its number alone."""
+
+import numpy as np
+import pytest
+from stiction import Surface, self_affine, self_affine_surface, turned_over
+from stiction.surfaces.pairing import IsotropicPairs, LinePairs, MapPairs, spread
+
+
+def surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
+    return self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=shape, spacing=spacing, side=side)
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 4])
+def test_points_are_evenly_spread_however_many_are_taken(dimensions):
+    points = np.array([spread(index, dimensions) for index in range(256)])
+    assert ((points >= 0) & (points < 1)).all()
+    for count in (128, 256):
+        for axis in range(dimensions):
+            boxes = np.histogram(points[:count, axis], bins=8, range=(0, 1))[0]
+            assert boxes.min() > 0.4 * count / 8
+
+
+class TestLines:
+    def test_each_line_of_a_map_is_taken_once_before_any_is_taken_again(self):
+        body = surface((30, 64))
+        pairs = LinePairs(body, body, level=None, several=True)
+        assert pairs.most() == 30
+        places = [pairs.place(index) for index in range(30)]
+        assert np.unique(np.round(places, 9)).size == 30
+        for index in (0, 7, 29):
+            upper, lower = pairs.pair(index)
+            row = round(places[index] / 0.1)
+            np.testing.assert_array_equal(upper.heights, -body.heights[row])
+            np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
+
+    def test_a_pair_does_not_depend_on_how_many_there_are(self):
+        profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
+        pairs = LinePairs(profile, profile, surrogates="both", several=True)
+        assert pairs.most() is None
+        first, again = pairs.pair(5), LinePairs(profile, profile, surrogates="both", several=True).pair(5)
+        for one, other in zip(first, again, strict=True):
+            np.testing.assert_array_equal(one.heights, other.heights)
+
+
+class TestMaps:
+    def test_a_map_never_lies_on_itself(self):
+        body = surface()
+        pairs = MapPairs(turned_over(body), body)
+        moved = np.array([pairs.moved(index) for index in range(30)])
+        assert (moved[:, 0] >= 6.4 / 8 - 1e-9).all()
+        assert (np.abs(moved) <= 6.4 / 4 + 1e-9).all()
+        assert len(np.unique(moved, axis=0)) == 30
+        assert np.ptp(np.subtract(*(each.heights for each in pairs.pair(0)))) > 0.01
+
+    def test_pieces_lie_all_over_the_larger_map(self):
+        small, large = surface((32, 32)), surface((200, 120), seed=4)
+        for pairs in (MapPairs(small, large), MapPairs(large, small)):
+            assert pairs.shape == (24, 24)
+            where = 1 if pairs.lower is large else 0
+            firsts = np.array([pairs.origins(index)[where] for index in range(64)])
+            for axis, points in enumerate(large.heights.shape):
+                assert np.histogram(firsts[:, axis], bins=4, range=(0, points - 24))[0].min() >= 8
+            for index in range(64):
+                for origin, body in zip(pairs.origins(index), (pairs.upper, pairs.lower), strict=True):
+                    assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
+        assert pairs.used == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
+
+    def test_maps_of_different_spacing_meet_on_the_finer_one(self):
+        fine = surface((64, 64), 0.05)
+        coarse = Surface(surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
+        pairs = MapPairs(fine, coarse)
+        assert pairs.spacing == (0.05, 0.05)
+        upper, lower = pairs.pair(3)
+        assert upper.heights.shape == lower.heights.shape == pairs.shape
+        (row, column), _ = pairs.origins(3)[1], None
+        # A point of the coarse map that lies on the fine grid keeps its height, but for the plane that is taken off.
+        rows, columns = pairs.shape
+        y, x = np.arange(row, row + rows), np.arange(column, column + columns)
+        on = np.ix_(y % 2 == 0, x % 2 == 0)
+        off = lower.heights[on] - coarse.heights[np.ix_(y[y % 2 == 0] // 2, x[x % 2 == 0] // 2)]
+        places = np.meshgrid(*map(range, off.shape), indexing="ij")
+        plane = np.column_stack([np.ones(off.size), *(each.ravel() for each in places)])
+        rest = np.linalg.lstsq(plane, off.ravel(), rcond=None)[1]
+        assert np.sqrt(rest / off.size) < 1e-9
+
+    def test_turned_together_two_maps_make_turned_pieces(self):
+        upper, lower = surface(side="upper"), surface()
+        pairs = MapPairs(upper, lower)
+        assert pairs.area == pytest.approx(4.8**2)
+        assert pairs.used == pytest.approx((0.5625, 0.5625))
+
+    def test_too_few_points_are_refused(self):
+        with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
+            MapPairs(surface((20, 64)), surface((20, 64))).pair(0)
+
+
+def test_isotropic_pairs_have_the_shorter_length():
+    one, other = (
+        self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
+        for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))
+    )
+    pairs = IsotropicPairs(one, other)
+    assert pairs.spacing == (0.01, 0.01)
+    assert pairs.shape == (225, 225)
+    upper, lower = pairs.surrogates(0)
+    assert upper.heights.shape == lower.heights.shape == (225, 225)
+    assert abs(float(upper.heights.mean())) < 1e-12

@@ -1,0 +1,191 @@
+"""Slope and curvature over wavelength against sums over waves and closed forms, and limits of simulated instruments."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rough_bodies import rough, self_affine_map, wave
+from stiction import (
+    Profile,
+    Surface,
+    hurst_exponent_of,
+    instrument_limit,
+    read_surface,
+    scale_dependent_roughness,
+    self_affine,
+    self_affine_surface,
+    spectral_moments,
+    surface_spectrum,
+)
+from stiction.surfaces.scale import interval_lines
+
+ROUND_OFF = 1e-9
+
+BINS = 0.03
+"""Of a slope between two bins, 48 to a decade."""
+
+
+def test_all_waves_have_the_moments_of_the_spectrum():
+    profile = rough()
+    moments = spectral_moments(profile, periodic=True)
+    found = scale_dependent_roughness(profile, periodic=True)
+    assert found.gradient[-1] ** 2 == pytest.approx(moments.slope, rel=ROUND_OFF)
+    assert found.curvature[-1] ** 2 == pytest.approx(moments.curvature, rel=ROUND_OFF)
+    surface = self_affine_map(1, 0.7, (64, 81), spacing=(0.5, 0.3))
+    spectrum = surface_spectrum(surface, periodic=True)
+    found = scale_dependent_roughness(surface, periodic=True)
+    both = spectrum.moments(0).slope + spectrum.moments(90).slope
+    assert found.gradient[-1] ** 2 == pytest.approx(both, rel=ROUND_OFF)
+    q_y, q_x = np.meshgrid(spectrum.wave_number_y, spectrum.wave_number_x, indexing="ij")
+    step = (2 * np.pi / 32) * (2 * np.pi / 24.3) / (4 * np.pi**2)
+    laplacian = ((q_x**2 + q_y**2) ** 2 * spectrum.density).sum() * step
+    assert found.curvature[-1] ** 2 == pytest.approx(laplacian / 4, rel=ROUND_OFF)
+
+
+def test_counts_the_waves_down_to_a_wavelength():
+    x = np.arange(1000) * 0.1
+    long, short = 0.3 * np.sin(2 * np.pi * x / 10), 0.02 * np.sin(2 * np.pi * x / 0.5)
+    found = scale_dependent_roughness(Profile(long + short, spacing=0.1), periodic=True)
+    slopes = [0.3 * 2 * np.pi / 10 / math.sqrt(2), 0.02 * 2 * np.pi / 0.5 / math.sqrt(2)]
+    assert found.gradient_at([20.0, 5.0, 0.3]) == pytest.approx([0, slopes[0], math.hypot(*slopes)], rel=1e-6)
+    assert float(found.fraction_below(5.0)) == pytest.approx(slopes[1] ** 2 / (slopes[0] ** 2 + slopes[1] ** 2))
+    curvature = [slope * 2 * np.pi / length for slope, length in zip(slopes, (10, 0.5), strict=True)]
+    assert float(found.curvature_at(0.3)) == pytest.approx(math.hypot(*curvature), rel=1e-6)
+    assert found.gradient_at(1000.0) == 0
+
+
+@pytest.mark.parametrize("hurst", [0.4, 0.8])
+def test_of_a_power_law_are_its_integrals(hurst):
+    longest = 40.0
+    profile = self_affine(
+        1, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, longest_wavelength=longest, periodic=True,
+        amplitudes="fixed",
+    )  # fmt: skip
+    found = scale_dependent_roughness(profile, periodic=True)
+    power = 2 - 2 * hurst
+    for length in (0.05, 0.2, 1.0):
+        ratio = (1 / length**power - 1 / longest**power) / (1 / 0.02**power - 1 / longest**power)
+        assert float(found.gradient_at(length)) / found.gradient[-1] == pytest.approx(math.sqrt(ratio), rel=BINS)
+
+
+def test_a_tilt_and_the_window_do_not_matter_and_units_scale():
+    profile = self_affine(
+        4, hurst_exponent=0.7, rms=0.1, points=8192, spacing=0.01, longest_wavelength=2.0, shortest_wavelength=0.2
+    )
+    found = scale_dependent_roughness(profile)
+    own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
+    assert found.gradient[-1] == pytest.approx(own, rel=0.05)  # some hundred waves, weighted by a window
+    tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
+    assert tilted.gradient == pytest.approx(found.gradient, rel=1e-6)
+    larger = scale_dependent_roughness(Profile(10 * profile.heights, spacing=0.1))
+    assert larger.gradient == pytest.approx(found.gradient, rel=ROUND_OFF)
+    assert 10 * larger.curvature == pytest.approx(found.curvature, rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+@pytest.mark.parametrize("areal", [True, False])
+def test_is_continued_by_the_power_law(hurst, areal):
+    """What a coarse scan says of waves that only a fine one sees."""
+    if areal:
+        rough_one = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
+        fine = self_affine_surface(3, longest_wavelength=1.28, **rough_one)
+        coarse = self_affine_surface(3, longest_wavelength=1.28, shortest_wavelength=0.16, **rough_one)
+        coarse = Surface(coarse.heights[::8, ::8] * 1, spacing=0.08)
+        scale = math.sqrt(
+            surface_spectrum(fine, periodic=True).radial().density[0]
+            / surface_spectrum(coarse, periodic=True).radial().density[0]
+        )
+        coarse = Surface(scale * coarse.heights, spacing=0.08)  # each has its own rms
+    else:
+        fine = self_affine(3, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, periodic=True)
+        coarse = Profile(np.fft.irfft(np.fft.rfft(fine.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
+    truth = scale_dependent_roughness(fine, periodic=True)
+    seen = scale_dependent_roughness(coarse, periodic=True)
+    estimate = hurst_exponent_of(coarse, periodic=True)
+    lines = [seen.continued([0.02, 0.04, 0.1], line) for line in interval_lines(estimate)]
+    wanted = truth.gradient_at([0.02, 0.04, 0.1])
+    assert lines[0] == pytest.approx(wanted, rel=0.15)
+    assert (lines[2] <= lines[0]).all()
+    assert (lines[0] <= lines[1]).all()
+    length = seen.wavelength_of(float(lines[0][0]), estimate)
+    assert length == pytest.approx(0.02, rel=1e-6)
+    assert seen.wavelength_of(float(seen.gradient_at(0.3))) == pytest.approx(0.3, rel=1e-6)
+    assert math.isnan(seen.wavelength_of(2 * float(seen.gradient[-1])))
+    assert seen.wavelength_of(1e-9) == pytest.approx(seen.wavelength[0], rel=1e-6)
+
+
+def test_the_line_through_an_exponent_of_one_is_the_limit_of_its_neighbours():
+    estimate = replace(hurst_exponent_of(rough(points=4096)), value=1.0)
+    seen = scale_dependent_roughness(rough(points=4096))
+    near = replace(estimate, value=1 + 1e-9)
+    assert seen.continued(1e-4, estimate) == pytest.approx(seen.continued(1e-4, near), rel=1e-6)
+
+
+class TestInstrument:
+    @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
+    def test_a_rough_surface_is_limited_by_its_pixels(self, hurst):
+        for repetition in range(5):
+            profile = self_affine(1, hurst_exponent=hurst, rms=0.1, points=8192, spacing=0.01, repetition=repetition)
+            assert instrument_limit(profile).reason == "pixels"
+        surface = self_affine_surface(1, hurst_exponent=hurst, rms=0.1, shape=(256, 256), spacing=(0.02, 0.01))
+        found = instrument_limit(surface)
+        assert (found.reason, found.wavelength, found.pixels) == ("pixels", 0.04, 0.04)
+        folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # with what is folded back
+        assert instrument_limit(folded).reason == "pixels"
+
+    @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
+    def test_a_noise_floor_begins_where_waves_have_its_power(self, noise):
+        profile = self_affine(
+            1, hurst_exponent=0.9, rms=0.1, points=2**14, spacing=0.01, periodic=True, amplitudes="fixed"
+        )
+        random = np.random.default_rng(1).normal(size=profile.heights.size)
+        found = instrument_limit(Profile(profile.heights + noise * random, spacing=0.01), periodic=True)
+        assert found.reason == "noise floor"
+        # Of a spectrum A n^-2.8 over harmonics n, whose sum is the mean square.
+        harmonic = profile.extent / found.noise
+        power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
+        assert power == pytest.approx(noise**2 / 2**13, rel=0.6)  # a bin is a factor of 1.7
+
+    def test_white_heights_are_noise_from_the_longest_wave_on(self):
+        found = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
+        assert found.reason == "noise floor"
+        assert found.noise > 10
+
+    def test_a_tip_follows_what_is_less_curved(self):
+        surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
+        roughness = scale_dependent_roughness(surface)
+        for radius in (0.02, 0.1, 1.0):
+            found = instrument_limit(surface, tip_radius=radius)
+            assert float(roughness.curvature_at(found.tip * 1.2)) < 0.1 / radius
+            assert float(roughness.curvature_at(found.tip * 0.95)) > 0.1 / radius * 0.95
+        assert found.reason == "tip"
+        assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
+
+    def test_of_a_measured_map(self, measured):
+        surface = read_surface(measured("di-4.di"))
+        found = instrument_limit(surface)
+        assert found.reason == "pixels"
+        assert found.wavelength == 2 * surface.spacing[0]
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "said"),
+    [
+        (scale_dependent_roughness, {"body": [1.0]}, "body must be a Profile or a Surface, got list"),
+        (scale_dependent_roughness, {"body": Profile(np.ones(9), spacing=1.0)}, "a flat profile has no roughness"),
+        (scale_dependent_roughness, {"body": wave(16), "periodic": 1}, "periodic must be True or False"),
+        (instrument_limit, {"body": wave(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
+    ],
+)
+def test_bad_arguments_are_named(function, arguments, said):
+    with pytest.raises(ValueError, match=said):
+        function(**arguments)
+
+
+def test_a_wavelength_is_above_zero():
+    found = scale_dependent_roughness(wave(16))
+    with pytest.raises(ValueError, match="wavelength must be above 0"):
+        found.gradient_at(0.0)
+    with pytest.raises(ValueError, match="gradient must be a finite number above 0"):
+        found.wavelength_of(-1.0)

@@ -1,0 +1,208 @@
+"""Self-affine profiles and surfaces: their height, their spectrum, and whose random numbers they take."""
+
+import numpy as np
+import pytest
+from rough_bodies import rough
+from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
+
+ROUND_OFF = 1e-12
+"""Of sums and transforms of some ten thousand numbers."""
+
+CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
+
+
+class TestOfAProfile:
+    def test_has_the_wanted_spectrum_and_height(self):
+        profile = rough(periodic=True, amplitudes="fixed", longest_wavelength=2.0, shortest_wavelength=0.05)
+        assert roughness_parameters(profile).Pq == pytest.approx(0.1, rel=ROUND_OFF)
+        spectrum = power_spectrum(profile, periodic=True)
+        wavelength = 2 * np.pi / spectrum.wave_number
+        flat, cut = wavelength > 2.0 * (1 + 1e-9), wavelength < 0.05 * (1 - 1e-9)
+        slope = spectrum.density[~flat & ~cut] * spectrum.wave_number[~flat & ~cut] ** 2.6
+        assert np.allclose(slope, slope[0], rtol=1e-9, atol=0)
+        assert np.allclose(spectrum.density[flat], slope[0] * (2 * np.pi / 2.0) ** -2.6, rtol=1e-9, atol=0)
+        assert spectrum.density[cut].max() < 1e-24 * spectrum.density[0]
+
+    @pytest.mark.parametrize("periodic", [True, False])
+    def test_mean_square_is_that_wanted_over_the_ensemble(self, periodic):
+        squares = [
+            roughness_parameters(rough(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
+            for r in range(100)
+        ]
+        # 100 profiles of some ten independent stretches: 4 %; a cut-out profile's own mean takes away as much again.
+        assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
+
+    def test_finer_grid_is_the_same_profile(self):
+        options = {"shortest_wavelength": 0.05}
+        for periodic in (True, False):
+            coarse = rough(points=1000, spacing=0.01, periodic=periodic, **options)
+            fine = rough(points=4000, spacing=0.0025, periodic=periodic, **options)
+            assert np.allclose(fine.heights[::4], coarse.heights, rtol=0, atol=ROUND_OFF)
+
+    def test_periodic_ends_meet_and_others_do_not(self):
+        def jump(profile):
+            return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
+
+        assert max(jump(rough(repetition=r, periodic=True)) for r in range(10)) < 2
+        assert np.median([jump(rough(repetition=r)) for r in range(10)]) > 5
+
+    def test_depends_on_its_random_numbers_only(self):
+        assert np.array_equal(rough(1).heights, rough(1).heights)
+        for other in (rough(2), rough(1, repetition=1), rough(1, side="upper")):
+            assert not np.allclose(rough(1).heights, other.heights)
+
+    @pytest.mark.parametrize(
+        ("bad", "match"),
+        [
+            ({"hurst_exponent": 0.0}, "hurst_exponent"),
+            ({"hurst_exponent": 2.1}, "hurst_exponent"),
+            ({"rms": 0.0}, "rms"),
+            ({"points": 3}, "points"),
+            ({"points": 10**8}, "period"),
+            ({"spacing": -1.0}, "spacing"),
+            ({"shortest_wavelength": 0.015}, "shortest_wavelength"),
+            ({"longest_wavelength": 0.01}, "longest_wavelength"),
+            ({"longest_wavelength": 11.0, "periodic": True}, "longest_wavelength"),
+            ({"shortest_wavelength": 11.0, "periodic": True}, "shortest_wavelength"),
+            ({"amplitudes": "random"}, "amplitudes"),
+            ({"periodic": 1}, "periodic"),
+            ({"seed": -1}, "seed"),
+        ],
+    )
+    def test_bad_arguments_are_named(self, bad, match):
+        with pytest.raises(ValueError, match=match):
+            rough(**bad)
+
+
+def surface(seed=3, **changes):
+    return self_affine_surface(seed, **(CHOICES | changes))
+
+
+def power(heights, extents):
+    """Mean square of each wave of half the plane, and its wave number."""
+    transform = np.fft.fft2(heights) / heights.size
+    y, x = (np.fft.fftfreq(size, 1 / size) / extent for size, extent in zip(heights.shape, extents, strict=True))
+    return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)
+
+
+def test_has_the_wanted_rms_and_a_mean_of_zero():
+    for changes in ({}, {"longest_wavelength": 0.4}, {"shape": (4, 5), "spacing": 1.0}, {"rms": 1e-7}):
+        heights = surface(**changes).heights
+        assert heights.std() == pytest.approx((CHOICES | changes)["rms"], rel=ROUND_OFF)
+        assert abs(heights.mean()) < ROUND_OFF * heights.std()
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8, 1.5])
+def test_spectrum_is_the_power_law_flat_beyond_the_longest_wavelength_and_zero_below_the_shortest(hurst):
+    extents = (5.12, 5.12)
+    spectra = []
+    for repetition in range(8):
+        made = surface(
+            shape=(256, 256), spacing=0.02, hurst_exponent=hurst, repetition=repetition,
+            longest_wavelength=1.28, shortest_wavelength=0.08,
+        )  # fmt: skip
+        density, q = power(made.heights, extents)
+        spectra.append(density)
+    mean = np.mean(spectra, axis=0)
+    assert mean[q > 2 * np.pi / 0.08 * 1.001].max() < 1e-25
+    law = np.maximum(q * 1.28 / (2 * np.pi), 1) ** (-2 - 2 * hurst)
+    level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
+    for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
+        ring = (q > low) & (q < high)
+        # Exponential powers: each of n / 2 independent waves in 8 surfaces scatters by itself; 4 standard errors.
+        # The level is that of the few longest waves, which scatter as much.
+        ratio = np.mean(mean[ring] / law[ring]) / level
+        assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
+
+
+def test_is_isotropic_on_any_grid():
+    made = [surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)]
+    along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in made])
+    along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in made])
+    # Some thousand waves each, of which the shortest hundreds make the slope: 20 of them agree to 1 %.
+    assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
+
+
+def test_is_periodic():
+    made = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
+    doubled = np.tile(made.heights, (2, 2))
+    # Between equal neighbours a jump at the seam would stand out.
+    steps = np.abs(np.diff(doubled, axis=1))
+    assert steps[:, 63].max() <= np.delete(steps, 63, axis=1).max()
+    assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(made.heights, axis=0)).max() * 1.5
+
+
+def test_a_finer_grid_samples_the_same_surface():
+    coarse = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
+    fine = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
+    assert np.abs(fine.heights[::3, ::2] - coarse.heights).max() < ROUND_OFF
+
+
+def test_same_numbers_give_the_same_bits_and_others_another_surface():
+    one = surface()
+    assert surface().heights.tobytes() == one.heights.tobytes()
+    for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
+        correlation = (other.heights * one.heights).mean() / 0.01
+        # A few long waves make most of the height, so two surfaces are correlated by chance.
+        assert abs(correlation) < 0.8
+    ensemble = [surface(repetition=r).heights * surface(repetition=r, side="upper").heights for r in range(40)]
+    assert abs(np.mean(ensemble) / 0.01) < 4 * np.std([one.mean() / 0.01 for one in ensemble]) / np.sqrt(40)
+
+
+def test_the_words_are_those_that_the_documentation_names():
+    # One wave (1, 0) along x alone, on a strip: the second word cannot show, because the rms is given.
+    made = self_affine_surface(
+        5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
+    )
+    word = np.random.PCG64(np.random.SeedSequence([5, 2, 0, 1])).random_raw()
+    phase = 2 * np.pi * (int(word) >> 11) / 2**53
+    assert np.allclose(made.heights, np.sqrt(2) * np.cos(2 * np.pi * made.x / 8.0 + phase), atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"hurst_exponent": 0.0}, "hurst_exponent"),
+        ({"hurst_exponent": 2.1}, "hurst_exponent"),
+        ({"rms": 0.0}, "rms"),
+        ({"shape": (3, 64)}, "shape"),
+        ({"shape": 64}, "shape"),
+        ({"shape": (20_000, 20_000)}, "shape must hold at most"),
+        ({"spacing": -1.0}, "spacing"),
+        ({"spacing": (0.1, 0.1, 0.1)}, "spacing"),
+        ({"shortest_wavelength": 0.039}, "shortest_wavelength"),
+        ({"shortest_wavelength": 1.93}, "shortest_wavelength"),
+        ({"longest_wavelength": 2.0}, "longest_wavelength"),
+        ({"longest_wavelength": 0.04}, "longest_wavelength"),
+        ({"side": "left"}, "side"),
+        ({"repetition": -1}, "repetition"),
+        ({"rms": np.nan}, "rms"),
+    ],
+)
+def test_bad_arguments_are_named(changes, match):
+    with pytest.raises(ValueError, match=match):
+        surface(**changes)
+
+
+class TestAmplitude:
+    def test_each_measure_is_as_wanted_about_a_mean_of_zero(self):
+        made = surface()
+        raised = Surface(made.heights + 5.0, spacing=made.spacing, history=("made",))
+        for measure, of in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):
+            scaled = raised.with_amplitude(0.3, measure)
+            assert of(scaled.heights) == pytest.approx(0.3, rel=ROUND_OFF)
+            assert abs(scaled.heights.mean()) < ROUND_OFF
+            assert scaled.spacing == made.spacing
+            assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
+            assert np.corrcoef(scaled.heights.ravel(), made.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
+
+    def test_bad_arguments_are_named(self):
+        flat = Surface(np.full((5, 5), 2.0), spacing=1.0)
+        assert flat.is_flat
+        assert not surface().is_flat
+        with pytest.raises(ValueError, match="flat"):
+            flat.with_amplitude(1.0)
+        with pytest.raises(ValueError, match="amplitude"):
+            surface().with_amplitude(0.0)
+        with pytest.raises(ValueError, match="measure"):
+            surface().with_amplitude(1.0, "Ra")

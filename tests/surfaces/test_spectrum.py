@@ -1,0 +1,201 @@
+"""Spectra and moments of profiles and surfaces against their definitions and known bodies."""
+
+import math
+
+import numpy as np
+import pytest
+from rough_bodies import AMPLITUDE, WAVELENGTH, rough, self_affine_map, wave
+from stiction import (
+    Profile,
+    Surface,
+    hurst_exponent_of,
+    levelled,
+    power_spectrum,
+    random_phases,
+    rotated,
+    roughness_parameters,
+    spectral_moments,
+    surface_spectrum,
+    weierstrass_mandelbrot,
+    weierstrass_mandelbrot_moments,
+)
+
+# Of sums over some thousand points, of transforms and their squares.
+ROUND_OFF = 1e-12
+AREA_ROUND_OFF = 1e-11
+
+LAY = 10.0
+"""Degrees, of maps of some ten of the longest waves that are twice as long one way; nine tenths are within 3."""
+
+
+class TestSpectrum:
+    def test_of_a_sinusoid_is_one_line(self):
+        profile = wave(16)
+        spectrum = power_spectrum(profile, periodic=True)
+        line = int(np.argmax(spectrum.density))
+        assert spectrum.wave_number[line] == pytest.approx(2 * np.pi / WAVELENGTH, rel=ROUND_OFF)
+        assert spectrum.density[line] == pytest.approx(AMPLITUDE**2 * profile.extent / 4, rel=ROUND_OFF)
+        assert np.delete(spectrum.density, line).max() < ROUND_OFF * spectrum.density[line]
+
+    @pytest.mark.parametrize("points", [1000, 1001])
+    def test_its_integral_is_the_mean_square_height(self, points):
+        profile = rough(points=points)
+        spectrum = power_spectrum(profile, periodic=True)
+        mean_square = roughness_parameters(profile).Pq ** 2
+        assert spectrum.moment(0) == pytest.approx(mean_square, rel=ROUND_OFF)
+        for per_decade in (1, 7, 10):
+            binned = spectrum.in_bins(per_decade)
+            assert binned.moment(0) == pytest.approx(mean_square, rel=ROUND_OFF)
+            assert binned.count.sum() == (points - 1) / 2
+            assert (np.diff(binned.wave_number) > 0).all()
+
+    def test_is_the_sum_it_is_defined_by(self):
+        profile = rough(points=64)
+        window = np.sqrt(8 / 3) * np.sin(np.pi * np.arange(64) / 64) ** 2
+        for periodic in (True, False):
+            heights = (profile.heights - profile.heights.mean()) * (1.0 if periodic else window)
+            spectrum = power_spectrum(profile, periodic=periodic)
+            for q, density in zip(spectrum.wave_number, spectrum.density, strict=True):
+                transform = profile.spacing * (heights * np.exp(-1j * q * profile.x)).sum()
+                assert density == pytest.approx(abs(transform) ** 2 / profile.extent, rel=1e-9)
+
+    def test_window_keeps_the_level_and_removes_the_leakage_of_the_jump_at_the_ends(self):
+        profiles = [rough(repetition=r, points=4096, longest_wavelength=4.0) for r in range(40)]
+        windowed, plain = (
+            np.mean([power_spectrum(p, periodic=periodic).density for p in profiles], axis=0)
+            for periodic in (False, True)
+        )
+        q = power_spectrum(profiles[0]).wave_number
+        wanted = np.maximum(q * 4.0 / (2 * np.pi), 1.0) ** -2.6
+        # The spectrum has a variance of 0.1² over the harmonics of the period, 16384 points.
+        fine = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
+        wanted *= 0.1**2 * np.pi / (fine.sum() * 2 * np.pi / 163.84)
+        high = q > 100  # a thousand harmonics of 40 profiles: 1 % of scatter, and 1.2 % of leakage at most
+        assert np.mean(windowed[high] / wanted[high]) == pytest.approx(1, abs=0.02)
+        assert np.mean(plain[high] / wanted[high]) > 1.3
+
+    @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
+    def test_bad_arguments_are_named(self, bad):
+        for function in (power_spectrum, hurst_exponent_of, spectral_moments):
+            with pytest.raises(ValueError, match="periodic"):
+                function(rough(), **bad)
+        with pytest.raises(ValueError, match="per_decade"):
+            power_spectrum(rough()).in_bins(0)
+
+
+class TestMoments:
+    def test_of_a_sinusoid(self):
+        found = spectral_moments(wave(16), periodic=True)
+        q = 2 * np.pi / WAVELENGTH
+        for order, value in enumerate((found.height, found.slope, found.curvature)):
+            # Round-off at the highest of 64 harmonics weighs 8^(2j) times as much.
+            assert value == pytest.approx(AMPLITUDE**2 / 2 * q ** (2 * order), rel=1e-10)
+        assert found.nayak_parameter == pytest.approx(1, rel=1e-10)
+
+    def test_of_eq_1_are_its_exact_ones(self):
+        # Half of Σ a² k^(2j); 20 profiles of some hundred independent wavelengths each leave a few per cent.
+        options = {"convention": "classical"}
+        exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
+        found = [
+            spectral_moments(
+                weierstrass_mandelbrot(
+                    random_phases(4, repetition=r), 1.2, points=8000, band_limit="nyquist", extent=80.0, **options
+                )
+            )
+            for r in range(20)
+        ]
+        for name in ("slope", "curvature"):
+            assert np.mean([getattr(m, name) for m in found]) == pytest.approx(getattr(exact, name), rel=0.05)
+
+    def test_bands_add_up(self):
+        profile = rough()
+        whole = spectral_moments(profile)
+        # 0.35 µm is no wavelength of the profile, so nothing is counted twice.
+        parts = spectral_moments(profile, shortest_wavelength=0.35), spectral_moments(profile, longest_wavelength=0.35)
+        for name in ("height", "slope", "curvature"):
+            assert sum(getattr(part, name) for part in parts) == pytest.approx(getattr(whole, name), rel=ROUND_OFF)
+
+    def test_bad_arguments_are_named(self):
+        with pytest.raises(ValueError, match="longest_wavelength must be above"):
+            spectral_moments(rough(), shortest_wavelength=2.0, longest_wavelength=1.0)
+        with pytest.raises(ValueError, match="no wavelength of the profile"):
+            spectral_moments(rough(), shortest_wavelength=20.0)
+        with pytest.raises(ValueError, match="flat"):
+            spectral_moments(Profile([1.0] * 10, spacing=1.0))
+
+
+def test_is_the_sum_it_is_defined_by():
+    surface = self_affine_map(1, 0.7, (8, 9), spacing=(0.5, 0.25))
+    window = [np.sqrt(8 / 3) * np.sin(np.pi * np.arange(n) / n) ** 2 for n in (8, 9)]
+    for periodic in (True, False):
+        heights = surface.heights - surface.heights.mean()
+        if not periodic:
+            heights = heights * window[0][:, np.newaxis] * window[1]
+        spectrum = surface_spectrum(surface, periodic=periodic)
+        for j, q_y in enumerate(spectrum.wave_number_y):
+            for i, q_x in enumerate(spectrum.wave_number_x):
+                wave = np.exp(-1j * (q_y * surface.y[:, np.newaxis] + q_x * surface.x))
+                wanted = 0 if q_x == q_y == 0 else abs((heights * wave).sum()) ** 2 * 0.125 / 72
+                assert spectrum.density[j, i] == pytest.approx(wanted, rel=1e-9, abs=1e-15)
+
+
+def test_moments_are_variances_along_any_direction():
+    surface = self_affine_map(2, 0.7)
+    spectrum = surface_spectrum(surface, periodic=True)
+    assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREA_ROUND_OFF)
+    # Along x, those of the rows; a row's own mean is a wave of the surface.
+    rows = [spectral_moments(surface.row(index), periodic=True) for index in range(128)]
+    assert spectrum.moments(0).slope == pytest.approx(np.mean([row.slope for row in rows]), rel=1e-9)
+    assert spectrum.moments(0).curvature == pytest.approx(np.mean([row.curvature for row in rows]), rel=1e-9)
+    columns = [spectral_moments(surface.column(index), periodic=True) for index in range(160)]
+    assert spectrum.moments(90).slope == pytest.approx(np.mean([column.slope for column in columns]), rel=1e-9)
+    # In between: m2 is a quadratic form of the direction.
+    along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
+    assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREA_ROUND_OFF)
+    wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
+    found = surface_spectrum(Surface(wave, spacing=0.5), periodic=True).moments(math.degrees(math.atan2(2, 1)))
+    assert found.slope == pytest.approx(0.5 * (np.pi / 2) ** 2 * 5, rel=1e-9)
+    assert found.nayak_parameter == pytest.approx(1, rel=1e-9)
+
+
+def test_steepest_direction_is_across_a_lay():
+    waves = np.arange(128)[:, np.newaxis] * 0.2 * np.pi * 5 / 32 + np.arange(128) * 0.2 * np.pi * 10 / 32
+    spectrum = surface_spectrum(Surface(np.cos(waves), spacing=1.0))
+    assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
+    for angle in (10.0, 70.0, 130.0):
+        for seed in range(4):
+            surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)  # longer along y
+            turned = surface_spectrum(levelled(rotated(surface, angle), "plane"))
+            off = (turned.steepest_direction() - angle + 90) % 180 - 90
+            assert abs(off) < LAY
+
+
+def test_radial_spectrum_holds_every_wave_once():
+    surface = self_affine_map(3, 0.6, (64, 81), spacing=(0.5, 0.3))
+    spectrum = surface_spectrum(surface, periodic=True)
+    q, angle, density = spectrum.waves()
+    assert (np.diff(q) >= 0).all()
+    assert angle.min() >= 0
+    assert angle.max() < 180
+    # Both of a wave and its opposite, over the ring.
+    area = (2 * np.pi / 32) * (2 * np.pi / 24.3)
+    inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
+    assert 2 * density.sum() * area == pytest.approx(spectrum.density[inside].sum() * area, rel=AREA_ROUND_OFF)
+    radial = spectrum.radial(7)
+    assert radial.count.sum() == q.size
+    assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=AREA_ROUND_OFF)
+
+
+def test_agrees_with_surface_topography():
+    topography = pytest.importorskip("SurfaceTopography")
+    surface = self_affine_map(4, 0.8, (96, 128))
+    other = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)
+    q, density = other.power_spectrum_from_area(nb_points_per_decade=5)
+    kept = np.isfinite(density) & (q > 0.5) & (q < 5)
+    own = surface_spectrum(surface, periodic=True)
+    at, _, values = own.waves()
+    edges = np.sqrt(q[1:] * q[:-1])
+    for index in np.flatnonzero(kept)[1:-1]:
+        ring = (at > edges[index - 1]) & (at < edges[index])
+        # Its rings have edges of their own, and the density falls by half within a tenth of a decade.
+        assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)

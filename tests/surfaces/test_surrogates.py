@@ -1,0 +1,219 @@
+"""Surrogates of profiles and surfaces: the spectrum against bodies that are known, and what a section keeps."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from rough_bodies import rough
+from stiction import (
+    Profile,
+    half_space,
+    hurst_exponent_of,
+    isotropic_spectrum,
+    isotropic_surface,
+    levelled,
+    power_spectrum,
+    roughness_parameters,
+    self_affine_surface,
+    spectral_moments,
+    surface_spectrum,
+    surrogate,
+)
+
+# Of sums over some thousand points, of transforms and their squares.
+ROUND_OFF = 1e-12
+FIT_ROUND_OFF = 1e-9
+
+RING = 0.1
+"""Of a density that is even in rings of a quarter of an octave, over which the known one falls by up to a half."""
+
+SCATTER = 0.1
+"""Of the rms gradient that one line of some hundred waves has, and of area and friction of a few pairs of pieces."""
+
+
+class TestSurrogate:
+    @pytest.mark.parametrize("points", [1000, 1001])
+    def test_of_a_periodic_profile_has_its_spectrum(self, points):
+        profile = rough(points=points, periodic=True)
+        other = surrogate(profile, 5, periodic=True)
+        one, two = (power_spectrum(p, periodic=True).density for p in (profile, other))
+        assert np.allclose(one, two, rtol=1e-9, atol=ROUND_OFF**2 * one.max())
+        assert abs(np.corrcoef(profile.heights, other.heights)[0, 1]) < 0.9
+        assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
+
+    def test_of_any_profile_has_its_height(self):
+        for profile in (rough(), rough(points=1001), Profile(rough().heights + 7.0, spacing=0.01)):
+            other = surrogate(profile, 5, repetition=2)
+            assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
+            assert roughness_parameters(other).Pq == pytest.approx(roughness_parameters(profile).Pq, rel=1e-11)
+
+    @pytest.mark.parametrize("points", [8, 9, 10, 11])
+    def test_of_a_cut_out_profile_has_the_averaged_spectrum_of_its_mirror_image(self, points):
+        heights = rough(points=points).heights
+        image = np.concatenate([heights, heights[::-1]]) - heights.mean()
+        density = np.abs(np.fft.fft(image)) ** 2
+        own = 2 * np.arange(1, points // 2 + 1)
+        averaged = density[own] / 2 + (density[own - 1] + density[(own + 1) % (2 * points)]) / 4
+        made = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
+        assert np.allclose(made / made.sum(), averaged / averaged.sum(), rtol=1e-9, atol=0)  # scaled to the same Pq
+
+    @pytest.mark.parametrize("hurst", [0.4, 0.8])
+    @pytest.mark.parametrize("longest", [4.0, 40.0])
+    def test_of_a_cut_out_profile_keeps_slope_and_short_wavelengths(self, hurst, longest):
+        slopes, short = [], []
+        for r in range(20):
+            profile = rough(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
+            tilt = np.polynomial.Polynomial.fit(profile.x, profile.heights, 1)(profile.x)
+            profile = Profile(profile.heights - tilt, spacing=profile.spacing)
+            other = surrogate(profile, 5, repetition=r)
+            slopes.append(
+                roughness_parameters(other, derivative="neighbours").Pdq
+                / roughness_parameters(profile, derivative="neighbours").Pdq
+            )
+            one, two = (
+                spectral_moments(p, longest_wavelength=0.1, periodic=p is other).slope for p in (profile, other)
+            )
+            short.append(two / one)
+        # One profile's windowed sum over 2000 harmonics scatters by 3 %; the ends add a corner each.
+        assert np.mean(slopes) == pytest.approx(1, abs=0.02)
+        assert np.max(np.abs(np.log(slopes))) < 0.05
+        assert np.mean(short) == pytest.approx(1, abs=0.03)
+
+    def test_is_of_the_same_hurst_exponent(self):
+        profile = rough(points=8192, longest_wavelength=5.0, hurst_exponent=0.6)
+        found = hurst_exponent_of(surrogate(profile, 2), band=(0.02, 4.0), periodic=True)
+        # Two estimates, each within its interval nineteen times of twenty.
+        assert found.value == pytest.approx(hurst_exponent_of(profile, band=(0.02, 4.0)).value, abs=0.05)
+
+    def test_are_an_ensemble(self):
+        profile = rough()
+        assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
+        others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
+        for one, two in pairwise(others):
+            assert not np.allclose(one.heights, two.heights)
+
+    def test_bad_arguments_are_named(self):
+        with pytest.raises(ValueError, match="flat"):
+            surrogate(Profile([1.0] * 10, spacing=1.0), 1)
+        with pytest.raises(ValueError, match="seed"):
+            surrogate(rough(), -1)
+        with pytest.raises(ValueError, match="periodic"):
+            surrogate(rough(), 1, periodic="no")
+
+
+def known(hurst, side="lower", shape=(256, 2048), spacing=0.1):
+    return self_affine_surface(
+        4, hurst_exponent=hurst, rms=0.05, shape=shape, spacing=spacing, longest_wavelength=6.4,
+        shortest_wavelength=0.8, side=side,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("hurst", [0.4, 0.9])
+def test_spectrum_of_a_surface_comes_back_from_that_of_its_sections(hurst):
+    """C1D(k) by summing a known C2D over all waves of the grid across; a profile with exactly that, without scatter."""
+    points, spacing = 512, 0.5
+    q = 2 * np.pi * np.fft.fftfreq(points, spacing)
+    known = np.maximum(np.hypot(q[:, np.newaxis], q), 20 * q[1]) ** (-2 - 2 * hurst)
+    mean = known.sum(axis=0)[: points // 2 + 1] / (points * spacing)
+    phases = np.exp(2j * np.pi * np.random.default_rng(1).random(mean.size))
+    phases[[0, -1]] = [0, 1]
+    profile = Profile(np.fft.irfft(np.sqrt(mean * points / spacing) * phases, points), spacing=spacing)
+    np.testing.assert_allclose(power_spectrum(profile, periodic=True).density, mean[1:], rtol=FIT_ROUND_OFF)
+    found = isotropic_spectrum(profile, periodic=True)
+    wanted = np.maximum(found.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
+    # Not those that follow their neighbours, nor beside the corner of the roll-off, which is made round.
+    sure = (found.count >= 4) & (np.abs(np.log(found.wave_number / (20 * q[1]))) > 0.35)
+    np.testing.assert_allclose(found.density[sure], wanted[sure], rtol=RING)
+
+
+@pytest.mark.parametrize("hurst", [0.4, 0.9])
+def test_gradient_is_that_of_the_surface_of_which_it_is_a_section(hurst):
+    body = known(hurst)
+    own = surface_spectrum(body, periodic=True)
+    gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
+    for row in (0, 100):
+        section = levelled(body.row(row), "line")
+        made = isotropic_surface(section, 1, shape=(256, 256))
+        assert made.spacing == (0.1, 0.1)
+        again = surface_spectrum(made, periodic=True)
+        assert np.sqrt(again.moments(0).slope + again.moments(90).slope) == pytest.approx(gradient, rel=SCATTER)
+        # Isotropic, up to the scatter of its waves.
+        assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * SCATTER)
+
+
+def test_mean_spectrum_is_that_of_the_fit():
+    section = known(0.7, shape=(64, 512)).row(3)
+    fitted = isotropic_spectrum(section, periodic=True)
+    slopes = [
+        surface_spectrum(isotropic_surface(section, 1, shape=(64, 64), repetition=each, periodic=True), periodic=True)
+        .moments(0)
+        .slope
+        for each in range(40)
+    ]
+    # Of waves of the profile and of the surface: 64 points hold all but some of the longest.
+    wanted = spectral_moments(section, periodic=True).slope
+    assert np.mean(slopes) == pytest.approx(wanted, rel=4 * np.std(slopes) / np.sqrt(40) / wanted)
+    assert fitted.count.sum() == pytest.approx(255.5)  # harmonics, that at the Nyquist wave number half
+
+
+def test_units_do_not_matter_and_seeds_do():
+    section = known(0.7, shape=(64, 512)).row(3)
+    one = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
+    ten = isotropic_surface(
+        Profile(10 * section.heights + 3, spacing=1.0), 7, shape=(64, 96), repetition=2, side="upper"
+    )
+    np.testing.assert_allclose(ten.heights, 10 * one.heights, rtol=1e-6, atol=1e-6 * one.heights.std())
+    assert one.history == (*section.history, "an isotropic surface of its spectrum, seed 7, repetition 2")
+    assert np.abs(one.heights.mean()) < FIT_ROUND_OFF
+    assert isotropic_surface(section, 7).heights.shape == (512, 512)
+    for changed in ({"seed": 8}, {"repetition": 3}, {"side": "lower"}):
+        other = isotropic_surface(section, **{"seed": 7, "shape": (64, 96), "repetition": 2, "side": "upper"} | changed)
+        assert np.abs(other.heights - one.heights).max() > 0.01
+
+
+def test_area_and_friction_are_those_of_the_map():
+    """Of pieces of 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
+    bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
+
+    def answers(pairs):
+        found = []
+        for pair in pairs:
+            area = np.prod(pair[0].extent)
+            curve = half_space(*pair, [0.02 * area], direction=[0.0, 90.0, 180.0, 270.0])
+            friction = curve.friction_coefficient(mu0=0.4, tau0=0.1)
+            found.append([curve.contact_area[0] / area, friction.mean()])
+        return np.mean(found, axis=0)
+
+    own = answers(
+        [
+            levelled(type(body)(body.heights[:, at : at + 128], spacing=0.1), "plane")
+            for body in bodies
+        ]
+        for at in range(0, 1024, 128)
+    )  # fmt: skip
+    made = answers(
+        [
+            isotropic_surface(levelled(body.row(20 * each), "line"), 1, shape=(128, 128), side=side, repetition=each)
+            for body, side in zip(bodies, ("upper", "lower"), strict=True)
+        ]
+        for each in range(6)
+    )  # fmt: skip
+    np.testing.assert_allclose(made, own, rtol=SCATTER)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"profile": Profile(np.zeros(100), spacing=1.0)}, "flat profile"),
+        ({"shape": (3, 64)}, "shape must be a whole number of at least 4"),
+        ({"shape": 64}, r"shape must be \(rows, columns\)"),
+        ({"shape": (10**5, 10**5)}, "shape must hold at most"),
+        ({"seed": -1}, "seed must be"),
+        ({"side": "middle"}, "side must be one of"),
+        ({"periodic": "yes"}, "periodic must be True or False"),
+    ],
+)
+def test_bad_input(changes, words):
+    arguments = {"profile": known(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
+    with pytest.raises(ValueError, match=words):
+        isotropic_surface(arguments.pop("profile"), arguments.pop("seed"), **arguments)

@@ -1,0 +1,454 @@
+"""What a notebook shows: every public name with its example, its signature and its repr; `pair` and the command."""
+
+import copy
+import doctest
+import inspect
+import re
+import warnings
+
+import numpy as np
+import pytest
+import stiction
+import xarray
+from command import stiction_command
+from matplotlib.figure import Figure
+from stiction import (
+    Profile,
+    Surface,
+    candidates,
+    contacts,
+    half_space,
+    pair,
+    power_spectrum,
+    press,
+    pressed_maps,
+    read_result,
+    read_surface,
+    roughness_parameters,
+    self_affine_surface,
+    surface_parameters,
+    surface_spectrum,
+    turned_over,
+    write_surface,
+)
+from stiction.mechanics.quantities import QUANTITIES
+
+NAMES = [name for name in stiction.__all__ if name != "__version__"]
+ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]
+SLOW = {"pair", "resolution", "spectral_resolution"}
+"""Examples of some seconds, which the documentation and other tests run as well."""
+
+LONGEST_REPR = 2000
+"""Characters: a screen."""
+
+
+def surface(side, points=48):
+    return self_affine_surface(
+        3, hurst_exponent=0.8, rms=0.02, shape=(points, points + 8), spacing=(0.1, 0.2), shortest_wavelength=0.6,
+        side=side,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def upper():
+    return surface("upper")
+
+
+@pytest.fixture(scope="module")
+def lower():
+    return surface("lower")
+
+
+@pytest.fixture(scope="module")
+def curve(upper, lower):
+    return half_space(upper, lower, ["1 mN", "3 mN"], direction=[0, 90])
+
+
+# ---- Every public name -----------------------------------------------------------------------------------------------
+
+
+def examples_of(name):
+    value = getattr(stiction, name)
+    return doctest.DocTestParser().get_doctest(inspect.getdoc(value) or "", {}, name, None, None)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
+def test_every_public_name_has_an_example(name):
+    assert examples_of(name).examples
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in {*ERRORS, *SLOW}])
+def test_examples_run(name):
+    said = []
+    runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+    runner.run(examples_of(name), out=said.append)
+    assert runner.summarize(verbose=False).failed == 0, "".join(said)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
+def test_signatures_name_every_parameter(name):
+    for parameter in inspect.signature(getattr(stiction, name)).parameters.values():
+        assert parameter.kind not in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL)
+
+
+def test_signatures_are_those_that_are_taken(upper, lower):
+    for name in ("press", "contacts"):
+        parameters = inspect.signature(getattr(stiction, name)).parameters
+        given = {key: each.default for key, each in parameters.items() if each.kind is each.KEYWORD_ONLY}
+        given["model"] = stiction.ContactModel()
+        getattr(stiction, name)(upper, lower, 0.01, **given) if name == "contacts" else press(
+            upper, lower, [0.01], **given
+        )
+
+
+def test_the_package_shows_what_is_public_alone():
+    assert set(dir(stiction)) >= set(stiction.__all__)
+    assert [name for name in dir(stiction) if name not in stiction.__all__ and not name.startswith("__")] == []
+
+
+# ---- What shows itself -----------------------------------------------------------------------------------------------
+
+
+def shown(upper, lower, curve):
+    row, found = lower.row(0), press(upper, lower, [0.01, 0.02, 0.04])
+    yield from (upper, row, power_spectrum(row), surface_parameters(lower), roughness_parameters(row))
+    yield from (curve, curve.contact(1), curve.onset(1, mu0=0.3), found)
+    line = half_space(levelled_row(upper), levelled_row(lower), [0.05, 0.1])
+    yield from (line, line.contact(0), line.onset(0, mu0=0.3))
+
+
+def levelled_row(body):
+    return stiction.levelled(body.row(3), "line")
+
+
+def readable(upper, lower):
+    found = press(upper, lower, [0.02])
+    spectrum = surface_spectrum(lower)
+    yield from (found.validity, contacts(upper, lower, 0.02), candidates(upper, lower, deepest=0.02))
+    yield from (spectrum, spectrum.radial(), stiction.asperities(lower.row(0), "lower"))
+    yield from (stiction.line_roughness(lower, "x"), stiction.scale_dependent_roughness(lower))
+    yield from (stiction.material("brass"), stiction.ContactModel(), stiction.Study.named("quick"))
+
+
+def test_reprs_are_for_people(upper, lower, curve):
+    for each in (*shown(upper, lower, curve), *readable(upper, lower)):
+        text = repr(each)
+        assert len(text) <= LONGEST_REPR
+        assert "array(" not in text
+        assert " object at 0x" not in text
+        assert type(each).__name__ in text
+
+
+def test_reprs_have_units(upper, lower, curve):
+    assert "0.2 µm apart along x and 0.1 µm along y" in repr(upper)
+    assert re.search(r"load +1, 3 mN\n", repr(curve))
+    assert re.search(r"density +28: .* µm³\n", repr(power_spectrum(lower.row(0))))
+    assert re.search(r"lateral_adhesive .* mN per GPa of tau0\n", repr(press(upper, lower, [0.01, 0.02])))
+    assert re.search(r"Sq +20 nm\n", repr(surface_parameters(lower)))
+
+
+def test_all_is_shown_as_pictures_or_tables(upper, lower, curve):
+    for each in shown(upper, lower, curve):
+        shows = each._repr_html_()
+        assert "<img" in shows or "<table" in shows
+        if hasattr(each, "plot"):
+            ax = Figure().subplots()
+            assert each.plot(ax) is ax
+            assert ax.get_xlabel() or not ax.get_xticks().size
+
+
+def test_a_curve_draws_friction(curve):
+    ax = curve.plot(Figure().subplots(), mu0=[0.1, 0.3], tau0=0.05)
+    drawn = np.array([line.get_ydata() for line in ax.get_lines()])
+    np.testing.assert_array_equal(drawn, curve.friction_coefficient(mu0=[0.1, 0.3], tau0=0.05).reshape(-1, 2))
+    assert ax.get_legend().get_texts()[0].get_text() == "μ0 = 0.1, τ0 = 50 MPa, 0°"
+
+
+def test_what_cannot_be_drawn_says_why():
+    nothing = power_spectrum(Profile(np.zeros(16), spacing=1.0))
+    with pytest.raises(ValueError, match="0 everywhere, so there is nothing to draw"):
+        nothing.plot(Figure().subplots())
+    assert "nothing to draw" in nothing._repr_html_()
+
+
+# ---- From and to other libraries -------------------------------------------------------------------------------------
+
+
+def test_a_body_goes_through_xarray_without_loss(lower):
+    turned = turned_over(lower)
+    for body in (turned, turned.row(3)):
+        array = body.to_xarray()
+        assert array.attrs["units"] == array["x"].attrs["units"] == "um"
+        back = type(body).from_(array)
+        np.testing.assert_array_equal(back.heights, body.heights)
+        assert (back.spacing, back.history) == (body.spacing, body.history)
+
+
+OLD_NAMES = {"load", "quantile"}
+"""Dimensions that are called as methods of xarray are, for which results must be asked with brackets."""
+
+
+def test_no_other_quantity_is_called_like_a_method_of_xarray(lower):
+    taken = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
+    assert set(QUANTITIES) & taken == OLD_NAMES
+    array = lower.to_xarray()
+    assert not {*array.dims, array.name} & taken
+
+
+def test_units_of_arrays_are_followed(lower):
+    array = lower.to_xarray() * 1000
+    array.attrs["units"] = "nm"
+    back = Surface.from_(array.transpose("x", "y"))
+    np.testing.assert_allclose(back.heights, lower.heights, rtol=1e-15)
+    assert back.spacing == lower.spacing
+
+
+def test_topographies_are_taken(lower):
+    topography = pytest.importorskip("SurfaceTopography")
+    rows, columns = lower.heights.shape
+    sizes = columns * lower.spacing[1] * 1000, rows * lower.spacing[0] * 1000
+    back = Surface.from_(topography.Topography(lower.heights.T * 1000, sizes, unit="nm"))
+    np.testing.assert_allclose(back.heights, lower.heights, rtol=1e-14)
+    np.testing.assert_allclose(back.spacing, lower.spacing, rtol=1e-14)
+    line = Profile.from_(topography.UniformLineScan(lower.heights[0], columns * 0.2), unit="um")
+    np.testing.assert_array_equal(line.heights, lower.heights[0])
+    masked = np.ma.masked_greater(lower.heights.T, 0.01)
+    with pytest.raises(ValueError, match="points without a height"):
+        Surface.from_(topography.Topography(masked, sizes, unit="nm"))
+
+
+class Surfalize:
+    """What surfalize's Surface has: micrometres, and steps along x and y."""
+
+    def __init__(self, data, step_x, step_y):
+        self.data, self.step_x, self.step_y = data, step_x, step_y
+
+
+def test_surfaces_of_surfalize_are_taken(lower):
+    back = Surface.from_(Surfalize(lower.heights, 0.2, 0.1))
+    np.testing.assert_array_equal(back.heights, lower.heights)
+    assert back.spacing == (0.1, 0.2)
+
+
+def test_what_is_no_body_is_refused(lower):
+    array = lower.to_xarray()
+    missing, uneven = array.copy(), array.copy()
+    missing[0, 0] = np.nan
+    uneven = uneven.assign_coords(x=("x", np.square(array["x"].values), array["x"].attrs))
+    for bad, words in (
+        (lower.row(0), "must be a surface, got a profile; see Profile.from_"),
+        ([[0.0, 1.0]], "one of SurfaceTopography, surfalize or xarray, got list"),
+        (array.drop_attrs(), "must have a unit of length"),
+        (array.rename(x="u"), "must have the dimensions y and x"),
+        (missing, "1 points without a height"),
+        (uneven, "equal steps along x"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(words)):
+            Surface.from_(bad)
+
+
+# ---- Quantities, moduli, and bodies that are one and the same --------------------------------------------------------
+
+
+def test_text_with_a_unit_is_the_number(upper, lower):
+    np.testing.assert_array_equal(press(upper, lower, ["5 nm", "0.02 um"]).approach, [0.005, 0.02])
+    area = float(np.prod(upper.extent))
+    np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
+    assert len(contacts(upper, lower, "20 nm")) == len(contacts(upper, lower, 0.02))
+    for call, words in (
+        (lambda: press(upper, lower, "5 mN"), "approaches has the unit 'mN', which is not one of length"),
+        (lambda: half_space(upper, lower, "5 nm"), "loads must be a force or a pressure with its unit"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            call()
+
+
+@pytest.fixture(scope="module")
+def scan(lower, tmp_path_factory):
+    path = tmp_path_factory.mktemp("scan") / "scan.npy"
+    write_surface(lower, path)
+    found = read_surface(path)
+    np.testing.assert_array_equal(found.heights, lower.heights)
+    assert found.spacing == lower.spacing
+    return found
+
+
+def test_a_measured_body_needs_a_modulus(upper, scan):
+    for call in (
+        lambda: press(upper, scan, "10 nm"),
+        lambda: contacts(upper, scan, "10 nm"),
+        lambda: press(candidates(upper, scan, deepest=0.02), "10 nm"),
+        lambda: half_space(upper, scan, "1 mN"),
+        lambda: pressed_maps(upper, scan, "1 mN", mu0=0.3),
+        lambda: stiction.traverse(upper.row(0), scan.row(0), "1 mN", mu0=0.3),
+        lambda: stiction.resolution(upper, scan, [1.0], hardness=None),
+        lambda: stiction.approach_at_load(upper, scan, "1 mN", mu0=0.3),
+    ):
+        with pytest.raises(ValueError, match=r"effective_modulus .* must be given, because a body was read from scan"):
+            call()
+    model = stiction.ContactModel(effective_modulus=10.0)
+    with_model, generated = press(upper, scan, "10 nm", model=model), Surface(scan.heights, spacing=scan.spacing)
+    np.testing.assert_array_equal(with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
+
+
+def test_one_body_is_told(scan, lower):
+    mirrored = Surface(0.3 - scan.heights, spacing=scan.spacing, history=(*scan.history, "turned over"))
+    maps = {"mu0": 0.3, "effective_modulus": 10.0, "shifts": 2, "mechanics": "asperities"}
+    for call, words in (
+        (lambda: half_space(scan, scan, "1 mN", effective_modulus=10.0), "face the same way"),
+        (lambda: half_space(lower, lower, "1 mN"), "fit into each other everywhere"),
+        (lambda: half_space(mirrored, scan, "1 mN", effective_modulus=10.0), "is the mirror image of lower"),
+        (lambda: press(turned_over(lower), lower, "5 nm"), "slopes along y cancel"),
+        (lambda: pressed_maps(scan, scan, "1 mN", **maps), "face the same way"),
+    ):
+        with pytest.warns(UserWarning, match=words):
+            call()
+
+
+def test_two_bodies_are_not_told(scan, upper, lower):
+    with warnings.catch_warnings(action="error"):
+        press(upper, lower, "5 nm")
+        press(turned_over(scan), upper, "5 nm", effective_modulus=10.0)
+        pressed_maps(turned_over(scan), scan, "1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
+
+
+def test_what_was_told_is_so(lower):
+    """Slopes of a body on its mirror image cancel: without a molecular coefficient nothing holds it."""
+    mirrored = Surface(-lower.heights, spacing=lower.spacing)
+    found = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
+    assert np.abs(found.tangential_elastic).max() < 1e-6 * found.normal_elastic.max()
+
+
+# ---- A pair ----------------------------------------------------------------------------------------------------------
+
+ASKED = {"load": "10 MPa", "mu0": [0.2, 0.3], "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
+OPTIONS = (
+    "--load", "10 MPa", "--mu0", "0.2,0.3", "--tau0", "50 MPa", "--effective-modulus", "80 GPa", "--shifts", "3",
+    "--onset", "0", "--mechanics", "asperities",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def where(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("notebook")
+    for side in ("upper", "lower"):
+        write_surface(surface(side), folder / f"{side}.npy")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def by_command(where):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
+        done = stiction_command("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
+    assert done.returncode == 0, done
+    return read_result(where / "command")
+
+
+@pytest.fixture(scope="module")
+def by_function(where):
+    return pair(where / "upper.npy", where / "lower.npy", mechanics="asperities", directory=where / "function", **ASKED)
+
+
+def test_the_function_is_the_command(by_command, by_function, where):
+    assert by_function.study == by_command.study
+    xarray.testing.assert_identical(by_function.dataset, by_command.dataset)
+    assert by_function.table().equals(by_command.table())
+    assert repr(by_function) == repr(by_command)
+    assert by_function.answers == by_command.answers
+    again = read_result(where / "function")
+    assert (again.value, again.verdict) == (by_function.value, by_function.verdict)
+
+
+def test_the_command_reads_what_the_function_wrote(by_function, where):
+    done = stiction_command("at", "function", "--load", "10 MPa", cwd=where)
+    assert done.returncode == 0, done
+    assert f"{by_function.value:.2f}" in done.stdout
+
+
+def test_bodies_in_memory_are_files(by_function):
+    """The same heights, and a history of one step less."""
+    result = pair(surface("upper"), surface("lower"), mechanics="asperities", **ASKED)
+    for name in ("contact_area", "tangential_elastic"):
+        np.testing.assert_array_equal(result.dataset[name], by_function.dataset[name])
+    assert result.value == by_function.value
+
+
+def test_numbers_are_in_core_units(by_function, where):
+    load = float(by_function.study.friction.load[0])
+    asked = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
+    result = pair(where / "upper.npy", where / "lower.npy", mechanics="asperities", **asked)
+    xarray.testing.assert_equal(result.dataset, by_function.dataset)
+
+
+def test_a_result_says_its_answer(by_function, tmp_path):
+    first = by_function.answers[0]
+    assert by_function.value == first.value
+    assert by_function.interval == (first.lower, first.upper)
+    assert by_function.verdict in repr(by_function)
+    assert all(doubt.text in " ".join(repr(by_function).split()) for doubt in first.doubts)
+    table = by_function.table()
+    assert {"verdict", "doubts", "coefficient of static friction"} <= set(table.columns)
+    assert "<pre" in (shows := by_function._repr_html_())
+    assert "<img" in shows
+    assert by_function.report(tmp_path / "page.html").stat().st_size > 1000
+
+
+def test_a_result_is_read_at_other_loads(by_function):
+    at = by_function.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
+    np.testing.assert_allclose(at["load"], sorted([2.0, 0.005 * float(by_function.dataset["nominal_area"])]))
+    assert (at["mu0"].item(), at["tau0"].item()) == (0.25, 0.02)
+
+
+def test_every_figure_is_drawn(by_function):
+    for name in by_function.figures():
+        assert isinstance(figure := by_function.figure(name), Figure)
+        assert figure._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(ValueError, match="name must be one of 'friction'"):
+        by_function.figure("picture")
+
+
+BAD = [
+    ({"load": "10 nm"}, "load has the unit 'nm', which is not one of force"),
+    ({"load": []}, "load must have at least one value"),
+    ({"load": -1.0}, "load must be above 0"),
+    ({"tau0": "3 mN"}, "tau0 has the unit 'mN', which is not one of pressure"),
+    ({"mu0": "x"}, "mu0 must be a number or several"),
+    ({"effective_modulus": None}, "give effective_modulus, or young and poisson, or upper and lower"),
+    ({"upper": "steel"}, "not both effective_modulus and upper and lower"),
+    ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),
+    ({"lines": 3}, "shifts is for the areas of two maps, without lines"),
+    ({"unit": "nm"}, "unit is for files"),
+    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or one of .* got list"),
+    ({"second": "nowhere.npy"}, "nowhere.npy"),
+]
+
+
+@pytest.mark.parametrize(("changed", "words"), BAD)
+def test_bad_input_is_one_sentence(upper, lower, changed, words):
+    given = {"first": upper, "second": lower} | ASKED | changed
+    with pytest.raises(ValueError, match=words) as refused:
+        pair(given.pop("first"), given.pop("second"), **given)
+    assert "--" not in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_body_that_is_turned_over_already_is_told(upper, lower):
+    with pytest.warns(UserWarning, match="first was turned over, and pair turns the first body over itself"):
+        pair(turned_over(upper), lower, mechanics="asperities", **ASKED)
+
+
+def test_another_result_is_replaced_only_if_asked(by_function, where, tmp_path):
+    folder = tmp_path / "result"
+    asked = ASKED | {"mechanics": "asperities", "directory": folder}
+    pair(where / "upper.npy", where / "lower.npy", **asked)
+    assert pair(where / "upper.npy", where / "lower.npy", **asked | {"mu0": 0.1}).study.friction.mu0 == (0.1,)
+    other = asked | {"effective_modulus": "70 GPa"}
+    with pytest.raises(ValueError, match="holds another study") as refused:
+        pair(where / "upper.npy", where / "lower.npy", **other)
+    assert "\n" not in str(refused.value)
+    assert pair(where / "upper.npy", where / "lower.npy", **other, replace=True).study.contact.effective_modulus == 70
+
+
+def test_a_copy_shows_the_same(lower):
+    assert repr(copy.deepcopy(lower)) == repr(lower)

@@ -1,0 +1,164 @@
+"""What stands in several files for others' tools says the same in all of them."""
+
+import importlib.util
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from stiction import _core, read_profile, read_surface
+
+ROOT = Path(__file__).parents[1]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+SCANS = ROOT / "examples/scans"
+
+
+def module(path, monkeypatch):
+    """A script that is no part of the package."""
+    monkeypatch.syspath_prepend(str(path.parent))
+    for name in ("prove", "wheel", "release"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+@pytest.fixture
+def release(monkeypatch):
+    return module(ROOT / "packaging/release.py", monkeypatch)
+
+
+def text(name):
+    if not (ROOT / name).exists():
+        pytest.skip(f"{name} is not here")
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_pythons_are_the_same_everywhere():
+    said = [re.search(r":: 3\.(\d+)$", each) for each in PYPROJECT["project"]["classifiers"]]
+    minors = [int(each[1]) for each in said if each]
+    assert PYPROJECT["project"]["requires-python"] == f">=3.{minors[0]}"
+    assert minors == list(range(minors[0], minors[-1] + 1))
+    assert PYPROJECT["tool"]["cibuildwheel"]["build"].split() == [f"cp3{minor}-*" for minor in minors]
+    listed = re.search(r"^        python: (\[.*\])$", text(".github/workflows/tests.yml"), re.MULTILINE)
+    assert listed[1] == str([f"3.{minor}" for minor in minors]).replace("'", '"')
+
+
+def test_hooks_have_the_versions_of_lint():
+    pinned = dict(each.split("==") for each in PYPROJECT["dependency-groups"]["lint"])
+    revisions = re.findall(
+        r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", text(".pre-commit-config.yaml")
+    )
+    assert len(revisions) == 2
+    assert all(pinned[name] == revision for name, revision in revisions)
+
+
+def test_the_conda_recipe_asks_for_what_the_package_does(release, monkeypatch):
+    assert list(release.recipe_lacks()) == []
+    monkeypatch.setitem(release.PROJECT, "dependencies", [*release.PROJECT["dependencies"], "numpy>=99"])
+    assert list(release.recipe_lacks()) == ["- numpy >=99"]
+
+
+def test_the_promised_floor_of_glibc_is_the_one_that_is_held(release):
+    major, minor = sys.modules["prove"].NEWEST_GLIBC
+    assert f"glibc {major}.{minor} or newer" in text("docs/installing.md")
+
+
+@pytest.mark.parametrize(
+    ("name", "passes"),
+    [
+        ("manylinux_2_28_x86_64", True),
+        ("manylinux_2_34_x86_64", True),
+        ("manylinux_2_26_x86_64.manylinux_2_28_x86_64", True),
+        ("manylinux_2_35_x86_64", False),
+        ("linux_x86_64", False),
+    ],
+)
+def test_a_wheel_that_needs_a_newer_glibc_is_refused(release, name, passes, capsys):
+    wheel = Path(f"stiction-0.1.0-cp311-cp311-{name}.whl")
+    if passes:
+        sys.modules["prove"].check_floor(wheel)
+        return
+    with pytest.raises(SystemExit):
+        sys.modules["prove"].check_floor(wheel)
+    assert name in capsys.readouterr().err
+
+
+def test_a_release_is_refused_by_name_of_what_is_open(release, tmp_path, monkeypatch):
+    (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
+    monkeypatch.setattr(release, "ROOT", tmp_path)
+    monkeypatch.setattr(release, "VERSION", "1.2.3")
+    assert "## 1.2.3 (unreleased) should read" in release.changelog_is_dated()
+    (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (2030-01-02)\n", encoding="utf-8")
+    assert release.changelog_is_dated() is None
+    (tmp_path / "CITATION.cff").write_text("version: 1.2.3\ndate-released: 2030-01-01\n", encoding="utf-8")
+    assert release.citation_agrees() == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
+    monkeypatch.setattr(release, "VERSION", "1.2.3rc1")
+    assert release.version_is_final() == "pyproject.toml says 1.2.3rc1"
+
+
+def test_the_address_is_written_wherever_it_belongs(release, tmp_path, monkeypatch):
+    monkeypatch.setattr(release, "ROOT", tmp_path)
+    files = {
+        "pyproject.toml": '[project]\nname = "a"\n\n[project.urls]\nPaper = "https://doi.org/1"\n\n[tool]\n',
+        "CITATION.cff": "type: software\nversion: 1.2.3\n",
+        "README.md": "![A](docs/a.png) [B](docs/b.md#c) [D](https://example.org) [E](#e)\n",
+    }
+    for name, content in files.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    with pytest.raises(SystemExit):
+        release.write_address("example.org/stiction")
+    release.write_address("https://example.org/them/stiction")
+    urls = tomllib.loads((tmp_path / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]
+    assert set(urls) == {"Paper", *release.ADDRESSES}
+    assert "repository-code: https://example.org/them/stiction\n" in (tmp_path / "CITATION.cff").read_text(
+        encoding="utf-8"
+    )
+    root = "https://example.org/them/stiction"
+    assert (tmp_path / "README.md").read_text(encoding="utf-8") == (
+        f"![A]({root}/raw/main/docs/a.png) [B]({root}/blob/main/docs/b.md#c) [D](https://example.org) [E](#e)\n"
+    )
+    assert release.links_are_absolute() is None
+
+
+def test_the_core_says_what_it_was_built_with():
+    build = _core.build()
+    assert list(build) == ["compiler", "gsl", "instruction_set"]
+    assert re.search(r"(GCC|Clang|LLVM) \d+\.", build["compiler"])
+    assert re.match(r"\d+\.\d+", build["gsl"])
+    assert build["instruction_set"] in ("AVX-512", "AVX2, FMA", "SSE2", "NEON", "plain")
+
+
+# ---- The sample scans -----------------------------------------------------------------------------------------------
+
+STEPS = 1.0
+"""Of the instrument's converter, that a height may lie elsewhere: another processor rounds the last bit otherwise."""
+
+
+def test_the_sample_scans_are_what_their_script_writes(tmp_path, monkeypatch):
+    make = module(SCANS / "make.py", monkeypatch)
+    make.main(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        path.name for path in SCANS.iterdir() if path.suffix in (".csv", ".x3p")
+    )
+    for name, read, step in (("lapped_{}.csv", read_profile, 1e-4), ("ground_{}.x3p", read_surface, 5e-5)):
+        for side in make.SIDES:
+            here, now = (read(folder / name.format(side)) for folder in (SCANS, tmp_path))
+            assert here.spacing == now.spacing
+            np.testing.assert_allclose(here.heights, now.heights, rtol=0, atol=1.01 * STEPS * step)
+
+
+def test_the_sample_scans_are_like_measured_ones():
+    assert sum(path.stat().st_size for path in SCANS.iterdir()) < 1_000_000
+    for side in ("upper", "lower"):
+        trace = read_profile(SCANS / f"lapped_{side}.csv")
+        assert trace.heights.size == 4000
+        assert trace.spacing == pytest.approx(0.1)
+        ground = read_surface(SCANS / f"ground_{side}.x3p")
+        assert ground.heights.shape == (256, 256)
+        assert ground.spacing == pytest.approx((0.2, 0.2))
+        rows, columns = (np.diff(ground.heights, axis=axis).std() for axis in (0, 1))
+        assert columns > 3 * rows  # marks of grinding along y

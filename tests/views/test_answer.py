@@ -1,0 +1,244 @@
+"""What may be quoted of a result: each doubt has a case that raises it and one that does not."""
+
+import numpy as np
+import pytest
+from points import generated, generated_study, interval, measured, measured_study
+from stiction.views.answer import KAPPA, READINGS_DIFFER, answer, answers, slopes_text
+from stiction.views.doubts import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
+from stiction.views.point import RULES, over_text, points
+
+
+def one(at, study):
+    found = answers(at, study)
+    assert len(found) == 1
+    return found[0]
+
+
+def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
+    said = one(measured(), measured_study(hardness=3.0))
+    assert [rule.rule for rule in said.rules] == ["all", "opposing"]
+    assert (said.value, said.lower, said.upper) == pytest.approx((0.21, 0.1995, 0.2205))
+    assert (said.verdict, said.doubts, said.judgement) == ("Quote it", (), "Quote it.")
+    for words in (
+        "μ_s = 0.21 [0.20, 0.22] if all contacts rub", "0.11 [0.10, 0.12] if only climbing contacts rub",
+        "10 mN (1 MPa)", "μ0 = 0.2", "τ0 = 50 MPa", "E* = 100 GPa", "hardness 3 GPa", "points 100 nm apart",
+        "the mean over 4 directions all round", "over 16 members",
+    ):  # fmt: skip
+        assert words in said.sentence
+    assert said.sentence.endswith(".")
+
+
+def test_generated_bodies_are_quoted_by_the_papers_rule():
+    said = answers(generated(), generated_study())
+    assert [each.at["fractal_dimension"] for each in said] == [1.1] * 4 + [1.4] * 4
+    assert said[0].rule == "opposing"
+    assert said[0].others == ()
+    assert "D = 1.1" in said[0].sentence
+    assert "elastic" not in said[0].inputs
+
+
+def test_every_load_mu0_and_tau0_has_an_answer():
+    said = answers(measured(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study())
+    assert [(each.at["load"], each.at["mu0"], each.at["tau0"]) for each in said] == [
+        (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
+    ]
+
+
+def test_the_bracket_is_that_of_the_mean_over_directions():
+    at = measured()
+    at["friction_coefficient"] = 9 * at["friction_coefficient"]
+    said = one(at, measured_study())
+    assert said.value == float(at["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
+
+
+FAULTS = {
+    "steep": ({"rms_gradient": 1.1}, {"rms_gradient": 0.9}, "gradient"),
+    "pressure": (
+        {"mean_pressure": 1.1 * HIGHEST_PRESSURE * 100}, {"mean_pressure": 0.9 * HIGH_PRESSURE * 100}, "pressure",
+    ),
+    "edge": ({"share_at_edge": 0.55}, {"share_at_edge": 0.45}, "edge"),
+    "points": ({"contact_count": 1e4, "contact_area": 90.0}, {"contact_count": 1e4, "contact_area": 110.0}, "points"),
+    "contacts": ({"contact_count": 0.6, "members": 16}, {"contact_count": 12.0}, "contacts"),
+    "below 0": ({"all_rub": -0.01}, {"all_rub": 0.01}, "below 0"),
+    "beyond Hertz": ({"share_beyond_hertz": 0.6}, {"share_beyond_hertz": 0.4}, "Hertz"),
+    "below the grid": ({"share_below_grid": 0.6}, {"share_below_grid": 0.4}, "spacing"),
+    "wide": ({"half": 0.55}, {"half": 0.45}, "interval"),
+    "no interval": ({"half": np.nan}, {}, "no interval"),
+    "few answers": ({"ok": 7}, {"ok": 8}, "of 16 members"),
+    "area": ({"contact_area_fraction": 1.01}, {"contact_area_fraction": 0.99}, "true area"),
+    "merged": ({"share_overlapping": 0.6}, {"share_overlapping": 0.05}, "overlap"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_what_is_not_to_be_quoted_has_no_number_in_its_sentence(name):
+    raising, silent, word = FAULTS[name]
+    said = one(measured(**raising), measured_study())
+    assert said.verdict == "Do not quote"
+    assert word in " ".join(doubt.text for doubt in said.doubts if doubt.severity == "fault")
+    assert "μ_s =" not in said.sentence
+    assert word in said.sentence
+    assert all(doubt.cure in said.judgement for doubt in said.doubts if doubt.severity == "fault")
+    assert one(measured(**silent), measured_study()).verdict == "Quote it"
+
+
+CAUTIONS = {
+    "pressure": ({"mean_pressure": 1.1 * HIGH_PRESSURE * 100}, "harder than 1.1 GPa"),
+    "small contacts": ({"fraction_on_small": 0.6}, "at most 4 points"),
+    "few contacts": ({"contact_count": 9.0}, "few"),
+    "one contact": ({"share_on_largest": 0.45}, "one contact carries"),
+    "merging": ({"share_overlapping": 0.2}, "overlap"),
+}
+
+
+@pytest.mark.parametrize("name", CAUTIONS)
+def test_what_is_to_be_quoted_with_care_says_why(name):
+    raising, words = CAUTIONS[name]
+    said = one(measured(**raising), measured_study())
+    assert said.verdict == "Quote with care"
+    assert words in said.judgement
+    assert "μ_s = 0.21" in said.sentence
+
+
+def test_a_scan_that_is_much_coarser_than_the_other_is_said():
+    for spacing, words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
+        at = measured().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
+        said = one(at, measured_study())
+        assert words in said.judgement
+        assert said.verdict == ("Quote with care" if words else "Quote it")
+
+
+def test_few_contacts_that_have_merged_are_many():
+    assert one(measured(contact_count=9.0, contact_area_fraction=0.4), measured_study()).verdict == "Quote it"
+
+
+@pytest.mark.parametrize("study", [{"hardness": 2.0}, {"mechanics": "asperities", "law": "jackson-green"}], ids=str)
+def test_a_limit_of_the_pressure_takes_the_doubt_about_it_away(study):
+    assert one(measured(mean_pressure=20.0), measured_study(**study)).verdict == "Quote it"
+
+
+def test_pressures_of_generated_bodies_are_a_caution_at_most():
+    for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
+        said = answers(generated(mean_pressure=pressure), generated_study())
+        assert {each.verdict for each in said} == {verdict}
+
+
+def test_where_there_is_no_coefficient_its_status_is_the_reason():
+    said = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
+    assert (said.status, said.verdict) == ("not-reached", "Do not quote")
+    assert "no step of the result carries this load" in said.sentence
+
+
+def test_an_interval_does_not_reach_below_zero():
+    assert one(measured(all_rub=0.1, half=1.2), measured_study()).lower == 0
+
+
+def test_doubts_about_the_bodies_are_told_beside_and_faults_come_first():
+    beside = Doubt("a parabola carries the load", "try --level quadratic", "caution")
+    at = measured(share_at_edge=0.6)
+    said = answer(next(points(at)), measured_study(), beside=[beside])
+    assert [doubt.severity for doubt in said.doubts] == ["fault", "caution"]
+    assert said.doubts[1] == beside
+
+
+@pytest.mark.parametrize(
+    ("directions", "words"),
+    [
+        ([0.0], "the upper body moves to +x"),
+        ([30.0], "the upper body moves at 30°"),
+        ([0.0, 45.0], "the mean over 0° and 45°"),
+        ([90.0, 270.0], "the mean over both senses of y"),
+        (list(range(0, 360, 30)), "the mean over 12 directions all round"),
+        (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
+    ],
+)
+def test_what_was_averaged_is_said(directions, words):
+    assert over_text(directions) == words
+
+
+def test_lines_have_two_directions_and_no_compass():
+    said = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
+    assert "the mean over both directions of the lines" in said.sentence
+    assert "(1 MPa)" not in said.sentence  # of spheres on a strip as thick as somebody chose
+
+
+def test_cylinders_and_half_planes_have_a_nominal_pressure():
+    for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
+        assert "(1 MPa)" in one(measured(directions=(0.0, 180.0)), measured_study(press="lines", **study)).sentence
+
+
+def test_which_load_is_meant_is_said_where_it_matters():
+    for difference, said in ((2 * READINGS_DIFFER, True), (READINGS_DIFFER / 2, False)):
+        sentence = one(measured(reading_difference=difference), measured_study()).sentence
+        assert ("the load is that of the elastic contact" in sentence) == said
+        assert ("by another reading μ_s differs by 2 %" in sentence) == said
+
+
+def test_the_slopes_alone_say_what_they_leave_out():
+    gradient, pressure = 0.2, 100 * 0.2 / KAPPA
+    fitting = measured(rms_gradient=gradient, mean_pressure=pressure)
+    for at, hardness, words in (
+        (fitting, None, []),
+        (fitting, 5.0, ["without regard to the hardness"]),
+        (measured(rms_gradient=gradient, mean_pressure=pressure / 2), None, [f"{KAPPA:g} where this pair has"]),
+    ):
+        study = measured_study(hardness=hardness)
+        said = slopes_text(one(at, study), next(points(at)), study)
+        assert said.startswith("The slopes alone predict 0.21 if all contacts rub")
+        for each in ("hardness", "where this pair has"):
+            assert (each in said) == any(each in word for word in words)
+    without = measured(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
+    assert "where this pair" not in slopes_text(one(without, measured_study()), next(points(without)), measured_study())
+
+
+def test_a_cut_off_belongs_to_the_inputs():
+    said = answers(measured(cut_offs=(0.0, 0.5)), measured_study())
+    assert "taken off" not in said[0].sentence
+    assert "waves below 500 nm taken off" in said[1].sentence
+
+
+def test_numbers_of_several_members_are_told_beside_the_mean():
+    rule = one(measured(), measured_study()).rules[0]
+    assert (rule.low, rule.high) == (0.04, 0.19)
+    assert set(RULES) == {"all", "opposing"}
+    assert interval(1.0, 0.1) == pytest.approx([1.0, 0.9, 1.1])
+
+
+# ---- Materials and finer scans --------------------------------------------------------------------------------------
+
+
+def with_materials(hardness, names=("mild steel", "brass")):
+    study = measured_study(hardness=hardness)
+    study.contact.materials = names
+    return study
+
+
+def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
+    one = answers(measured(all_rub=0.24, half=0.01), measured_study(hardness=2.0))[0]
+    assert one.bracket == pytest.approx((0.2 + 0.05 / 2, 0.24 * 1.01))
+    assert "every finer scan lies from 0.225 (μ0 + τ0/H) to 0.242 if all contacts rub" in one.sentence
+    assert answers(measured(), measured_study())[0].bracket is None
+    asperities = measured_study(hardness=2.0, mechanics="asperities")
+    assert answers(measured(), asperities)[0].bracket is None
+
+
+def test_the_ends_meet_where_slopes_put_the_answer_below_the_limit():
+    low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
+    assert low == pytest.approx(0.22)
+    assert low < high
+
+
+def test_materials_are_named_with_the_range_of_the_softer_hardness():
+    one = answers(measured(load_share_at_hardness=0.9), with_materials(0.625))[0]
+    assert "mild steel on brass" in one.inputs
+    assert "hardness 625 MPa (known: 230 MPa to 1.7 GPa)" in one.inputs
+    assert any("from 230 MPa to 1.7 GPa, and μ0 + τ0/H from 0.23 to 0.42" in doubt.text for doubt in one.doubts)
+
+
+@pytest.mark.parametrize(
+    "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
+)
+def test_a_hardness_that_was_measured_has_no_range(study):
+    one = answers(measured(load_share_at_hardness=0.9), study)[0]
+    assert "known" not in one.inputs
+    assert not any("softer material" in doubt.text for doubt in one.doubts)

@@ -1,0 +1,79 @@
+"""Doubts about what was given: each has a case that raises it and one that does not."""
+
+import numpy as np
+import pytest
+from points import measured_study
+from stiction import Profile, Surface, self_affine
+from stiction.views.inputs import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return self_affine(1, hurst_exponent=0.8, rms=0.05, points=2000, spacing=0.05, longest_wavelength=5.0)
+
+
+def texts(upper, lower, *, mu0=(0.2,), loads=()):
+    return [doubt.text for doubt in doubts_of_inputs(upper, lower, measured_study(mu0=mu0), loads)]
+
+
+def test_a_rough_profile_raises_no_doubt(rough):
+    assert texts(rough, rough, mu0=(HIGHEST_MU0,), loads=[0.9 * WHOLE_PART * 100 * rough.extent]) == []
+
+
+def test_heights_beyond_the_length_are_doubted(rough):
+    tall = Profile(rough.heights * 1000, spacing=rough.spacing)
+    assert any(text.startswith("upper: heights span") for text in texts(tall, rough))
+    slab = Surface(np.eye(8), spacing=1.0)
+    assert texts(slab, slab) == []
+    assert texts(Surface(10 * np.eye(8), spacing=1.0), slab) == ["upper: heights span 10 µm over 8 µm"]
+
+
+def test_form_is_doubted(rough):
+    x = np.linspace(-1, 1, 2000)
+    for height, doubted in ((1.0, True), (0.01, False)):
+        bowed = Profile(rough.heights + height * x**2, spacing=rough.spacing)
+        assert any("lower: a parabola is" in text for text in texts(rough, bowed)) == doubted
+    assert 0 < FORM < 1
+    bowed = Profile(rough.heights + x**2, spacing=rough.spacing)
+    study = measured_study()
+    study.surfaces.level = "quadratic"  # which takes it off
+    assert doubts_of_inputs(rough, bowed, study) == ()
+
+
+def test_spikes_are_counted(rough):
+    heights = rough.heights.copy()
+    heights[[500, 1200]] += 2 * SPIKE * np.abs(np.diff(heights, 2)).max()
+    said = texts(Profile(heights, spacing=rough.spacing), rough)
+    assert [text for text in said if "points bend" in text] == [
+        "upper: 6 points bend more than 12 times as sharply as usual, and would touch first"
+    ]
+
+
+def test_what_both_bodies_have_is_told_once(rough):
+    tall = Profile(rough.heights * 1000, spacing=rough.spacing)
+    said = texts(tall, tall)
+    assert len(said) == len(set(said))
+    assert all(text.startswith("both bodies: ") for text in said)
+
+
+def test_huge_coefficients_and_loads_of_larger_bodies_are_doubted(rough):
+    assert "μ0 = 30" in texts(rough, rough, mu0=(0.2, 30.0))[0]
+    load = 1.1 * WHOLE_PART * 100 * rough.extent
+    assert "above a tenth of E*" in texts(rough, rough, loads=[load])[0]
+
+
+def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
+    rng = np.random.default_rng(5)
+    made = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
+    noisy = Profile(made.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
+    humming = Profile(made.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
+    for body, word in ((noisy, "as of noise"), (humming, "a peak at")):
+        found = {cut_off: texts_behind(body, cut_off) for cut_off in (0.0, 0.6)}
+        assert any(word in text for text in found[0.0])
+        assert not any(word in text for text in found[0.6])
+
+
+def texts_behind(body, cut_off):
+    study = measured_study(press="lines")
+    study.surfaces.cut_off = (cut_off,)
+    return [doubt.text for doubt in doubts_of_inputs(body, body, study)]

@@ -1,0 +1,105 @@
+"""The frame of an answer, and the CSV and JSON that are made from it."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from points import LOADED, generated, generated_study, interval, measured, measured_study
+from stiction.views.answer import Doubt
+from stiction.views.rows import SCHEMA, csv_text, frame, record_text
+
+MANY = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
+
+
+def rows_of(text):
+    return list(csv.DictReader(text.splitlines()))
+
+
+def test_every_number_of_the_result_is_a_row():
+    at = measured(**MANY)
+    rows = frame(at)
+    numbers = [name for name, table in at.data_vars.items() if table.dtype.kind in "if"]
+    assert set(rows["name"]) == set(numbers)
+    for name in numbers:
+        size = at[name].size // (3 if "statistic" in at[name].dims else 1)
+        assert (rows["name"] == name).sum() == size
+    one = rows[(rows["name"] == "contact_area") & (rows["load"] == 10.0) & (rows["cut_off"] == 0.2)]
+    assert one[["value", "lower", "upper", "unit"]].values.tolist() == [[*interval(100.0), "um2"]]
+    assert one["mu0"].isna().all()
+    friction = rows[rows["name"] == "friction_by_axis"]
+    assert set(friction["axis"]) == {0.0, 90.0}
+    assert set(friction["sliding"]) == {"all", "opposing"}
+
+
+def test_a_status_stands_beside_the_numbers_that_it_is_of():
+    at = measured(loads=(1.0, 10.0))
+    at["status"].loc[{"load": 10.0}] = "not-reached"
+    at["friction_coefficient"].loc[{"load": 10.0}] = np.nan
+    rows = frame(at)
+    rows = rows[rows["name"] == "friction_coefficient"]
+    assert set(rows[rows["load"] == 10.0]["status"]) == {"not-reached"}
+    assert set(rows[rows["load"] == 1.0]["status"]) == {"ok"}
+
+
+def test_csv_has_a_row_for_each_motion_with_units_verdict_and_doubts():
+    beside = Doubt("a parabola, which carries the load", "take it off", "caution")
+    rows = rows_of(csv_text(measured(**MANY), measured_study(), beside=[beside]))
+    assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
+    first = rows[0]
+    assert first["upper body to (degree)"] == "all directions"
+    assert float(first["coefficient of static friction"]) == 0.21
+    assert float(first["coefficient of static friction: upper"]) == pytest.approx(0.2205)
+    assert {float(row["tau0 (MPa)"]) for row in rows} == {0.0, 50.0}
+    assert {row["upper body to (degree)"] for row in rows} == {
+        "all directions", "along 0", "along 90", "0", "90", "180", "270",
+    }  # fmt: skip
+    area = next(name for name in first if name.endswith("(um2)"))
+    assert {float(row[area]) for row in rows} == {LOADED["contact_area"]}
+    assert {row["verdict"] for row in rows} == {"Quote with care"}
+    assert {row["doubts"] for row in rows} == {"a parabola, which carries the load: take it off"}
+
+
+def test_csv_of_generated_bodies_has_their_dimensions():
+    rows = rows_of(csv_text(generated(), generated_study()))
+    assert len(rows) == 2 * 2 * 2
+    assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
+    assert {row["sliding"] for row in rows} == {"opposing"}
+
+
+RESULTS = {
+    "maps": (measured(**MANY), measured_study()),
+    "missing": (measured(status="no-contact", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()),
+    "generated": (generated(), generated_study()),
+    "a point": (generated().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
+}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_json_has_one_schema(name):
+    at, study = RESULTS[name]
+    record = json.loads(record_text("at", at, study))
+    assert list(record)[:3] == ["schema", "stiction", "command"]
+    assert (record["schema"], record["command"]) == (SCHEMA, "at")
+    assert len(record["values"]) == len(frame(at))
+    for value in record["values"]:
+        assert list(value) == ["name", "value", "unit", "lower", "upper", "at", "status"]
+        assert value["value"] is None or math.isfinite(value["value"])
+        assert isinstance(value["status"], str)
+        if None not in (value["lower"], value["value"], value["upper"]):
+            assert value["lower"] <= value["value"] <= value["upper"]
+    area = next(value for value in record["values"] if value["name"] == "contact_area")
+    assert not {"sliding", "direction", "mu0", "axis"} & set(area["at"])
+
+
+def test_json_says_what_may_be_quoted_and_why_not():
+    record = json.loads(record_text("pair", measured(share_at_edge=0.6, half=0.02), measured_study(), positions=3))
+    (said,) = record["answers"]
+    assert said["verdict"] == "Do not quote"
+    assert said["doubts"][0]["severity"] == "fault"
+    assert {"text", "cure", "severity"} == set(said["doubts"][0])
+    assert said["sentence"].startswith("There is no coefficient to quote")
+    assert [rule["rule"] for rule in said["rules"]] == ["all", "opposing"]
+    assert said["rules"][0]["value"] == 0.21
+    assert (record["kind"], record["positions"], record["nominal_area"]) == ("pair", 3, 10_000.0)

@@ -1,0 +1,170 @@
+"""Results as text: the answer first, nothing wider than the terminal, and nothing lost."""
+
+import numpy as np
+import pytest
+from points import generated, generated_study, interval, measured, measured_study
+from stiction.views.answer import Doubt
+from stiction.views.digits import from_to, percent, two_digits, with_interval, with_unit
+from stiction.views.text import aligned, axes_text, fitted, overview_text, quantities_text, result_text
+
+
+@pytest.fixture(autouse=True, params=[80, 120])
+def columns(request, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(request.param))
+    return request.param
+
+
+MANY = {"loads": (0.5, 1.0, 10.0, 100.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2, 0.4)}
+
+RESULTS = {
+    "maps": (measured(), measured_study()),
+    "with a hardness": (measured(rms_gradient=0.7), measured_study(hardness=3.0)),
+    "many": (measured(**MANY), measured_study()),
+    "doubted": (measured(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
+    "lines": (measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
+    "without an answer": (
+        measured(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0), measured_study(),
+    ),
+    "generated": (generated(), generated_study()),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+@pytest.mark.parametrize("name", RESULTS)
+def test_nothing_is_wider_than_the_terminal(name, verbose, columns):
+    at, study = RESULTS[name]
+    beside = [Doubt("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
+    text = result_text(at, study, verbose=verbose, beside=beside)
+    assert max(map(len, text.splitlines())) <= columns
+    assert not any(line != line.rstrip() for line in text.splitlines())
+
+
+def test_the_answer_comes_first_and_the_verdict_after_it():
+    lines = result_text(*RESULTS["doubted"]).splitlines()
+    assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  if all contacts rub")
+    verdict = lines.index("Do not quote")
+    assert verdict < 10
+    assert lines[verdict + 1].startswith("  ! 60 % of the load is on contacts that the edge cuts")
+
+
+def test_a_pair_of_maps_is_about_a_screen():
+    text = result_text(*RESULTS["maps"])
+    assert len(text.splitlines()) <= 24
+    assert "No grooves" in text
+    assert "read from a.di" not in text
+    assert "read from a.di" in result_text(*RESULTS["maps"], verbose=True)
+
+
+def test_spheres_on_a_strip_have_no_nominal_area():
+    for mechanics, shown in (("asperities", False), ("half-space", True)):
+        study = measured_study(press="lines", mechanics=mechanics)
+        assert ("A/A0" in result_text(RESULTS["lines"][0], study)) == shown
+
+
+def test_several_loads_and_materials_are_a_line_each(columns):
+    lines = result_text(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()).splitlines()
+    assert lines[0].split()[:2] == ["load", "τ0"]
+    assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
+    assert all("0.21 [0.20, 0.22]" in line and line.endswith("Quote it") for line in lines[1:5])
+    assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
+
+
+def test_doubts_of_several_answers_say_of_how_many():
+    at = measured(loads=(1.0, 10.0))
+    at["share_at_edge"].loc[{"load": 1.0}] = 0.6
+    text = result_text(at, measured_study())
+    assert "Do not quote" in text.splitlines()[1]
+    assert "Quote it" in text.splitlines()[2]
+    assert "cuts (1 of 2)" in " ".join(text.split())
+
+
+def test_columns_that_do_not_fit_go_below():
+    rows = [["name", "first column", "second column"], ["a", "1", "2"]]
+    assert aligned(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
+    assert aligned(rows, 20).splitlines() == [
+        "name  first column", "a     1", "name  second column", "a     2",
+    ]  # fmt: skip
+
+
+def test_a_number_is_not_parted_from_its_unit():
+    text = fitted("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
+    assert "τ0 = 50 MPa" in text.splitlines()[1]
+
+
+def test_every_quantity_of_a_verbose_table_is_that_of_the_result():
+    at = measured(contact_count=123.0, share_on_largest=0.0421)
+    text = quantities_text(at.isel(cut_off=0), measured_study(), verbose=True)
+    rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
+    count = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
+    assert count == with_interval(*interval(123.0))
+    assert rows["load on the largest contact (%)"] == with_interval(*interval(4.21))
+
+
+@pytest.mark.parametrize(
+    ("by_axis", "words"),
+    [
+        ([interval(0.1600, 0.011), interval(0.1535, 0.003)], "Grooves: friction along x is 4.2 % higher than along y."),
+        ([interval(0.1535, 0.003), interval(0.1600, 0.011)], "Grooves: friction along y is 4.2 % higher than along x."),
+        ([interval(0.1935, 0.022), interval(0.1913, 0.022)], "No grooves"),
+        ([interval(0.16, np.nan), interval(0.15, np.nan)], "is not known"),
+    ],
+)
+def test_grooves_are_found_where_the_intervals_of_axes_are_apart(by_axis, words):
+    at = measured(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
+    text = axes_text(at, verbose=True)
+    assert words in " ".join(text.split())
+    assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
+    assert (axes_text(at) == text) == (not words.startswith("No"))
+
+
+def test_one_axis_has_no_table():
+    at = measured(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)
+    assert axes_text(at) == ""
+
+
+def test_an_overview_has_a_table_for_each_material_and_marks_what_is_beyond_the_model(columns):
+    at = generated(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
+    at["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
+    at["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
+    text = overview_text(at, generated_study())
+    assert max(map(len, text.splitlines())) <= columns
+    assert text.count("μ_s [95 %] at μ0 = 0.4") == 2
+    assert text.count("not-reached") == 2
+    assert text.count("0.250 [0.237, 0.263]*") == 4
+    assert "* beyond the model" in text
+
+
+def test_numbers_have_the_digits_that_their_interval_carries():
+    assert with_interval(0.1552, 0.07024, 0.3431) == "0.16 [0.07, 0.34]"
+    assert with_interval(2.188, 1.192, 4.013) == "2.2 [1.2, 4.0]"
+    assert with_interval(0.123456, 0.1234, 0.1235) == "0.1235 [0.1234, 0.1235]"
+    assert with_interval(1170.0, 970.0, 1380.0) == "1170 [970, 1380]"
+    assert with_interval(np.nan, np.nan, np.nan) == "none"
+    assert with_interval(0.5, np.nan, np.nan) == "0.5 no interval"
+    assert with_interval(1.0, 1.0, 1.0) == "1"
+
+
+def test_numbers_to_quote_have_two_digits():
+    assert two_digits(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
+    assert two_digits(0.1147, 0.1136, 0.1158) == "0.11 [0.11, 0.12]"
+    assert two_digits(0.1147, 0.1141, 0.1149) == "0.115 [0.114, 0.115]"
+    assert two_digits(0.0, 0.0, 0.0) == "0.000 [0.000, 0.000]"
+    assert two_digits(np.nan) == "none"
+    assert from_to(0.2093, 0.0413, 0.188) == "0.04 to 0.19"
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1e-6, "mN", "1 nN"), (1e-4, "mN", "0.1 µN"), (0.05, "mN", "0.05 mN"), (2.0, "mN", "2 mN"), (5e3, "mN", "5 N"),
+        (0.0005336, "mN", "0.534 µN"), (0.05, "GPa", "50 MPa"), (115.0, "GPa", "115 GPa"), (2e-6, "GPa", "2 kPa"),
+        (0.1, "um", "100 nm"), (1500.0, "um", "1.5 mm"), (0.99996, "um", "1 µm"), (0.0, "GPa", "0 GPa"),
+        (123456.0, "GPa", "123000 GPa"),
+    ],
+)  # fmt: skip
+def test_a_quantity_is_written_in_the_unit_with_the_fewest_zeros(value, unit, text):
+    assert with_unit(value, unit) == text
+
+
+def test_fractions_are_percent():
+    assert [percent(each) for each in (0.0042, 0.0421, 0.37, np.nan)] == ["0.42 %", "4.21 %", "37 %", "none"]
