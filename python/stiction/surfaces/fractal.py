@@ -17,7 +17,7 @@ from stiction.surfaces.surface import Surface, lengths
 Convention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
 
-_SIDE_KEY = {"lower": 0, "upper": 1}
+SIDE_KEY = {"lower": 0, "upper": 1}
 
 
 def random_phases(
@@ -62,7 +62,7 @@ def random_phases(
     repetition = whole_number("repetition", repetition, least=0)
     directions = whole_number("directions", directions, least=1)
     frequencies = whole_number("frequencies", frequencies, least=1)
-    words = np.random.PCG64(np.random.SeedSequence([seed, repetition, _SIDE_KEY[side]]))
+    words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_KEY[side]]))
     bits = words.random_raw(directions * frequencies) >> np.uint64(11)
     phases = bits.astype(np.float64) * (2 * math.pi / 2**53)
     return phases.reshape(directions, frequencies)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice, number, read_only, truth, whole_number
-from stiction.surfaces.fractal import _SIDE_KEY, random_phases
+from stiction.surfaces.fractal import SIDE_KEY, random_phases
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_UP
 from stiction.surfaces.surface import Surface, lengths
@@ -233,7 +233,7 @@ def self_affine_surface(
         count = int(np.flatnonzero(kept)[-1]) + 1 if kept.any() else 0
         if count == 0:
             continue
-        words = np.random.PCG64(np.random.SeedSequence([seed, repetition, _SIDE_KEY[side], i])).random_raw(2 * count)
+        words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_KEY[side], i])).random_raw(2 * count)
         uniform = (words >> np.uint64(11)).astype(np.float64).reshape(count, 2) / 2**53
         kept = kept[:count]
         phase, draw = uniform[kept].T

@@ -111,3 +111,8 @@ def _in_brackets(mean: float, lower: float, upper: float, digits: int) -> str:
 def _in_decimals(value: float, digits: int) -> str:
     text = f"{round(value, digits):.{max(digits, 0)}f}"
     return text.removeprefix("-") if float(text) == 0 else text
+
+
+def finite(value: float) -> float | None:
+    """A number of JSON, which has none that are not finite."""
+    return float(value) if math.isfinite(value) else None

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction.views.digits import two_digits, with_interval, with_unit
-from stiction.views.rows import finite
+from stiction.views.digits import finite, two_digits, with_interval, with_unit
 
 if TYPE_CHECKING:
     import xarray

@@ -10,9 +10,8 @@ import numpy as np
 from stiction.mechanics.continuation import friction_stretch, interface_stretch
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES
 from stiction.studies.resolution import Seen, seen
-from stiction.views.digits import percent, two_digits, with_unit
+from stiction.views.digits import finite, percent, two_digits, with_unit
 from stiction.views.point import modulus_of, points, pressure_of, rules_of, value_of
-from stiction.views.rows import finite
 
 if TYPE_CHECKING:
     import xarray

@@ -18,6 +18,7 @@ from stiction._core import __version__
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.views.answer import Answer, Doubt, answers
+from stiction.views.digits import finite
 from stiction.views.point import CELLS, rules_of
 
 if TYPE_CHECKING:
@@ -196,11 +197,6 @@ def entry(
         "name": name, "value": finite(value), "unit": unit, "lower": finite(lower), "upper": finite(upper),
         "at": at or {}, "status": status,
     }  # fmt: skip
-
-
-def finite(value: float) -> float | None:
-    """A number of JSON, which has none that are not finite."""
-    return float(value) if math.isfinite(value) else None
 
 
 def record_text(

@@ -11,7 +11,7 @@ import numpy as np
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import instrument_limit, scale_dependent_roughness
 from stiction.surfaces.surface import Surface
-from stiction.views.digits import percent, with_unit
+from stiction.views.digits import finite, percent, with_unit
 
 if TYPE_CHECKING:
     from stiction.surfaces.joined import JoinedSpectrum
@@ -118,8 +118,6 @@ MUCH = 2.0
 
 def joined_record(names: Sequence[str], joined: JoinedSpectrum) -> dict[str, Any]:
     """The same as JSON has it: µm."""
-    from stiction.views.rows import finite
-
     found = joined.roughness()
     scans = [
         {

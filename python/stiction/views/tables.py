@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 
 from stiction.studies.claims import CLAIMS, Outcome, Part, verdict_of
-from stiction.views.rows import entry, finite, record
+from stiction.views.digits import finite
+from stiction.views.rows import entry, record
 from stiction.views.text import fitted
 
 Outcomes = list[Outcome]
