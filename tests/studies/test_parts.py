@@ -22,19 +22,6 @@ def undisturbed():
     return run(TINY)
 
 
-@pytest.fixture
-def computed(monkeypatch):
-    """The repetitions that are computed."""
-    numbers, sums = [], runner.member_sums
-
-    def record(study, number):
-        numbers.append(number)
-        return sums(study, number)
-
-    monkeypatch.setattr(runner, "member_sums", record)
-    return numbers
-
-
 def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):
     """Each computes its own blocks, twice nothing; what one leaves is computed by whoever comes without a part."""
     own = {(2, 3): [*range(4, 8), *range(16, 20)], (1, 3): [*range(4), *range(12, 16)]}

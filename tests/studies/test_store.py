@@ -52,19 +52,6 @@ def whole(finished, tmp_path):
     return shutil.copytree(finished, tmp_path / "r")
 
 
-@pytest.fixture
-def computed(monkeypatch):
-    """The repetitions that are computed."""
-    numbers, sums = [], runner.member_sums
-
-    def record(study, number):
-        numbers.append(number)
-        return sums(study, number)
-
-    monkeypatch.setattr(runner, "member_sums", record)
-    return numbers
-
-
 def files(path):
     """(name, (inode, time)) of every block."""
     return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS).iterdir()}
