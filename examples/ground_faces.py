@@ -45,7 +45,7 @@ for angle in ANGLES:
 
 def over_shifts(values):
     """Mean, and twice its standard error."""
-    return float(values.mean()), 2 * float(values.std("shift", ddof=1)) / np.sqrt(values.sizes["shift"])
+    return float(values.mean()), 2 * float(values.std("repetition", ddof=1)) / np.sqrt(values.sizes["repetition"])
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")

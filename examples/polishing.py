@@ -30,7 +30,7 @@ for rms in FINISHES:
 
 def over_shifts(values):
     """Mean, and twice its standard error."""
-    return float(values.mean()), 2 * float(values.std("shift", ddof=1)) / np.sqrt(values.sizes["shift"])
+    return float(values.mean()), 2 * float(values.std("repetition", ddof=1)) / np.sqrt(values.sizes["repetition"])
 
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")

@@ -55,7 +55,7 @@ def measured(
     axes = sorted({each % 180 for each in directions})
     sizes = {
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
-        "mu0": len(mu0), "tau0": len(tau0), "quantile": 2, "statistic": 3,
+        "mu0": len(mu0), "tau0": len(tau0), "fraction_below": 2, "statistic": 3,
     }  # fmt: skip
     friction = np.array([interval(all_rub, half), interval(opposing, half)])
 
@@ -77,8 +77,8 @@ def measured(
         "reading_difference": filled(changes.pop("reading_difference", 0.001), "cut_off", "load"),
         "rms_gradient": filled(interval(changes.pop("rms_gradient", 0.2)), "cut_off", last),
         "rms_slope": filled(interval(0.14), "cut_off", "direction", last),
-        "patch_area": filled(interval(0.2), "cut_off", "load", "quantile", last),
-        "pressure": filled(interval(0.4), "cut_off", "load", "quantile", last),
+        "patch_area": filled(interval(0.2), "cut_off", "load", "fraction_below", last),
+        "pressure": filled(interval(0.4), "cut_off", "load", "fraction_below", last),
         "members": filled(members),
         "ok": filled(ok, "cut_off", "sliding", "direction", *materials),
     }  # fmt: skip
@@ -87,8 +87,8 @@ def measured(
             variables[name] = filled(interval(value), "cut_off", "load", last)
     coordinates = {
         "cut_off": list(cut_offs), "sliding": list(RULES), "direction": list(directions), "axis": axes,
-        "load": list(loads), "mu0": list(mu0), "tau0": list(tau0), "quantile": [0.5, 0.9], "statistic": list(STATISTIC),
-        "nominal_area": 10_000.0, "effective_modulus": 100.0,
+        "load": list(loads), "mu0": list(mu0), "tau0": list(tau0), "fraction_below": [0.5, 0.9],
+        "statistic": list(STATISTIC), "nominal_area": 10_000.0, "effective_modulus": 100.0,
     }  # fmt: skip
     attributes = {
         "upper": "read from a.di\nlevelled by a plane", "lower": "read from b.di", "spacing_um": [0.1, 0.1],

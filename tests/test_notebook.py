@@ -32,6 +32,9 @@ from stiction import (
     write_surface,
 )
 from stiction.mechanics.quantities import QUANTITIES
+from stiction.studies.at_load import at_load
+from stiction.studies.contact_picture import contact_picture
+from stiction.studies.member_values import member_values
 
 NAMES = [name for name in stiction.__all__ if name != "__version__"]
 ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]
@@ -184,15 +187,77 @@ def test_a_body_goes_through_xarray_without_loss(lower):
         assert (back.spacing, back.history) == (body.spacing, body.history)
 
 
-OLD_NAMES = {"load", "quantile"}
-"""Dimensions that are called as methods of xarray are, for which results must be asked with brackets."""
+TAKEN = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
+
+KEPT = {"load"}
+"""Asked for with brackets, ``result["load"]``, because ``result.load`` is xarray's method that reads a file. It keeps
+its name because that is the word of `Result.at`, of study files and of tables, and every stored result has it."""
 
 
-def test_no_other_quantity_is_called_like_a_method_of_xarray(lower):
-    taken = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
-    assert set(QUANTITIES) & taken == OLD_NAMES
+def datasets(upper, lower, by_function, folder):
+    """One of every kind that a public function returns or keeps beside a result."""
+    maps = {"mu0": 0.3, "shifts": 3, "mechanics": "asperities"}
+    pressed = pressed_maps(upper, lower, ["1 mN"], **maps)
+    lines = stiction.traverse(upper.row(0), lower.row(0), "10 uN", mu0=0.3)
+    small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
+    ran = stiction.run(stiction.Study.named("quick").with_changes(small))
+    loads = [1e-3, 2e-3]
+    made = [pressed, stiction.pressed_maps_mean(pressed), lines, stiction.traverse_mean(lines), ran]
+    made += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
+    made += [stiction.nondimensional(ran), at_load(ran, loads), member_values(ran, loads)]
+    made += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
+    made += [by_function.dataset, by_function.at("10 MPa"), member_values(by_function.source, [1.0])]
+    made += [contact_picture(by_function.source), xarray.load_dataset(folder / "onset.nc")]
+    return made
+
+
+def test_no_dimension_or_variable_is_called_like_a_method_of_xarray(upper, lower, where):
+    kept = pair(where / "upper.npy", where / "lower.npy", directory=where / "kept", **ASKED | {"onset": 2, "mu0": 0.2})
+    found = {
+        str(name) for each in datasets(upper, lower, kept, where / "kept") for name in (*each.dims, *each.variables)
+    }
+    found |= set(QUANTITIES)
     array = lower.to_xarray()
-    assert not {*array.dims, array.name} & taken
+    assert (found | {*array.dims, array.name}) & TAKEN == KEPT
+
+
+def test_contacts_are_a_frame_of_their_own(by_function):
+    found = by_function.contacts(["5 MPa", "10 MPa"], members=[0, 2])
+    assert list(found.columns) == [
+        "member", "cut_off_um", "load_mN", "x_um", "y_um", "force_mN", "area_um2", "mean_pressure_GPa", "slope_x",
+        "slope_y", "at_edge",
+    ]  # fmt: skip
+    loads = found.groupby(["member", "load_mN"])["force_mN"].sum()
+    assert len(loads) == 4
+    np.testing.assert_allclose(loads, loads.index.get_level_values("load_mN"), rtol=1e-9)
+    areas = found[found["load_mN"] == found["load_mN"].max()].groupby("member")["area_um2"].sum()
+    pressed = by_function.dataset["contact_area"].isel(cut_off=0).sel(load=found["load_mN"].max(), method="nearest")
+    np.testing.assert_allclose(areas, pressed.sel(repetition=[0, 2]), rtol=1e-9)
+    np.testing.assert_array_equal(found["mean_pressure_GPa"], found["force_mN"] / found["area_um2"])
+
+
+def test_contacts_are_those_of_a_typical_member_unless_others_are_named(by_function):
+    picture = contact_picture(by_function.source)
+    found = by_function.contacts()
+    assert set(found["member"]) == {picture.attrs["member"]}
+    np.testing.assert_array_equal(found["force_mN"], picture["contact_force"])
+    for members, words in ((3, "members must be some of the 3"), ([], "members must be"), (0.5, "whole number")):
+        with pytest.raises(ValueError, match=words):
+            by_function.contacts(members=members)
+    with pytest.raises(ValueError, match="load must be a force or a pressure with its unit"):
+        by_function.contacts("10 nm")
+
+
+def test_generated_bodies_have_contacts_too():
+    small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
+    study = stiction.Study.named("quick").with_changes(small)
+    found = stiction.Result(stiction.run(study)).contacts(1e-3, members=[0, 1])
+    one = found[(found["fractal_dimension"] == 1.4) & (found["member"] == 1)]
+    upper, lower = stiction.pair_of(study, 1, fractal_dimension=1.4, amplitude=float(one["amplitude_um"].iloc[0]))
+    approach = float(stiction.approach_at_load(upper, lower, 1e-3, mu0=0.0))
+    listed = contacts(upper, lower, approach, sliding="all")
+    np.testing.assert_allclose(one["x_um"], listed.centre[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(one["force_mN"].sum(), 1e-3, rtol=1e-9)
 
 
 def test_units_of_arrays_are_followed(lower):

@@ -31,8 +31,8 @@ def main():
         )  # fmt: skip
         load = [PRESSURE * overlap_area(upper, lower)]
         result = pressed_maps(upper, lower, load, shifts=SHIFTS, surrogates=TAKEN, seed=pair, **MATERIAL)
-        populations.append(np.nanmean(numbers(result.isel(shift=slice(SHIFTS))), axis=-1))
-        shifts = pressed_maps_mean(result.isel(shift=np.arange(TAKEN)))  # the first are those of fewer shifts
+        populations.append(np.nanmean(numbers(result.isel(repetition=slice(SHIFTS))), axis=-1))
+        shifts = pressed_maps_mean(result.isel(repetition=np.arange(TAKEN)))  # the first are those of fewer shifts
         intervals["shifts"].append(numbers(shifts))
         intervals["surrogates"].append(numbers(pressed_maps_mean(result, surrogates=True)))
         if pair:

@@ -64,7 +64,7 @@ def test_every_number_is_that_of_pressing_by_hand(mechanics):
         else:
             approaches = approach_at_load(above, below, LOADS, mu0=0.0)
             curve = press(above, below, approaches, direction=ANGLES, sliding=sliding)
-        at = result.sel(sliding=sliding).isel(shift=2).transpose("direction", "load", "mu0", "tau0", ...)
+        at = result.sel(sliding=sliding).isel(repetition=2).transpose("direction", "load", "mu0", "tau0", ...)
         for m, mu0 in enumerate(MATERIAL["mu0"]):
             for t, tau0 in enumerate(MATERIAL["tau0"]):
                 there = at.isel(mu0=m, tau0=t)
@@ -87,7 +87,7 @@ def test_the_gap_has_the_slopes_of_its_own():
     result = pressed_maps(upper, lower, [0.1], mu0=0.3, directions=[0.0, 45.0, 90.0], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in MapPairs(upper, lower).pair(1)))
     along_y, along_x = np.gradient(gap, 0.1)
-    at = result.isel(shift=1)
+    at = result.isel(repetition=1)
     # Differences of neighbours miss the shortest waves, of four points.
     assert float(at["rms_gradient"]) == pytest.approx(np.sqrt((along_x**2 + along_y**2).mean()), rel=0.1)
     assert float(at["rms_slope"][1]) == pytest.approx(np.sqrt(((along_x + along_y) ** 2 / 2).mean()), rel=0.1)
@@ -127,7 +127,7 @@ def test_gentle_gaussian_maps_are_on_the_one_curve():
     gradient = float(pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=1, mechanics="asperities")["rms_gradient"][0])
     load = 0.05 * 10.0 * gradient * area
     result = pressed_maps(upper, lower, [load], mu0=0.3, shifts=6)
-    mean = result[["friction_coefficient", "gentle_friction"]].mean(["shift", "direction"])
+    mean = result[["friction_coefficient", "gentle_friction"]].mean(["repetition", "direction"])
     for sliding, tolerance in (("opposing", 0.05), ("all", 0.01)):
         at = mean.sel(sliding=sliding)
         assert float(at["friction_coefficient"].squeeze()) == pytest.approx(
@@ -140,7 +140,7 @@ def test_more_shifts_are_the_same_and_others():
     few = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=2, mechanics="asperities")
     more = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=4, mechanics="asperities")
     for name, values in numbers(few).items():
-        axis = few[name].dims.index("shift")
+        axis = few[name].dims.index("repetition")
         np.testing.assert_array_equal(values, more[name].values.take([0, 1], axis=axis), err_msg=name)
 
 
@@ -164,7 +164,7 @@ def test_means_have_intervals_of_student():
 def test_distributions_are_of_the_contacts_that_carry_the_load(mechanics):
     upper, lower = pair()
     result = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=[30.0], shifts=2, mechanics=mechanics)
-    at = result.isel(shift=1).sel(load=0.1)
+    at = result.isel(repetition=1).sel(load=0.1)
     bodies = MapPairs(upper, lower).pair(1)
     if mechanics == "half-space":
         contact = half_space(*bodies, [0.1]).contact(0)
@@ -179,8 +179,8 @@ def test_distributions_are_of_the_contacts_that_carry_the_load(mechanics):
     assert area.sum() == pytest.approx(float(at["contact_area"]), rel=0.02)
     assert float(at["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
     assert at["patch_area"].values == pytest.approx(np.quantile(area, QUANTILES), rel=1e-6)
-    middle = float(at["pressure"].sel(quantile=0.5, method="nearest"))
-    assert 0 < middle < float(at["pressure"].sel(quantile=0.9, method="nearest"))
+    middle = float(at["pressure"].sel(fraction_below=0.5, method="nearest"))
+    assert 0 < middle < float(at["pressure"].sel(fraction_below=0.9, method="nearest"))
     mean = 0.1 / float(at["contact_area"])
     assert 0.5 * mean < middle < 1.5 * mean
 
@@ -203,7 +203,7 @@ class TestSurrogates:
         alone = pressed_maps(upper, lower, LOADS, shifts=3, **chosen)
         both = pressed_maps(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **chosen)
         assert both["surrogate"].values.tolist() == [False] * 3 + [True] * 4
-        shifts, made = both.isel(shift=slice(3)), both.isel(shift=slice(3, None))
+        shifts, made = both.isel(repetition=slice(3)), both.isel(repetition=slice(3, None))
         xarray.testing.assert_identical(shifts.drop_attrs(), alone.drop_attrs())
         for index in range(4):
             bodies = [

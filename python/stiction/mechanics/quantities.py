@@ -94,7 +94,7 @@ QUANTITIES: dict[str, Quantity] = (
         "rms_slope": Quantity("1", "root-mean-square slope of the gap along the motion", "rms slope of the gap"),
         "gentle_friction": Quantity("1", "friction coefficient by the slope of the gap alone", "by the slopes alone"),
         "cut_off": Quantity("um", "wavelength below which waves are taken off; 0 is the scan itself", "cut-off"),
-        "quantile": Quantity("1", "fraction that is smaller"),
+        "fraction_below": Quantity("1", "fraction that is smaller"),
         "axis": Quantity("degree", "axis of the motion, both senses together, from +x towards +y"),
         "x": Quantity("um", "how far the upper body is moved along +x"),
         "y": Quantity("um", "how far the upper body is moved along +y"),

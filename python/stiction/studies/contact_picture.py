@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.mechanics.contact import contacts
-from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.half_space import half_space
-from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
-from stiction.studies.contact_statistics import Slopes, Table, asperities_of, patches_of
+from stiction.studies.contact_statistics import Table
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
-from stiction.studies.pressing import Pressing
+from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
 from stiction.studies.tables import MeasuredFriction
 from stiction.surfaces.surface import Surface
@@ -80,39 +75,21 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
     area = members["contact_area"].values
     if not np.isfinite(area).any():
         return None
-    place = int(np.nanargmin(np.abs(area - np.nanmedian(area))))
-    index = int(members["repetition"].values[place])
+    index = int(members["repetition"].values[typical(area)])
     member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
     upper, lower = member.pair
     assert isinstance(upper, Surface)
     assert isinstance(lower, Surface)
-    found = _contacts(Pressing.of(study), upper, lower, load)
-    if found is None:
+    pressed = OneLoad.of(study, member.pair, load)
+    if pressed is None:
         return None
-    table, pressure = found
     attributes = {"member": index, "load_mN": load, "x": member.x, "y": member.y}
-    return _dataset(upper, lower, table, pressure).assign_attrs(attributes)
+    return _dataset(upper, lower, pressed.table(), pressed.pressure()).assign_attrs(attributes)
 
 
-def _contacts(pressing: Pressing, upper: Surface, lower: Surface, load: float) -> tuple[Table, Floats | None] | None:
-    """The contacts of a pair at a load, and of the half-space the pressures."""
-    if pressing.mechanics == "half-space":
-        try:
-            contact = half_space(
-                upper, lower, [load], effective_modulus=float(pressing.model.effective_modulus),
-                compliance_share=pressing.compliance_share, hardness=pressing.hardness, boundary=pressing.boundary,
-            ).contact(0)  # fmt: skip
-        except RuntimeError:
-            return None
-        slope = Slopes.of(upper, lower).deformed(pressing.compliance_share)
-        return patches_of(contact, slope, upper.spacing), contact.pressure
-    (model,) = pressing.directed(upper)
-    one = replace(model, direction=0.0)
-    approach, status = crossing(Bodies(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=one)
-    if status[0] != STATUS_OK:
-        return None
-    touching = contacts(upper, lower, float(approach[0]), model=one)
-    return asperities_of(touching, upper.spacing, upper.extent), None
+def typical(area: Floats) -> int:
+    """The place of the value that is nearest to the median one of those that are known."""
+    return int(np.nanargmin(np.abs(area - np.nanmedian(area))))
 
 
 def _dataset(upper: Surface, lower: Surface, table: Table, pressure: Floats | None) -> xarray.Dataset:

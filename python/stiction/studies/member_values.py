@@ -54,7 +54,7 @@ def member_values(
     xarray.Dataset
         Over cells, repetition, sliding and direction (of one element where the result has no list), load, mu0 and tau0:
         friction_coefficient, normal_load and tangential_load (mN), and status; the other quantities over cells,
-        repetition and load (and quantile), read off at the elastic load.
+        repetition and load (and fraction_below), read off at the elastic load.
     """
     import xarray
 
@@ -121,8 +121,8 @@ def _piece_at(piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, r
             variables[name] = ((*lead, "load"), there, piece[name].attrs)
     for name in DISTRIBUTIONS:
         if name in piece:
-            there = off.at(_over(piece[name], (*lead, "quantile", step)), sums=False)
-            variables[name] = ((*lead, "quantile", "load"), there, piece[name].attrs)
+            there = off.at(_over(piece[name], (*lead, "fraction_below", step)), sums=False)
+            variables[name] = ((*lead, "fraction_below", "load"), there, piece[name].attrs)
     for name in ("rms_gradient", "rms_slope"):
         if name in piece:
             variables[name] = piece[name].variable

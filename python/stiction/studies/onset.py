@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,25 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.mechanics.candidates import candidates
-from stiction.mechanics.contact import press
-from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.half_space import half_space
-from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 from stiction.studies import intervals
-from stiction.studies.contact_tables import ByHalfSpace, MeasuredContact
 from stiction.studies.members import bodies_of
-from stiction.studies.pressing import Pressing
+from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
 from stiction.studies.study import Study
 from stiction.studies.tables import MeasuredFriction
-from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.mechanics.onset import Onset
     from stiction.studies.store import Stored
 
 FILE = "onset.nc"
@@ -113,46 +104,18 @@ def onset_of_result(
 def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: float) -> dict[str, Any] | None:
     """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
     member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
-    try:
-        onset = _onset(study, *member.pair, load=load, mu0=mu0, tau0=tau0)
-    except (RuntimeError, ValueError):  # no solution, or a law that has no onset
+    pressed = OneLoad.of(study, member.pair, load)
+    if pressed is None:
         return None
-    if onset is None:
+    poisson = getattr(study.contact, "poisson_ratio", None) or (POISSON_RATIO, POISSON_RATIO)
+    try:
+        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=FRACTIONS, poisson=poisson)
+    except (RuntimeError, ValueError):  # no solution, or a law that has no onset
         return None
     found: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS) if name != "energy_lost"
     }  # fmt: skip
     return found | {"energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x}
-
-
-def _onset(study: Study, upper: Any, lower: Any, *, load: float, mu0: float, tau0: float) -> Onset | None:
-    contact = study.contact
-    assert isinstance(contact, MeasuredContact)
-    options: dict[str, Any] = {
-        "mu0": mu0, "tau0": tau0, "steps": list(FRACTIONS),
-        "poisson": contact.poisson_ratio or (POISSON_RATIO, POISSON_RATIO),
-    }  # fmt: skip
-    if isinstance(contact, ByHalfSpace):
-        curve = half_space(
-            upper, lower, [load], effective_modulus=float(contact.effective_modulus), boundary=contact.boundary,
-            compliance_share=contact.compliance_share,
-            hardness=None if contact.hardness is None else float(contact.hardness),
-        )  # fmt: skip
-        return curve.onset(0, **options)
-    (model, *_) = Pressing.of(study).directed(upper)
-    model = model if isinstance(upper, Profile) else replace(model, direction=0.0)
-    model = replace(model, sliding="all")
-    approach, status = crossing(Bodies(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
-    if status[0] != STATUS_OK:
-        return None
-    pushed: Any
-    if model.detection == "gap-minimum":
-        touching = candidates(upper, lower, deepest=float(approach[0]), curvature=model.curvature)
-        pushed = press(touching, approach, model=model)
-    else:
-        pushed = press(upper, lower, approach, model=model)
-    found: Onset = pushed.onset(0, **options)
-    return found
 
 
 # ---- Over members ----------------------------------------------------------------------------------------------------

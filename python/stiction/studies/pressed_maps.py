@@ -46,17 +46,17 @@ _SIX = (
     "normal_elastic", "normal_frictional", "normal_adhesive", "tangential_elastic", "tangential_frictional",
     "tangential_adhesive",
 )  # fmt: skip
-_FRICTION = ("sliding", "direction", "shift", "load", "mu0", "tau0")
+_FRICTION = ("sliding", "direction", "repetition", "load", "mu0", "tau0")
 _DIMS = {
     **dict.fromkeys(("friction_coefficient", "normal_load", "status"), _FRICTION),
     **dict.fromkeys(_SIX, _FRICTION[:4]),
-    **dict.fromkeys(DISTRIBUTIONS, ("quantile", "shift", "load")),
-    "share_opposing": ("direction", "shift", "load"),
-    "rms_gradient": ("shift",),
-    "rms_slope": ("direction", "shift"),
-    "gentle_friction": ("sliding", "direction", "shift", "mu0", "tau0"),
+    **dict.fromkeys(DISTRIBUTIONS, ("fraction_below", "repetition", "load")),
+    "share_opposing": ("direction", "repetition", "load"),
+    "rms_gradient": ("repetition",),
+    "rms_slope": ("direction", "repetition"),
+    "gentle_friction": ("sliding", "direction", "repetition", "mu0", "tau0"),
 }
-"""Dimensions of variables that are not over shift and load."""
+"""Dimensions of variables that are not over repetition and load."""
 
 
 def pressed_maps(
@@ -119,13 +119,14 @@ def pressed_maps(
     Returns
     -------
     xarray.Dataset
-        friction_coefficient, normal_load (mN) and status over sliding, direction, shift, load (mN), mu0 and tau0 (GPa);
-        the six sums that these are made of; share_opposing over direction, shift and load; over shift and load
+        friction_coefficient, normal_load (mN) and status over sliding, direction, repetition (a shift or a pair of
+        surrogates), load (mN), mu0 and tau0 (GPa); the six sums that these are made of; share_opposing over direction,
+        repetition and load; over repetition and load
         contact_area (µm²), contact_area_fraction, contact_count, normal_stiffness (mN/µm), approach (µm), fractions of
         the load on the contact that carries most, on contacts at the edge and of few points and on the steepest tenth
         of each body, of the half-space its error and load_share_at_hardness, of asperities the figures of
-        `SurfaceValidity`; over quantile as well patch_area (µm², of the contacts) and pressure (GPa, of the true area).
-        Of the gap at each shift: rms_gradient, rms_slope along each direction, and what `gentle_friction` makes of
+        `SurfaceValidity`; over fraction_below as well patch_area (µm², of the contacts) and pressure (GPa, of the true
+        area). Of the gap of each: rms_gradient, rms_slope along each direction, and what `gentle_friction` makes of
         them. Coordinates x and y (µm) are how far the upper map moved, and surrogate says which shifts are none but
         pairs of surrogates.
         The status is "ok", "self-locked", "no-contact", "not-reached", "below-range", or "not-solved" where the
@@ -183,7 +184,7 @@ def pressed_maps(
     )
     parts = list(computed)
     variables = {
-        name: (dims := _DIMS.get(name, ("shift", "load")), _stacked(parts, name, dims), attributes_of(name))
+        name: (dims := _DIMS.get(name, ("repetition", "load")), _stacked(parts, name, dims), attributes_of(name))
         for name in parts[0]
     }
     return _dataset(variables, maker, (count, made), pressing, material, level, seed, (upper, lower))
@@ -292,7 +293,7 @@ def _gentle(slope: dict[str, Any], pressing: Pressing, rub: Floats, stick: Float
 
 
 def _stacked(parts: list[dict[str, NDArray[Any]]], name: str, dims: tuple[str, ...]) -> NDArray[Any]:
-    return np.stack([part[name] for part in parts], axis=dims.index("shift"))
+    return np.stack([part[name] for part in parts], axis=dims.index("repetition"))
 
 
 def _dataset(
@@ -314,10 +315,10 @@ def _dataset(
     coordinates: dict[str, Any] = {
         "sliding": ("sliding", list(RULES), {"long_name": "which contacts rub and push"}),
         "direction": ("direction", pressing.angles, attributes_of("direction")),
-        "x": ("shift", x, attributes_of("x")),
-        "y": ("shift", y, attributes_of("y")),
-        "surrogate": ("shift", np.arange(shifts + made) >= shifts, attributes_of("surrogate")),
-        "quantile": ("quantile", list(QUANTILES), attributes_of("quantile")),
+        "x": ("repetition", x, attributes_of("x")),
+        "y": ("repetition", y, attributes_of("y")),
+        "surrogate": ("repetition", np.arange(shifts + made) >= shifts, attributes_of("surrogate")),
+        "fraction_below": ("fraction_below", list(QUANTILES), attributes_of("fraction_below")),
         "load": ("load", pressing.loads, attributes_of("load")),
         "mu0": ("mu0", material[0], attributes_of("mu0")),
         "tau0": ("tau0", material[1], attributes_of("tau0")),
@@ -358,8 +359,8 @@ def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None)
     Returns
     -------
     xarray.Dataset
-        Its quantities without shift, with statistic ("mean", "lower", "upper"), over those shifts that have an answer,
-        and how many these are (ok, over the dimensions of the status) of how many (shifts).
+        Its quantities without repetition, with statistic ("mean", "lower", "upper"), over those shifts that have an
+        answer, and how many these are (ok, over the dimensions of the status) of how many (shifts).
 
     Notes
     -----
@@ -383,20 +384,21 @@ def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None)
     wanted = bool(made.all()) if surrogates is None else surrogates
     if not (made == wanted).any():
         raise ValueError(f"surrogates must be {not wanted} where there are no others, got {surrogates!r}")
-    result = result.isel(shift=np.flatnonzero(made == wanted))
+    result = result.isel(repetition=np.flatnonzero(made == wanted))
     variables: dict[str, Any] = {}
     for name, values in result.data_vars.items():
-        if values.dtype.kind != "f" or "shift" not in values.dims:
+        if values.dtype.kind != "f" or "repetition" not in values.dims:
             continue
-        first = values.transpose("shift", ...)
+        first = values.transpose("repetition", ...)
         statistics = np.stack(intervals.of_sample(first.values), axis=-1)
         if str(name).startswith(("share_", "fraction_")):
             statistics = np.minimum(statistics, 1.0)
         variables[str(name)] = ((*first.dims[1:], "statistic"), statistics, values.attrs)
-    ok = (result["status"] == friction.STATUS_OK).sum("shift")
-    coordinates = {name: each for name, each in result.coords.items() if "shift" not in each.dims}
+    ok = (result["status"] == friction.STATUS_OK).sum("repetition")
+    coordinates = {name: each for name, each in result.coords.items() if "repetition" not in each.dims}
     return xarray.Dataset(
-        variables | {"ok": ok.assign_attrs(long_name="shifts with an answer"), "shifts": ((), result.sizes["shift"])},
+        variables
+        | {"ok": ok.assign_attrs(long_name="shifts with an answer"), "shifts": ((), result.sizes["repetition"])},
         coordinates | {"statistic": ["mean", "lower", "upper"]},
         result.attrs,
     )

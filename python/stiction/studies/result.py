@@ -107,7 +107,7 @@ def coordinates_of(
         study.step: study.contact.steps(),
     }
     if is_measured(study):
-        values["quantile"] = np.array(QUANTILES)
+        values["fraction_below"] = np.array(QUANTILES)
     more: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
     if not is_measured(study):
         more["fractal_dimension"] = {"convention": generated(study).convention}
@@ -146,7 +146,7 @@ def _dims(study: Study, name: str) -> tuple[str, ...]:
     if name == "rms_slope":
         return (*members, *(motion for motion in study.motions() if motion == "direction"))
     if name in DISTRIBUTIONS:
-        return (*members, study.step, "quantile")
+        return (*members, study.step, "fraction_below")
     return (*members, *(study.motions() if name in DIRECTED else ()), study.step)
 
 

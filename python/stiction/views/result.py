@@ -137,6 +137,36 @@ class Result:
         """What the CSV file holds: a row for each load, mu0, tau0, rule and motion, with intervals and doubts."""
         return rows.table_of(self._asked, self.study, beside=self.beside)
 
+    def contacts(
+        self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
+    ) -> pandas.DataFrame:
+        """Every contact of a typical member, or of those that are named: a row for each. They are solved once more.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Elastic normal loads, as for `at`; the first one of the study by default.
+        members : int or sequence of int, optional
+            By default, at each load, the one whose true area is nearest to the median.
+
+        Returns
+        -------
+        pandas.DataFrame
+            member, the cell (fractal_dimension and amplitude_um of generated bodies, cut_off_um of measured ones) and
+            load_mN; of the contact its middle x_um and y_um, force_mN (normal load), area_um2 (on the ground plan),
+            mean_pressure_GPa, its mean slopes slope_x and slope_y, and whether it is at_edge of the grid. y and its
+            slope are 0 of profiles.
+
+        Raises
+        ------
+        ValueError
+            If there is no such member, nothing touches, or the files of the study are not there any more.
+        """
+        from stiction.studies.contact_frame import contact_frame
+
+        loads = asked_loads(self.source)[:1] if load is None else self._loads_of(load)
+        return contact_frame(self.source, loads, members)
+
     # ---- Pictures ----------------------------------------------------------------------------------------------------
 
     def figures(self) -> list[str]:

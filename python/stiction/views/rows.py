@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 
-PLACE = (*CELLS, "load", "mu0", "tau0", "sliding", "direction", "axis", "quantile")
+PLACE = (*CELLS, "load", "mu0", "tau0", "sliding", "direction", "axis", "fraction_below")
 """Coordinates that say where a value is, in the order of their columns."""
 
 _FRICTION = {
@@ -162,7 +162,7 @@ def _of_loads(at: xarray.Dataset) -> list[str]:
     """Quantities that a load has one of."""
     return [
         str(name) for name, table in at.data_vars.items()
-        if name in QUANTITIES and name not in _DIRECTED and "load" in table.dims and "quantile" not in table.dims
+        if name in QUANTITIES and name not in _DIRECTED and "load" in table.dims and "fraction_below" not in table.dims
         and table.dtype.kind in "if"
     ]  # fmt: skip
 

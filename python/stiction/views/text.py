@@ -265,10 +265,10 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
         hidden = {"contact_area": fraction and not verbose, "contact_area_fraction": not fraction}.get(name, False)
         if name in one and not hidden:
             rows += _row(name, QUANTITIES[name].short, [point[name] for point in loads])
-    for name, quantile in _QUANTILES if verbose else ():
+    for name, below in _QUANTILES if verbose else ():
         if name in one:
-            words = f"{QUANTITIES[name].short}, {100 * quantile:.0f} % are below"
-            rows += _row(name, words, [point[name].sel(quantile=quantile, method="nearest") for point in loads])
+            words = f"{QUANTITIES[name].short}, {100 * below:.0f} % are below"
+            rows += _row(name, words, [point[name].sel(fraction_below=below, method="nearest") for point in loads])
     if verbose and "rms_gradient" in one:
         rows += _row("rms_gradient", QUANTITIES["rms_gradient"].short, [point["rms_gradient"] for point in loads])
     return aligned(rows)

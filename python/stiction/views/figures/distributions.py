@@ -97,7 +97,7 @@ def sizes_figure(
     Parameters
     ----------
     members : xarray.Dataset
-        patch_area (µm²) and pressure (GPa) over repetition, load and quantile: each is a thin line.
+        patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below: each is a thin line.
     points : xarray.Dataset
         Their means over members, as `at_load` returns them, of one cell.
     hardness : float, GPa, optional
@@ -109,11 +109,11 @@ def sizes_figure(
 
     figure = Figure(figsize=(WIDTH, 96 * MILLIMETRE), layout="constrained")
     axes: Sequence[Any] = figure.subplots(2, 1)
-    percent = 100 * points["quantile"].values
+    percent = 100 * points["fraction_below"].values
     loads = np.atleast_1d(points["load"].values)
     for load, colour in zip(loads, dimension_colours(loads), strict=True):
         for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
-            for own in members[name].sel(load=load, method="nearest").transpose("repetition", "quantile").values:
+            for own in members[name].sel(load=load, method="nearest").transpose("repetition", "fraction_below").values:
                 ax.plot(own, percent, color=colour, linewidth=0.3, alpha=0.4)
             mean = points[name].sel(load=load, statistic="mean").values
             ax.plot(mean, percent, color=colour, linewidth=1.2, label=with_unit(float(load), "mN"))
