@@ -15,7 +15,7 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.studies import store
-from stiction.studies.claims import FLATTER, STEEPER, Resampled
+from stiction.studies.resampled import FLATTER, STEEPER, Resampled
 
 DOCS = Path(__file__).parents[1]
 RESULTS = DOCS.parent / "build/claims/columns"

@@ -20,11 +20,11 @@ _HOMES = {
         "hertz_sphere",
         "slope_friction",
     ),
-    "mechanics.contact": ("Contacts", "contacts", "press"),
+    "mechanics.contact": ("Contacts", "contacts"),
     "mechanics.friction": ("SurfaceValidity", "Validity"),
     "mechanics.half_space": ("HalfSpaceContact", "HalfSpaceCurve", "half_space"),
     "mechanics.law": ("HertzCylinder", "HertzSphere", "JacksonGreen", "force_and_area"),
-    "mechanics.load_curve": ("LoadCurve", "SurfaceLoadCurve"),
+    "mechanics.load_curve": ("LoadCurve", "SurfaceLoadCurve", "press"),
     "mechanics.loading": ("approach_at_load",),
     "mechanics.materials": (
         "Material",

@@ -11,11 +11,7 @@ from stiction.mechanics.closed_forms import (
     hertz_sphere as hertz_sphere,
     slope_friction as slope_friction,
 )
-from stiction.mechanics.contact import (
-    Contacts as Contacts,
-    contacts as contacts,
-    press as press,
-)
+from stiction.mechanics.contact import Contacts as Contacts, contacts as contacts
 from stiction.mechanics.friction import SurfaceValidity as SurfaceValidity, Validity as Validity
 from stiction.mechanics.half_space import (
     HalfSpaceContact as HalfSpaceContact,
@@ -28,7 +24,11 @@ from stiction.mechanics.law import (
     JacksonGreen as JacksonGreen,
     force_and_area as force_and_area,
 )
-from stiction.mechanics.load_curve import LoadCurve as LoadCurve, SurfaceLoadCurve as SurfaceLoadCurve
+from stiction.mechanics.load_curve import (
+    LoadCurve as LoadCurve,
+    SurfaceLoadCurve as SurfaceLoadCurve,
+    press as press,
+)
 from stiction.mechanics.loading import approach_at_load as approach_at_load
 from stiction.mechanics.materials import (
     Material as Material,

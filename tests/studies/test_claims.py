@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from stiction import Study, friction_map, run, stiffness_map
 from stiction.studies import claims
-from stiction.studies.claims import CLAIMS, PARTS, Outcome, Part, judge, verdict_of
+from stiction.studies.claim_parts import PARTS, Part
+from stiction.studies.claims import CLAIMS, Outcome, judge, verdict_of
 from stiction.studies.maps import area_map
 from stiction.studies.result import empty_dataset
 from stiction.views.tables import claims_markdown, claims_text, variants_markdown

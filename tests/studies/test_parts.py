@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 import xarray
 from stiction import run
-from stiction.studies import runner, store
-from stiction.studies.runner import Folder, fill
+from stiction.studies import runner, store, tasks
+from stiction.studies.runner import fill
+from stiction.studies.tasks import Folder
 from tiny import TINY, Inline, assert_same_bits, repetitions
 
 
@@ -71,12 +72,14 @@ class Elsewhere(Inline):
 
 
 def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, undisturbed, monkeypatch):
-    sent, put = [], runner.put
-    tasks, block_task = [], runner.block_task
-    monkeypatch.setattr(runner, "put", lambda path, first, *rest: sent.append(first) or put(path, first, *rest))
-    monkeypatch.setattr(runner, "block_task", lambda *args: tasks.append(block_task(*args)) or tasks[-1])
+    sent, done = [], []
+    for module in (runner, tasks):
+        monkeypatch.setattr(
+            module, "put", lambda path, first, *rest: sent.append(first) or store.put(path, first, *rest)
+        )
+    monkeypatch.setattr(runner, "block_task", lambda *args: done.append(tasks.block_task(*args)) or done[-1])
     for executor, who in ((Inline(), "the workers write them"), (Elsewhere(), "this process writes them")):
-        del sent[:], tasks[:]
+        del sent[:], done[:]
         said = []
         fill(TINY, tmp_path / who, executor=executor, say=said.append)
         assert len(said) == 1
@@ -84,33 +87,33 @@ def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, un
         assert "in 6 files" in said[0]
         assert said[0].endswith(who)
         assert sent == list(range(0, 22, 4))
-        assert [content is None for _, content in tasks] == [who == "the workers write them"] * 6
+        assert [content is None for _, content in done] == [who == "the workers write them"] * 6
         assert_same_bits(store.read(tmp_path / who), undisturbed)
 
 
 def test_a_task_that_nobody_waits_for_ends_and_keeps_what_it_has(tmp_path, undisturbed, monkeypatch, computed):
     """As the command was interrupted or killed: the file by which workers know it is gone."""
     fill(repetitions(1), tmp_path)
-    monkeypatch.setattr(runner, "LOOK", 0.0)
+    monkeypatch.setattr(tasks, "LOOK", 0.0)
     seen = iter([True, True, True, False])
     monkeypatch.setattr(Folder, "is_seen", lambda self: next(seen))
     del computed[:]
     folder = Folder(tmp_path, "token")
-    assert runner.block_task(runner.__version__, TINY.to_toml(), range(8, 16), folder) == (3, None)
+    assert tasks.block_task(tasks.__version__, TINY.to_toml(), range(8, 16), folder) == (3, None)
     assert computed == [8, 9, 10]
     monkeypatch.undo()
     assert_same_bits(run(TINY, store=tmp_path), undisturbed)
 
 
 def test_a_member_that_fails_does_not_lose_those_before_it(tmp_path, monkeypatch):
-    sums = runner.member_sums
+    sums = tasks.member_sums
 
     def fail(study, number):
         if number == 6:
             raise ValueError("member 6")
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "member_sums", fail)
+    monkeypatch.setattr(tasks, "member_sums", fail)
     with pytest.raises(ValueError, match="member 6"):
         run(TINY, store=tmp_path, executor=Inline())
     assert {4, 5} <= set(store.open_stored(tmp_path).finished.tolist())

@@ -15,7 +15,7 @@ import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import executors, members, pressed, runner
+from stiction.studies import executors, members, pressed, runner, tasks
 from stiction.studies.pressed import cost_of_member
 from stiction.studies.store import bytes_of_member
 from stiction.studies.study import study_of
@@ -137,7 +137,7 @@ def test_a_study_that_cannot_be_computed_is_a_value_error():
 
 
 def test_what_no_memory_or_disk_holds_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr(tasks, "member_sums", lambda *_: pytest.fail("computed"))
     many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(total=10**9))
     for store in (None, tmp_path / "r"):
@@ -149,7 +149,7 @@ def test_what_no_memory_or_disk_holds_is_refused(tmp_path, monkeypatch):
 
 
 def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
-    computed, sums = [], runner.member_sums(repetitions(1), 0)
+    computed, sums = [], tasks.member_sums(repetitions(1), 0)
 
     def record(study, number):
         computed.append(number)
@@ -159,7 +159,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "member_sums", record)
+    monkeypatch.setattr(tasks, "member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     held = None
     with ThreadPoolExecutor(1) as pool:

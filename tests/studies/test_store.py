@@ -575,12 +575,12 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
 INTERRUPTED = """
 import sys, time
 from stiction import Study
-from stiction.studies import runner
-study, sums = Study.from_toml("s.toml"), runner.member_sums
+from stiction.studies import runner, tasks
+study, sums = Study.from_toml("s.toml"), tasks.member_sums
 def slow(study, member):
     time.sleep(0.1)
     return sums(study, member)
-runner.member_sums = slow
+tasks.member_sums = slow
 runner.block_size = lambda study: 8
 print("begun", flush=True)
 try:

@@ -15,6 +15,63 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
+Row = Annotated[int | None, typer.Option("--row", metavar="N", min=0, help="Of a surface, this row alone, from 0 on.")]
+Column = Annotated[
+    int | None, typer.Option("--column", metavar="N", min=0, help="Of a surface, this column alone, from 0 on.")
+]
+Level = Annotated[
+    str | None,
+    typer.Option(
+        "--level",
+        metavar="TREND",
+        help="What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.",
+        show_default="line, plane",
+    ),
+]
+Band = Annotated[
+    str | None,
+    typer.Option(
+        "--band",
+        metavar="SHORTEST,LONGEST",
+        help='Wavelengths to fit the Hurst exponent to, "1 um,100 um".',
+        show_default="found",
+    ),
+]
+CutOff = Annotated[
+    str | None,
+    typer.Option(
+        "--cutoff",
+        metavar="LENGTH",
+        help='Take off waves shorter than this (Gaussian), "0.1 um".',
+        show_default="the scan as it is",
+    ),
+]
+Tip = Annotated[
+    str | None,
+    typer.Option(
+        "--tip",
+        metavar="RADIUS",
+        help='Of the stylus or the probe, "10 nm": what is sharper is its own.',
+        show_default=False,
+    ),
+]
+Together = Annotated[
+    bool,
+    typer.Option(
+        "--together", help="Several scans of one surface, alike in all directions: one spectrum, written as CSV."
+    ),
+]
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="The figure to draw, or the table to write of several files.",
+        show_default="./FILE.png, ./characterised.csv, ./joined.csv",
+    ),
+]
+
 
 @command(
     "characterise",
@@ -31,64 +88,14 @@ def characterise(
     missing: MissingPoints = "error",
     channel: Channel = None,
     columns: Columns = None,
-    row: Annotated[
-        int | None, typer.Option("--row", metavar="N", min=0, help="Of a surface, this row alone, from 0 on.")
-    ] = None,
-    column: Annotated[
-        int | None, typer.Option("--column", metavar="N", min=0, help="Of a surface, this column alone, from 0 on.")
-    ] = None,
-    level: Annotated[
-        str | None,
-        typer.Option(
-            "--level",
-            metavar="TREND",
-            help="What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.",
-            show_default="line, plane",
-        ),
-    ] = None,
-    band: Annotated[
-        str | None,
-        typer.Option(
-            "--band",
-            metavar="SHORTEST,LONGEST",
-            help='Wavelengths to fit the Hurst exponent to, "1 um,100 um".',
-            show_default="found",
-        ),
-    ] = None,
-    cutoff: Annotated[
-        str | None,
-        typer.Option(
-            "--cutoff",
-            metavar="LENGTH",
-            help='Take off waves shorter than this (Gaussian), "0.1 um".',
-            show_default="the scan as it is",
-        ),
-    ] = None,
-    tip: Annotated[
-        str | None,
-        typer.Option(
-            "--tip",
-            metavar="RADIUS",
-            help='Of the stylus or the probe, "10 nm": what is sharper is its own.',
-            show_default=False,
-        ),
-    ] = None,
-    together: Annotated[
-        bool,
-        typer.Option(
-            "--together", help="Several scans of one surface, alike in all directions: one spectrum, written as CSV."
-        ),
-    ] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="The figure to draw, or the table to write of several files.",
-            show_default="./FILE.png, ./characterised.csv, ./joined.csv",
-        ),
-    ] = None,
+    row: Row = None,
+    column: Column = None,
+    level: Level = None,
+    band: Band = None,
+    cutoff: CutOff = None,
+    tip: Tip = None,
+    together: Together = False,
+    output: Output = None,
     as_json: Json = False,
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
@@ -117,18 +124,22 @@ def characterise(
     ]
     if as_json:
         tell(rows.characterisation_record(told))
-    said = say if as_json else tell
+    if output is None and as_json:
+        return
     if len(files) > 1:
-        if output is not None or not as_json:
-            table = output if output is not None else Path("characterised.csv")
-            if table.exists():
-                raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
-            table.write_text(rows.characterisation_csv(told), encoding="utf-8")
-            said(f"wrote {table}, {len(files)} files")
-    elif output is not None or not as_json:
-        path = output if output is not None else Path(f"{files[0].stem}.png")
+        _write(output or Path("characterised.csv"), rows.characterisation_csv(told), f"{len(files)} files", as_json)
+    else:
+        path = output or Path(f"{files[0].stem}.png")
         _draw(bodies[0], fitted, radius, path, with_table=not as_json)
-        said(f"wrote {path}")
+        (say if as_json else tell)(f"wrote {path}")
+
+
+def _write(table: Path, text: str, what: str, as_json: bool) -> None:
+    """Write a new CSV file, and say so."""
+    if table.exists():
+        raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
+    table.write_text(text, encoding="utf-8")
+    (say if as_json else tell)(f"wrote {table}, {what}")
 
 
 def _together(
@@ -148,11 +159,7 @@ def _together(
     else:
         tell(scale_rows.joined_text(names, joined))
     if output is not None or not as_json:
-        table = output if output is not None else Path("joined.csv")
-        if table.exists():
-            raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
-        table.write_text(scale_rows.joined_csv(names, joined), encoding="utf-8")
-        (say if as_json else tell)(f"wrote {table}, {len(files)} scans")
+        _write(output or Path("joined.csv"), scale_rows.joined_csv(names, joined), f"{len(files)} scans", as_json)
 
 
 def _cut_off(body: Profile | Surface, shortest: float | None) -> Profile | Surface:

@@ -20,10 +20,10 @@ import numpy as np
 
 from stiction._checks import number, whole_number
 from stiction._units import exactly
-from stiction.surfaces.foreign import body_from
+from stiction.surfaces.foreign import taken_from
 from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, lengths
 
 if TYPE_CHECKING:
     from stiction.studies.study import Study
@@ -237,7 +237,12 @@ def _checked(name: str, body: Any) -> Path | Profile | Surface:
     """A file, or a body as it was scanned; those of other libraries as ours."""
     if isinstance(body, (str, Path)):
         return Path(body)
-    found = body if isinstance(body, (Profile, Surface)) else body_from(name, body)
+    heights, spacing, history = taken_from(name, body)
+    found: Profile | Surface
+    if heights.ndim == 1:
+        found = Profile(heights, spacing=spacing[0], history=history)
+    else:
+        found = Surface(heights, spacing=lengths("spacing", spacing), history=history)
     if "turned over" in found.history:
         warn(
             f"{name} was turned over, and pair turns the first body over itself: give both as they were scanned, "

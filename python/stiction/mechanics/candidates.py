@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +11,14 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, number, read_only
-from stiction.mechanics.model import Curvature, check_pair, measured_source
+from stiction.mechanics.model import (
+    ContactModel,
+    Curvature,
+    check_pair,
+    measured_source,
+    model_of,
+    refuse_no_modulus,
+)
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -146,3 +154,16 @@ def _refuse_grooves(gap: Floats) -> None:
                 f"the gap between upper and lower does not change along {along}, so that its minima are lines and not "
                 f"points: press {across} of both as profiles, or use half_space"
             )
+
+
+def model_for_candidates(found: Candidates, contact: Mapping[str, object]) -> ContactModel:
+    """A model for candidates; a detection or curvature that is given must be theirs."""
+    if "effective_modulus" not in contact and "model" not in contact:
+        refuse_no_modulus(*found.sources)
+    model = model_of(contact)
+    for name, own in (("detection", "gap-minimum"), ("curvature", found.curvature)):
+        if getattr(model, name) not in (None, own):
+            raise ValueError(f"{name} must be that of the candidates, {own!r}, got {getattr(model, name)!r}")
+    model = replace(model, detection="gap-minimum", curvature=found.curvature)
+    areal = isinstance(found.core, stiction._core.ArealCandidates)
+    return model.for_surfaces() if areal else model.for_profiles()

@@ -13,9 +13,7 @@ from stiction.surfaces.drawing import box_of, colour_bar, in_fine_unit, plain_ti
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from stiction.mechanics.friction import Curve
-    from stiction.mechanics.half_space import HalfSpaceContact
-    from stiction.mechanics.onset import Onset
+    from stiction._checks import Floats
 
 PRESSURE_MAP = "inferno"
 
@@ -23,34 +21,41 @@ MOST_LINES = 12
 """Of the legend of a figure."""
 
 
-def draw_curve(ax: Axes, curve: Curve, mu0: ArrayLike | None, tau0: ArrayLike) -> Axes:
-    """True area against the load, or the friction coefficient where a mu0 is given."""
-    load = curve.normal_elastic
-    ax.set_xscale("log")
-    if (known := load[load > 0]).size:
-        plain_ticks(ax.xaxis, float(known.min()), float(known.max()))
-    ax.set_xlabel("normal load (mN)")
-    if mu0 is None:
-        area = np.asarray(getattr(curve, "contact_area"))  # noqa: B009, which every curve has
-        if not ((load > 0) & (area > 0)).any():
-            raise ValueError("nothing touches, so there is nothing to draw")
-        ax.set_yscale("log")
-        ax.plot(load, area, color="#009e73", marker="o", markersize=3)
-        plain_ticks(ax.yaxis, float(area[area > 0].min()), float(area.max()))
-        ax.set_ylabel("true contact area (µm²)")
-        return ax
-    found = curve.friction_coefficient(mu0=mu0, tau0=tau0)
-    if not np.isfinite(found).any():
+def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
+    """True area (µm²) against the load (mN)."""
+    if not ((load > 0) & (area > 0)).any():
+        raise ValueError("nothing touches, so there is nothing to draw")
+    _over_load(ax, load)
+    ax.set_yscale("log")
+    ax.plot(load, area, color="#009e73", marker="o", markersize=3)
+    plain_ticks(ax.yaxis, float(area[area > 0].min()), float(area.max()))
+    ax.set_ylabel("true contact area (µm²)")
+    return ax
+
+
+def draw_friction(
+    ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
+) -> Axes:
+    """Friction coefficients against the load (mN), a line for each material (tau0 in GPa) and direction (degrees)."""
+    if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
-    axes = [*_of_material(mu0, tau0), *_of_directions(curve)]
+    _over_load(ax, load)
+    axes = [*_of_material(mu0, tau0), *_of_directions(direction)]
     names = [", ".join(filter(None, each)) for each in product(*axes)]
-    lines = np.reshape(found, (-1, load.size))
+    lines = np.reshape(coefficient, (-1, load.size))
     for name, line in zip(names, lines, strict=True):
         ax.plot(load, line, marker="o", markersize=3, label=name)
     ax.set_ylabel("coefficient of static friction")
     if 1 < len(lines) <= MOST_LINES:
         ax.legend(frameon=False, fontsize="small")
     return ax
+
+
+def _over_load(ax: Axes, load: Floats) -> None:
+    ax.set_xscale("log")
+    if (known := load[load > 0]).size:
+        plain_ticks(ax.xaxis, float(known.min()), float(known.max()))
+    ax.set_xlabel("normal load (mN)")
 
 
 def _of_material(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
@@ -62,18 +67,18 @@ def _of_material(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
     return [[f"μ0 = {rub:g}" + (f", τ0 = {1000 * stick:g} MPa" if stick else "") for rub, stick in pairs]]
 
 
-def _of_directions(curve: Any) -> list[list[str]]:
-    directions = np.asarray(getattr(curve, "direction", 0.0))
+def _of_directions(direction: ArrayLike) -> list[list[str]]:
+    directions = np.asarray(direction)
     return [] if directions.ndim == 0 else [[f"{angle:g}°" for angle in directions.tolist()]]
 
 
-def draw_contact(ax: Axes, contact: HalfSpaceContact) -> Axes:
-    """Pressure over the heights of the lower body: a map with a bar for its scale, or both along a line."""
-    if contact.pressure.ndim == 1:
-        return _draw_line(ax, contact)
-    box = box_of(contact.pressure.shape, contact.spacing)
-    ax.imshow(contact.heights, extent=box, origin="lower", cmap="gray")
-    pressed = np.where(contact.pressure > 0, contact.pressure, np.nan)
+def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
+    """Pressure (GPa) over the heights of the lower body: a map with a bar for its scale, or both along a line."""
+    if pressure.ndim == 1:
+        return _draw_line(ax, pressure, heights, spacing[-1])
+    box = box_of(pressure.shape, spacing)
+    ax.imshow(heights, extent=box, origin="lower", cmap="gray")
+    pressed = np.where(pressure > 0, pressure, np.nan)
     image = ax.imshow(pressed, extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0, interpolation="nearest")
     colour_bar(ax, image, "pressure (GPa)")
     ax.set_xticks([])
@@ -82,31 +87,33 @@ def draw_contact(ax: Axes, contact: HalfSpaceContact) -> Axes:
     return ax
 
 
-def _draw_line(ax: Axes, contact: HalfSpaceContact) -> Axes:
-    x = np.arange(contact.pressure.size) * contact.spacing[-1]
-    heights, unit = in_fine_unit(contact.heights)
+def _draw_line(ax: Axes, pressure: Floats, heights: Floats, spacing: float) -> Axes:
+    x = np.arange(pressure.size) * spacing
+    heights, unit = in_fine_unit(heights)
     ax.plot(x, heights, color="0.6", linewidth=0.8)
     ax.set_xlabel("x (µm)")
     ax.set_ylabel(f"height of the lower body ({unit})", color="0.4")
     other = ax.twinx()
-    other.fill_between(x, contact.pressure, color="#d55e00", linewidth=0.8, step="mid")
+    other.fill_between(x, pressure, color="#d55e00", linewidth=0.8, step="mid")
     other.set_ylim(bottom=0)
     other.set_ylabel("pressure (GPa)", color="#d55e00")
     return ax
 
 
-def draw_onset(ax: Axes, onset: Onset) -> Axes:
+def draw_onset(
+    ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
+) -> Axes:
     """Tangential load against displacement; against the slipped area where there is no displacement."""
-    has_displacement = bool(np.isfinite(onset.displacement).all())
-    along = onset.displacement if has_displacement else onset.slipped_area
+    has_displacement = bool(np.isfinite(displacement).all())
+    along = displacement if has_displacement else slipped_area
     text = "slipped fraction of the area"
     if has_displacement:
         along, unit = in_fine_unit(along)
         text = f"displacement ({unit})"
-        elastic = np.linspace(0, onset.sliding_load / onset.stiffness, 2)
-        ax.plot(in_unit_of(elastic, unit), [0, onset.sliding_load], color="0.6", linewidth=0.8, label="all sticks")
-    ax.plot(np.concatenate([[0.0], along]), np.concatenate([[0.0], onset.tangential_load]), marker="o", markersize=3)
-    ax.axhline(onset.sliding_load, color="0.3", linewidth=0.8, linestyle="--", label="slides")
+        elastic = np.linspace(0, sliding_load / stiffness, 2)
+        ax.plot(in_unit_of(elastic, unit), [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
+    ax.plot(np.concatenate([[0.0], along]), np.concatenate([[0.0], load]), marker="o", markersize=3)
+    ax.axhline(sliding_load, color="0.3", linewidth=0.8, linestyle="--", label="slides")
     ax.set_xlabel(text)
     ax.set_ylabel("tangential load (mN)")
     ax.legend(frameon=False, fontsize="small", loc="lower right")

@@ -189,6 +189,7 @@ class Curve(Shown):
     """Loads of a pair at each step, approaches or loads, of which there are sums."""
 
     contact_count: NDArray[Any]
+    contact_area: Floats
     normal_elastic: Floats
     tangential_elastic: Floats
     normal_frictional: Floats
@@ -232,9 +233,13 @@ class Curve(Shown):
         mu0, tau0 : float or array_like of float, GPa for tau0
             As for `normal_load`; a line for each, and for each direction.
         """
-        from stiction.mechanics.drawing import draw_curve
+        from stiction.mechanics.drawing import draw_area, draw_friction
 
-        return draw_curve(axes_for(ax), self, mu0, tau0)
+        if mu0 is None:
+            return draw_area(axes_for(ax), self.normal_elastic, self.contact_area)
+        coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
+        direction = getattr(self, "direction", 0.0)  # which profiles have not
+        return draw_friction(axes_for(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction)
 
     def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
         strengths = friction_parameter("tau0", tau0)

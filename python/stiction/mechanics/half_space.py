@@ -34,9 +34,6 @@ if TYPE_CHECKING:
 
 Boundary = Literal["free", "periodic"]
 
-WIDTH = 1.0
-"""µm, of a profile."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(Shown):
@@ -88,7 +85,7 @@ class HalfSpaceContact(Shown):
         """
         from stiction.mechanics.drawing import draw_contact
 
-        return draw_contact(axes_for(ax), self)
+        return draw_contact(axes_for(ax), self.pressure, self.heights, self.spacing)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

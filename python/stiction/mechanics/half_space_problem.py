@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, read_only
 from stiction.mechanics.elastic_kernel import Grids, grids_of
 from stiction.mechanics.elastic_pressure import Solution, Solver, linear_compliance
-from stiction.mechanics.half_space import WIDTH
+from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.patches import PatchSums, labelled, patch_sums, slopes, true_share
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -46,7 +46,7 @@ class Problem:
     @property
     def cell(self) -> float:
         """µm², of a grid point."""
-        return float(np.prod(self.spacing)) * (WIDTH if len(self.spacing) == 1 else 1.0)
+        return float(np.prod(self.spacing)) * (THICKNESS if len(self.spacing) == 1 else 1.0)
 
     @property
     def has_approach(self) -> bool:

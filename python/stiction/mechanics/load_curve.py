@@ -1,21 +1,29 @@
-"""What pressing two bodies together gives: sums at each approach, from which any friction follows."""
+"""Two bodies pressed together: sums over the contacts at each approach, from which any friction follows.
+
+Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Unpack, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, part_of_one
+import stiction._core
+from stiction._checks import Floats, float_array, part_of_one, read_only
+from stiction._units import in_core_units
+from stiction.mechanics.alike import warn_of_one_body
+from stiction.mechanics.candidates import Candidates, candidates, model_for_candidates
+from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import Curve, Sums, SurfaceValidity, Validity
-from stiction.mechanics.model import ContactModel, Direction, Sliding
+from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, model_for_pair, shows_model
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
-
-if TYPE_CHECKING:
-    from stiction.mechanics.contact import Contacts
+from stiction.mechanics.quantities import DIRECTED
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True)
@@ -31,8 +39,6 @@ class PressedBodies:
 
     def at(self, approach: float) -> Contacts:
         """All contacts, whatever the direction."""
-        from stiction.mechanics.contact import contacts
-
         if not self.bodies:
             raise ValueError("a curve of candidates that comes from another process has no onset: press them again")
         listed: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
@@ -197,3 +203,117 @@ class SurfaceLoadCurve(LoadCurve):
         """
         mu0, tau0 = self._parameters(mu0, tau0)
         return np.asarray(self.lateral_elastic + mu0 * self.lateral_frictional + tau0 * self.lateral_adhesive)
+
+
+@overload
+def press(upper: Profile, lower: Profile, approaches: ArrayLike, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
+
+
+@overload
+def press(
+    upper: Surface, lower: Surface, approaches: ArrayLike, **contact: Unpack[ContactKeywords]
+) -> SurfaceLoadCurve: ...
+
+
+@overload
+def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
+
+
+@shows_model
+def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
+    """Load and true area against approach: ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
+
+    Parameters
+    ----------
+    upper, lower : Profile or Surface
+        Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
+        round-off, is a straight body.
+    approaches : (k,) array_like of float, µm
+        At least 0 and strictly increasing; or text, "5 nm" or a list of such.
+    **contact
+        As for `contacts`. On surfaces there may be many directions, which cost little more than one.
+
+    Returns
+    -------
+    LoadCurve
+        Of surfaces a `SurfaceLoadCurve`.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ, an argument is outside its range, or an approach is beyond the candidates' deepest.
+
+    Examples
+    --------
+    >>> from stiction import press, random_phases, weierstrass_mandelbrot
+    >>> lower, upper = (
+    ...     weierstrass_mandelbrot(random_phases(3, side=side), 1.2, points=20_000).with_amplitude(0.1)
+    ...     for side in ("lower", "upper")
+    ... )
+    >>> curve = press(upper, lower, [0.005, 0.01, 0.02])
+    >>> curve.friction_coefficient(mu0=[0.1, 0.4]).shape
+    (2, 3)
+
+    Two surfaces, around the compass:
+
+    >>> from stiction import self_affine_surface
+    >>> lower, upper = (
+    ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, side=side)
+    ...     for side in ("lower", "upper")
+    ... )
+    >>> curve = press(upper, lower, [0.02, 0.04], direction=[0, 90, 180, 270], sliding="all")
+    >>> curve.friction_coefficient(mu0=0.4).shape
+    (4, 2)
+    """
+    if isinstance(upper, Candidates):
+        found: Candidates | None = upper
+        if lower is not None and approaches is not None:
+            raise ValueError("candidates are of both bodies: press(candidates, approaches) takes no lower body")
+        approaches = lower if approaches is None else approaches
+        model = model_for_candidates(upper, contact)
+    else:
+        found = None
+        model = model_for_pair(upper, lower, contact)
+    wanted = [approaches] if isinstance(approaches, str) else approaches
+    steps = float_array("approaches", in_core_units("approaches", wanted, "length"), ndim=1)
+    if isinstance(upper, Surface):
+        found = candidates(upper, lower, deepest=max(0.0, float(steps.max(initial=0.0))), curvature=model.curvature)
+    core = None if found is None else found.core
+    pressed = PressedBodies((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
+    if not isinstance(upper, Candidates):
+        warn_of_one_body(upper, lower)
+    if isinstance(core, stiction._core.ArealCandidates):
+        return _pressed_surfaces(core, steps, model, pressed)
+    if core is not None:
+        columns = stiction._core.press(core, approaches=steps, model=model.core())
+    else:
+        columns = stiction._core.press(
+            upper.heights, lower.heights, spacing=upper.spacing, approaches=steps, model=model.core()
+        )
+    arrays = {name: read_only(column) for name, column in columns.items()}
+    return LoadCurve(
+        **arrays,
+        approach=read_only(steps.copy()),
+        effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding,
+        _pressed=pressed,
+    )
+
+
+def _pressed_surfaces(
+    found: stiction._core.ArealCandidates, steps: Floats, model: ContactModel, pressed: PressedBodies
+) -> SurfaceLoadCurve:
+    angles, directions = model.angles(), model.directions()
+    columns = stiction._core.press(found, approaches=steps, model=model.core(), directions=directions)
+    arrays = {}
+    for name, column in columns.items():
+        table = column.reshape(len(directions), steps.size)
+        arrays[name] = read_only(table if name in DIRECTED and angles.ndim > 0 else table[0])
+    return SurfaceLoadCurve(
+        **arrays,
+        approach=read_only(steps.copy()),
+        effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding,
+        direction=read_only(angles),
+        _pressed=pressed,
+    )

@@ -26,6 +26,9 @@ Sliding = Literal["opposing", "all"]
 EFFECTIVE_MODULUS = 10.0
 """GPa, of the paper."""
 
+THICKNESS = 1.0
+"""µm, of a profile."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:

@@ -236,7 +236,8 @@ class Onset(Shown):
         """
         from stiction.mechanics.drawing import draw_onset
 
-        return draw_onset(axes_for(ax), self)
+        of_curve = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
+        return draw_onset(axes_for(ax), self.tangential_load, self.displacement, self.slipped_area, **of_curve)
 
     def iwan(self) -> FourParameterIwan:
         """Segalman's four-parameter Iwan model of the curve, see `FourParameterIwan`.

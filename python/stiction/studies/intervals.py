@@ -126,13 +126,6 @@ class AtLoads:
         return result
 
 
-def half_width_of(left_out: Floats) -> Floats:
-    """Half the interval of a mean from its leave-one-out values (r, ...)."""
-    powers = Powers(left_out.shape[1:])
-    powers.add(np.moveaxis(left_out - left_out.mean(axis=0), 0, -1))
-    return powers.half_width()
-
-
 class _Extent:
     """Sum, least and most of values (p, r) over r that come by."""
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats, read_only
+from stiction.mechanics.model import THICKNESS
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_surfaces import MeasuredAreas, MeasuredLines
 from stiction.studies.result import About, areas, is_measured, measured, profiles
@@ -26,16 +27,11 @@ from stiction.surfaces.fractal import (
     random_phases,
     weierstrass_mandelbrot_surface,
 )
-from stiction.surfaces.pairing import IsotropicPairs, LinePairs, MapPairs, lower_piece, spread
+from stiction.surfaces.pairing import SIDES, IsotropicPairs, LinePairs, MapPairs, lower_piece, spread
 from stiction.surfaces.preparation import levelled, rotated, turned_over
 from stiction.surfaces.profile import Profile, Side, scaled_profile
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
-
-SIDES: tuple[Side, Side] = ("upper", "lower")
-
-THICKNESS = 1.0
-"""µm, of every profile."""
 
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
 

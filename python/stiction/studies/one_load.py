@@ -9,10 +9,10 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.mechanics.candidates import candidates
-from stiction.mechanics.contact import contacts, press
+from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
-from stiction.mechanics.load_curve import LoadCurve
+from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel
 from stiction.studies.contact_statistics import Slopes, Table, asperities_of, patches_of

@@ -13,15 +13,13 @@ import numpy as np
 import stiction._core as _core
 from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
-from stiction.mechanics.contact import press
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
-from stiction.mechanics.load_curve import LoadCurve
+from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.quantities import DIRECTED
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.members import (
     FAMILY_MEMORY,
-    SIDES,
     ProfileGenerator,
     bodies_of,
     scaled_surface,
@@ -30,6 +28,7 @@ from stiction.studies.members import (
 from stiction.studies.pressing import Pressing, nothing, solved
 from stiction.studies.result import Arrays, areas, generated, is_measured, measured, names_of, profiles, variables_of
 from stiction.studies.study import Study
+from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, scaled_profile
 from stiction.surfaces.surface import Surface
 

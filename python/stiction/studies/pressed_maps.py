@@ -19,9 +19,8 @@ from stiction.mechanics.model import ContactModel, modulus_for
 from stiction.mechanics.quantities import AREAL_VALIDITY, DISTRIBUTIONS, STATISTICS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import in_order
-from stiction.studies.pressing import Mechanics, Pressing
+from stiction.studies.pressing import Mechanics, Pressing, checked_loads
 from stiction.studies.result import QUANTILES
-from stiction.studies.traverse import checked_loads
 from stiction.surfaces.pairing import IsotropicPairs, MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
 from stiction.surfaces.profile import Profile

@@ -9,13 +9,15 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats
+from stiction._checks import Floats, float_array
+from stiction._units import in_core_units
 from stiction.mechanics.candidates import candidates
-from stiction.mechanics.contact import contacts, press
+from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
 from stiction.mechanics.half_space import Boundary, HalfSpaceCurve, half_space
+from stiction.mechanics.load_curve import press
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel, Sliding
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, DISTRIBUTIONS, STATISTICS, SUMS
@@ -32,10 +34,19 @@ from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
+Load = Literal["normal", "elastic"]
 Mechanics = Literal["half-space", "asperities"]
 
 STIFFNESS_STEP = 0.02
 """The fraction of the approach on both sides of it over which the stiffness of asperities is taken."""
+
+
+def checked_loads(loads: ArrayLike) -> Floats:
+    """Loads (mN) above 0, each once and rising."""
+    values = np.unique(np.atleast_1d(float_array("loads", in_core_units("loads", loads, "force"))))
+    if not values.size or not (values > 0).all():
+        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
+    return values
 
 
 @dataclass(frozen=True, eq=False)

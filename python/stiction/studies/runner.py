@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import itertools
 import queue
 import shutil
-import socket
-import time
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Executor, Future, wait
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,10 +18,11 @@ from stiction._files import half_written
 from stiction._text import bytes_text, duration_text, named
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.members import about
-from stiction.studies.pressed import cost_of_member, member_sums
-from stiction.studies.result import OF_MEMBERS, Arrays, dataset_of, stacked
+from stiction.studies.pressed import cost_of_member
+from stiction.studies.result import OF_MEMBERS, Arrays, dataset_of
 from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, bytes_of_member, open_stored, put
-from stiction.studies.study import Study, study_from_text
+from stiction.studies.study import Study
+from stiction.studies.tasks import Folder, arrays_task, block_task
 from stiction.studies.text import StudyError
 
 if TYPE_CHECKING:
@@ -47,9 +44,6 @@ MOST_SUBMITTED = 1000
 MOST_WAITING = 2**28
 """Bytes of results that may wait here, where workers do not write them."""
 
-LOOK = 0.2
-"""Seconds after which a task looks again whether anybody waits for it."""
-
 PATIENCE = 1.0
 """Seconds that an interrupted run waits for its workers to write what they have."""
 
@@ -62,93 +56,6 @@ def block_size(study: Study) -> int:
     by_time = int(min(BLOCK_TIME / max(cost_of_member(study), 1e-9), MOST_MEMBERS))
     by_size = MOST_BYTES // bytes_of_member(study)
     return max(1, min(by_time, by_size, study.ensemble.repetitions // FEWEST_BLOCKS))
-
-
-# ---- Tasks ----------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Folder:
-    """Where a task writes its block, if the worker sees it."""
-
-    path: Path
-    token: str  # name of a file among the blocks, which is there as long as the run that hands out the tasks
-
-    def is_seen(self) -> bool:
-        """Whether this process sees the folder, and the run still waits for its tasks."""
-        return (self.path / BLOCKS / self.token).exists()
-
-
-def block_task(version: str, text: str, members: range, folder: Folder) -> tuple[int, bytes | None]:
-    """Compute a block and write its file, wherever this runs.
-
-    If the run has ended before the block is complete, or a member fails, what was computed is written.
-
-    Parameters
-    ----------
-    version : str
-        Of the stiction that asks for it.
-    text : str
-        The study.
-    members : range
-    folder : Folder
-
-    Returns
-    -------
-    count : int
-        How many of the members were computed, from the first on.
-    content : bytes, optional
-        The file of the block, if it could not be written because the folder is not seen from here.
-
-    Raises
-    ------
-    StudyError
-        If another version of stiction is to compute it, whose results may differ.
-    StoreError
-        If it cannot be written.
-    """
-    from stiction.studies.netcdf import encoded
-
-    study = _study(version, text)
-    is_seen = folder.is_seen()
-    done: list[Arrays] = []
-    looked = time.monotonic()
-    for member in members:
-        try:
-            done.append(member_sums(study, member))
-        except Exception:
-            if not done:
-                raise
-            break  # it will be the first of what is left
-        if is_seen and time.monotonic() - looked > LOOK:
-            if not folder.is_seen():
-                break
-            looked = time.monotonic()
-    content = encoded(study, members[: len(done)], stacked(study, done))
-    if not is_seen:
-        return len(done), content
-    put(folder.path, members[0], content, len(done))
-    return len(done), None
-
-
-def arrays_task(version: str, text: str, members: range, _: None) -> tuple[int, Arrays]:
-    """Compute some members that are not stored; see `block_task`."""
-    study = _study(version, text)
-    return len(members), stacked(study, [member_sums(study, member) for member in members])
-
-
-def _study(version: str, text: str) -> Study:
-    if version != __version__:
-        raise StudyError(
-            f"the worker on {socket.gethostname()} has stiction {__version__}, and {version} asks for the study; "
-            "install the same version everywhere"
-        )
-    return _parsed(text)
-
-
-@functools.lru_cache(maxsize=4)
-def _parsed(text: str) -> Study:
-    return study_from_text(text, "the study")
 
 
 # ---- Runs -----------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exactly, quantity, shortened
-from stiction.mechanics.half_space import WIDTH
+from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
 from stiction.studies.contact_tables import Asperities, ByAsperities, Contact, HalfSpace
 from stiction.studies.generated_surfaces import Profiles
@@ -127,7 +127,7 @@ class Study(Table):
             if not (given is None or given in ("+x", "-x")):
                 words = shortened(list(given) if isinstance(given, tuple) else given)
                 raise ValueError(f'contact.direction: must be "+x" or "-x" on profiles, got {words}')
-            area = float(surfaces.extent) * WIDTH
+            area = float(surfaces.extent) * THICKNESS
         else:
             if drawn := [name for name in self.figures.draw if name not in ("friction", "area")]:
                 raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')

@@ -6,32 +6,37 @@ import functools
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array, part_of_one
 from stiction._core import __version__
-from stiction._units import in_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.half_space import half_space
 from stiction.mechanics.loading import Bodies, crossing
-from stiction.mechanics.model import ContactKeywords, ContactModel, Shear, check_modulus, model_of, shows_model
+from stiction.mechanics.model import (
+    THICKNESS,
+    ContactKeywords,
+    ContactModel,
+    Shear,
+    check_modulus,
+    model_of,
+    shows_model,
+)
 from stiction.mechanics.quantities import VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import in_order
-from stiction.studies.members import THICKNESS
-from stiction.studies.pressing import STIFFNESS_STEP, Mechanics, solved
+from stiction.studies.pressing import STIFFNESS_STEP, Load, Mechanics, checked_loads, solved
+from stiction.studies.traverse_surfaces import traverse_surfaces
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
-
-Load = Literal["normal", "elastic"]
 
 SHEARS: tuple[Shear, ...] = get_args(Shear)
 
@@ -135,8 +140,6 @@ def traverse(
     if isinstance(upper, Surface) or isinstance(lower, Surface):
         if mechanics != "asperities":
             raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
-        from stiction.studies.traverse_surfaces import traverse_surfaces
-
         return traverse_surfaces(
             upper, lower, loads, mu0=mu0, tau0=tau0, offsets=offsets, executor=executor, progress=progress,
             load=load, contact=dict(contact),
@@ -188,14 +191,6 @@ def _model(mechanics: Mechanics, contact: Any) -> ContactModel:
                 raise ValueError(f"{name} must not be given for half-planes: it is of asperities")
     model = model_of(contact)
     return replace(model, detection=model.detection or "gap-minimum").for_profiles()
-
-
-def checked_loads(loads: ArrayLike) -> Floats:
-    """Loads (mN) above 0, each once and rising."""
-    values = np.unique(np.atleast_1d(float_array("loads", in_core_units("loads", loads, "force"))))
-    if not values.size or not (values > 0).all():
-        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    return values
 
 
 def _listed(name: str, given: ArrayLike) -> Floats:

@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.contact import press
 from stiction.mechanics.friction import STATUS_DTYPE
-from stiction.mechanics.load_curve import SurfaceLoadCurve
+from stiction.mechanics.load_curve import SurfaceLoadCurve, press
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel, check_modulus, check_pair, model_of
 from stiction.mechanics.quantities import AREAL_VALIDITY, VALIDITY, attributes_of
 from stiction.studies.executors import in_order
-from stiction.studies.traverse import Load, checked_loads
+from stiction.studies.pressing import Load, checked_loads
 from stiction.surfaces.pairing import FEWEST_POINTS
 from stiction.surfaces.surface import Surface
 

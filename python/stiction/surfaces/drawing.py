@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from stiction._checks import Floats
-    from stiction.surfaces.profile import Profile
-    from stiction.surfaces.spectrum import PowerSpectrum
-    from stiction.surfaces.surface import Surface
 
 HEIGHT_MAP = "cividis"
 
@@ -29,40 +26,41 @@ def in_fine_unit(heights: Floats) -> tuple[Floats, str]:
     return (heights * 1000, "nm") if np.ptp(heights) < _FINE else (heights, "µm")
 
 
-def draw_profile(ax: Axes, profile: Profile) -> Axes:
+def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
     """Heights over x, as they are: the vertical scale is another."""
-    heights, unit = in_fine_unit(profile.heights)
-    ax.plot(profile.x, heights, color="0.2", linewidth=0.8)
-    ax.set_xlim(0, float(profile.x[-1]))
+    heights, unit = in_fine_unit(heights)
+    ax.plot(x, heights, color="0.2", linewidth=0.8)
+    ax.set_xlim(0, float(x[-1]))
     ax.set_xlabel("x (µm)")
     ax.set_ylabel(f"height ({unit})")
     return ax
 
 
-def draw_surface(ax: Axes, surface: Surface) -> Axes:
+def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
     """A map of heights, each point in the middle of its cell, y upwards."""
-    heights, unit = in_fine_unit(surface.heights)
-    image = ax.imshow(heights, extent=box_of(surface.heights.shape, surface.spacing), origin="lower", cmap=HEIGHT_MAP)
+    heights, unit = in_fine_unit(heights)
+    image = ax.imshow(heights, extent=box_of(heights.shape, spacing), origin="lower", cmap=HEIGHT_MAP)
     colour_bar(ax, image, f"height ({unit})")
     ax.set_xlabel("x (µm)")
     ax.set_ylabel("y (µm)")
     return ax
 
 
-def draw_spectrum(ax: Axes, spectrum: PowerSpectrum) -> Axes:
-    """Density over wave number on logarithmic scales, all harmonics and their means over tenths of a decade."""
-    each = spectrum.density > 0
+def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
+    """Wave numbers and density on logarithmic scales, of all harmonics and of their means over bins."""
+    wave_number, density = harmonics
+    each = density > 0
     if not each.any():
         raise ValueError("the spectrum is 0 everywhere, so there is nothing to draw")
-    ax.loglog(spectrum.wave_number[each], spectrum.density[each], color="0.75", linewidth=0.6)
-    bins = spectrum.in_bins()
-    seen = bins.density > 0
-    ax.loglog(bins.wave_number[seen], bins.density[seen], color="0.1", linewidth=1.4)
+    ax.loglog(wave_number[each], density[each], color="0.75", linewidth=0.6)
+    middle, mean = bins
+    seen = mean > 0
+    ax.loglog(middle[seen], mean[seen], color="0.1", linewidth=1.4)
     # Harmonics of round-off alone would take most of the height.
-    top = float(spectrum.density.max())
-    ax.set_ylim(max(float(bins.density[seen].min()) / 3, 1e-16 * top), 3 * top)
+    top = float(density.max())
+    ax.set_ylim(max(float(mean[seen].min()) / 3, 1e-16 * top), 3 * top)
     ax.set_xlabel("wave number q (1/µm)")
-    plain_ticks(ax.xaxis, float(bins.wave_number[0]), float(bins.wave_number[-1]))
+    plain_ticks(ax.xaxis, float(middle[0]), float(middle[-1]))
     ax.set_ylabel("power spectral density C1D (µm³)")
     above = ax.secondary_xaxis("top", functions=(_wavelength, _wavelength))
     above.set_xlabel("wavelength (µm)")

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from stiction._shown import with_unit
 from stiction.surfaces.measured.raw import LENGTH_UNITS
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
+
+    from stiction._checks import Floats
 
 EQUAL_STEPS = 1e-6
 """Of a step: coordinates whose steps differ by more are not on a uniform grid."""
 
 
-def body_from(name: str, other: Any, *, unit: str | None = None) -> Profile | Surface:
-    """A profile or a surface from an object of SurfaceTopography, surfalize or xarray.
+class Taken(NamedTuple):
+    """What a profile or a surface is made of."""
+
+    heights: Floats
+    """(n,) or (rows, columns), µm"""
+    spacing: tuple[float, ...]
+    """(Δx,) or (Δy, Δx), µm"""
+    history: tuple[str, ...]
+
+
+def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
+    """Heights and spacing of a body of our own, or of an object of SurfaceTopography, surfalize or xarray.
 
     Parameters
     ----------
@@ -35,8 +45,8 @@ def body_from(name: str, other: Any, *, unit: str | None = None) -> Profile | Su
     ValueError
         If it is none of these, has no unit, or points are missing.
     """
-    if isinstance(other, (Profile, Surface)):
-        return other
+    if hasattr(other, "heights") and hasattr(other, "history"):
+        return Taken(other.heights, tuple(np.atleast_1d(other.spacing).tolist()), other.history)
     kind = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
     if hasattr(other, "dims") and hasattr(other, "coords") and hasattr(other, "attrs"):
         return _of_data_array(name, other, kind, unit)
@@ -44,41 +54,36 @@ def body_from(name: str, other: Any, *, unit: str | None = None) -> Profile | Su
         return _of_topography(name, other, kind, unit)
     if hasattr(other, "data") and hasattr(other, "step_x") and hasattr(other, "step_y"):
         heights = np.asarray(other.data, dtype=np.float64)
-        return _body(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
+        return _taken(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
     raise ValueError(
         f"{name} must be a Profile or a Surface, or one of SurfaceTopography, surfalize or xarray, got "
         f"{type(other).__name__}"
     )
 
 
-def data_array_of(body: Profile | Surface) -> xarray.DataArray:
-    """Heights over y and x, or x, with units and history; `body_from` gives the same body back."""
+def data_array_of(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
+    """Heights over the positions (µm) along y and x, or x, with units; `taken_from` gives the same back."""
     import xarray
 
-    dims = ("y", "x") if isinstance(body, Surface) else ("x",)
     along = {"units": "um", "long_name": "position"}
-    coordinates: dict[str, Any] = {name: ((name,), getattr(body, name), along) for name in dims}
-    attributes = {"units": "um", "long_name": "height", "history": "\n".join(body.history)}
-    return xarray.DataArray(body.heights, coordinates, dims, "height", attributes)
+    coordinates: dict[str, Any] = {name: ((name,), values, along) for name, values in positions.items()}
+    attributes = {"units": "um", "long_name": "height", "history": "\n".join(history)}
+    return xarray.DataArray(heights, coordinates, tuple(positions), "height", attributes)
 
 
-def words_of(body: Profile | Surface) -> str:
+def words_of(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
     """A body in a line: its size, its spacing, its roughness and where it is from."""
-    size = " × ".join(map(str, body.heights.shape))
-    steps = np.unique(body.spacing).tolist()
-    apart = with_unit(steps[0], "µm")
-    if isinstance(body, Surface) and len(steps) > 1:
-        apart = f"{with_unit(body.spacing[1], 'µm')} apart along x and {with_unit(body.spacing[0], 'µm')} along y"
-    else:
-        apart += " apart"
-    rough = "Sq" if isinstance(body, Surface) else "Pq"
-    made = f"; {', '.join(body.history)}" if body.history else ""
-    return (
-        f"{type(body).__name__} of {size} points, {apart}, {rough} {with_unit(float(body.heights.std()), 'µm')}{made}"
-    )
+    size = " × ".join(map(str, heights.shape))
+    steps = np.unique(spacing).tolist()
+    apart = f"{with_unit(steps[0], 'µm')} apart"
+    if len(steps) > 1:
+        apart = f"{with_unit(spacing[1], 'µm')} apart along x and {with_unit(spacing[0], 'µm')} along y"
+    rough = f"{'Pq' if heights.ndim == 1 else 'Sq'} {with_unit(float(heights.std()), 'µm')}"
+    made = f"; {', '.join(history)}" if history else ""
+    return f"{kind} of {size} points, {apart}, {rough}{made}"
 
 
-def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Profile | Surface:
+def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Taken:
     """Of SurfaceTopography, whose first axis is x."""
     factor = _factor(name, other.unit or unit, kind)
     given = np.ma.asarray(other.heights())
@@ -87,13 +92,13 @@ def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Profil
     heights = np.asarray(np.ma.getdata(given), dtype=np.float64)
     if heights.ndim == 2:
         x, y = (float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True))
-        return _body(name, heights.T, (y, x), factor, kind)
+        return _taken(name, heights.T, (y, x), factor, kind)
     if not other.is_uniform:
-        return _body(name, heights, (_step(name, "x", other.positions()),), factor, kind)
-    return _body(name, heights, (float(other.physical_sizes[0]) / heights.size,), factor, kind)
+        return _taken(name, heights, (_step(name, "x", other.positions()),), factor, kind)
+    return _taken(name, heights, (float(other.physical_sizes[0]) / heights.size,), factor, kind)
 
 
-def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Profile | Surface:
+def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Taken:
     """Of xarray: heights over y and x, or over x, each with its unit in ``attrs["units"]``."""
     wanted = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if wanted is None or set(other.dims) != set(wanted):
@@ -107,12 +112,12 @@ def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Profil
         factor = _factor(f"{name}.{axis}", along.attrs.get("units", unit), kind)
         spacing.append(_step(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
     factor = _factor(name, other.attrs.get("units", unit), kind)
-    body = _body(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
+    taken = _taken(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
     history = other.attrs.get("history")
     if history is None:
-        return body
+        return taken
     made = tuple(each for each in str(history).split("\n") if each)
-    return type(body)(body.heights, spacing=body.spacing, history=made)  # type: ignore[arg-type]
+    return taken._replace(history=made)
 
 
 def _step(name: str, axis: str, positions: Any) -> float:
@@ -133,11 +138,9 @@ def _factor(name: str, unit: Any, kind: str) -> float:
     return float(LENGTH_UNITS[unit])
 
 
-def _body(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> Profile | Surface:
+def _taken(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> Taken:
     if np.isnan(heights).any():
         raise ValueError(f"{name} has {int(np.isnan(heights).sum())} points without a height; fill them first")
-    history = (f"taken from a {kind}",)
-    if heights.ndim == 1:
-        return Profile(heights * factor, spacing=spacing[0] * factor, history=history)
-    both = (spacing[0] * factor, spacing[1] * factor)
-    return Surface(np.ascontiguousarray(heights) * factor, spacing=both, history=history)
+    return Taken(
+        np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {kind}",)
+    )

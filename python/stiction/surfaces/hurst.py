@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, truth
+from stiction.surfaces.power_law import PowerLaw
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import in_band, spectrum_of, spectrum_of_area
@@ -167,9 +168,9 @@ def hurst_exponent_of(
         chosen, piece = _given_band(wave_number, band), None
     q, power = wave_number[chosen], power[chosen]
     bins = _Bins.of(q, power)
-    exponent = _PowerLaw(np.log(q), power, np.ones(q.size)).exponent
+    exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / alike))
-    law = _PowerLaw(np.log(q), power, np.full(q.size, 1 / (alike * dispersion)))
+    law = PowerLaw(np.log(q), power, np.full(q.size, 1 / (alike * dispersion)))
     lower, upper = law.interval(law.least_loss + _CHI_SQUARED_95 / 2)
     if piece is not None:  # that a roll-off may be longer or shorter than it seems
         laws = _rolled_off(piece, piece.count / (alike * dispersion))
@@ -251,55 +252,6 @@ _HANN_ALIKE = 35 / 18
 """Mean of w⁴ over the square of that of w²: how much the window widens the scatter of sums over many harmonics."""
 
 _CHI_SQUARED_95 = 3.841  # one degree of freedom
-
-
-class _PowerLaw:
-    """Likeliest power law P ∝ q^-s through powers that are gamma distributed, their shapes the weights."""
-
-    def __init__(self, log_q: Floats, power: Floats, weight: Floats) -> None:
-        self._total = float(weight.sum())
-        share = weight / self._total
-        self._middle = float(share @ log_q)
-        self._log_q = log_q - self._middle
-        self._largest = float(power.max())
-        self._power = share * power / self._largest
-        self.exponent = 0.0
-        for _ in range(_NEWTON_STEPS):  # the loss is convex, with a logarithm of a sum of exponentials
-            scaled = self._power * np.exp(self.exponent * self._log_q)
-            scaled /= scaled.sum()
-            gradient = float(scaled @ self._log_q)
-            step = gradient / float(scaled @ (self._log_q - gradient) ** 2)
-            self.exponent -= min(max(step, -2.0), 2.0)
-            if abs(step) < 1e-10:
-                break
-        self.least_loss = self.loss(self.exponent)
-
-    def _log_level(self, exponent: float) -> float:
-        return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._largest)
-
-    def loss(self, exponent: float) -> float:
-        """Minus the log-likelihood but for a constant, the prefactor at its best."""
-        return self._total * self._log_level(exponent)
-
-    @property
-    def log_prefactor(self) -> float:
-        return self._log_level(self.exponent) + self.exponent * self._middle
-
-    def interval(self, most_loss: float) -> tuple[float, float]:
-        """Exponents between which the loss is not larger than a value above the least."""
-        ends = []
-        for side in (-1.0, 1.0):
-            near, far = 0.0, 0.1
-            while self.loss(self.exponent + side * far) < most_loss:
-                near, far = far, 2 * far
-            for _ in range(_HALVINGS):
-                middle = (near + far) / 2
-                near, far = (middle, far) if self.loss(self.exponent + side * middle) < most_loss else (near, middle)
-            ends.append(self.exponent + side * far)
-        return ends[0], ends[1]
-
-
-_NEWTON_STEPS, _HALVINGS = 50, 30
 
 
 @dataclass(frozen=True)
@@ -413,10 +365,10 @@ _NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())
 """Multiples of the power law at the shortest wavelength."""
 
 
-def _rolled_off(bins: _Bins, weight: Floats) -> list[_PowerLaw]:
+def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
     """Power laws that are flat up to the first bin, the second and so on: the first has no roll-off."""
     breaks = range(max(1, bins.log_q.size - _FEWEST_BINS))
-    return [_PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
+    return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 
 
 def _behind_roll_off(bins: _Bins, weight: Floats) -> int:
@@ -436,7 +388,7 @@ def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.i
     """Start, end, best exponent and loss of every piece of a binned spectrum."""
     starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _FEWEST_BINS))
     laws = [
-        _PowerLaw(bins.log_q[start:end], bins.power[start:end], weight[start:end])
+        PowerLaw(bins.log_q[start:end], bins.power[start:end], weight[start:end])
         for start, end in zip(starts, ends, strict=True)
     ]
     return starts, ends, np.array([law.exponent for law in laws]), np.array([law.least_loss for law in laws])

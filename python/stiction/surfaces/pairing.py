@@ -41,6 +41,8 @@ MOST_POINTS = 512
 
 Surrogates = Literal["none", "upper", "lower", "both"]
 
+SIDES: tuple[Side, Side] = ("upper", "lower")
+
 _GOLDEN = (5**0.5 - 1) / 2
 _PLASTIC = 1.324717957244746
 _OF_FOUR = 1.1673039782614187
@@ -67,18 +69,8 @@ class LinePairs:
 
     Attributes
     ----------
-    upper, lower : Profile or Surface
-        Scans, both with heights out of the material; of different grids the finer is taken for both.
-    travel : float, µm, optional
-        The largest offset that shall be possible; sliders are shortened to leave it.
-    level : {"line", "mean", "quadratic"} or None
-        What is taken off each line, and off each slider once more when it has its length.
-    along : {"x", "y"}
-        Whether lines of surfaces are rows or columns.
-    surrogates : {"none", "upper", "lower", "both"}
-        Which of the two are replaced by their `surrogate`, a new one for each line.
-    seed : int
-        Of the surrogates.
+    upper, lower, travel, level, along, surrogates, seed
+        As for `paired_lines`.
     several : bool
         Whether there is more than one pair: then none has room to travel unless it is asked for, and of lines of
         different lengths the longer is cut to the shorter, each at another place.
@@ -366,10 +358,9 @@ class MapPairs:
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Pieces of a pair of surrogates of the whole maps, both levelled."""
-        sides: tuple[Side, Side] = ("upper", "lower")
         upper, lower = (
             self._cut(surrogate(body, self.seed, repetition=index, side=side), _middle(points, self.shape))
-            for body, side, points in zip((self.upper, self.lower), sides, self._points, strict=True)
+            for body, side, points in zip((self.upper, self.lower), SIDES, self._points, strict=True)
         )
         return upper, lower
 
@@ -437,7 +428,6 @@ class IsotropicPairs:
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Pieces of a pair, both levelled."""
-        sides: tuple[Side, Side] = ("upper", "lower")
         shape = (self._whole, self._whole)
         upper, lower = (
             levelled(
@@ -447,7 +437,7 @@ class IsotropicPairs:
                 ),
                 self.level,
             )
-            for body, side in zip(self._both, sides, strict=True)
+            for body, side in zip(self._both, SIDES, strict=True)
         )  # fmt: skip
         return upper, lower
 

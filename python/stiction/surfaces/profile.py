@@ -120,7 +120,7 @@ class Profile(Shown):
         """Show its size, its roughness and where it is from."""
         from stiction.surfaces.foreign import words_of
 
-        return words_of(self)
+        return words_of(type(self).__name__, self.heights, (self.spacing,), self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights over x.
@@ -132,7 +132,7 @@ class Profile(Shown):
         """
         from stiction.surfaces.drawing import draw_profile
 
-        return draw_profile(axes_for(ax), self)
+        return draw_profile(axes_for(ax), self.x, self.heights)
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Profile:
@@ -157,18 +157,18 @@ class Profile(Shown):
         >>> Profile.from_(profile.to_xarray()).spacing
         0.5
         """
-        from stiction.surfaces.foreign import body_from
+        from stiction.surfaces.foreign import taken_from
 
-        found = body_from("other", other, unit=unit)
-        if not isinstance(found, cls):
-            raise ValueError(f"other must be a profile, got a {type(found).__name__.lower()}; see Surface.from_")
-        return found
+        taken = taken_from("other", other, unit=unit)
+        if taken.heights.ndim != 1:
+            raise ValueError("other must be a profile, got a surface; see Surface.from_")
+        return cls(taken.heights, spacing=taken.spacing[0], history=taken.history)
 
     def to_xarray(self) -> xarray.DataArray:
         """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
         from stiction.surfaces.foreign import data_array_of
 
-        return data_array_of(self)
+        return data_array_of(self.heights, self.history, x=self.x)
 
 
 def steps(name: str, value: Any) -> tuple[str, ...]:

@@ -129,7 +129,7 @@ class Surface(Shown):
         """Show its size, its roughness and where it is from."""
         from stiction.surfaces.foreign import words_of
 
-        return words_of(self)
+        return words_of(type(self).__name__, self.heights, self.spacing, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw a map of the heights.
@@ -141,7 +141,7 @@ class Surface(Shown):
         """
         from stiction.surfaces.drawing import draw_surface
 
-        return draw_surface(axes_for(ax), self)
+        return draw_surface(axes_for(ax), self.heights, self.spacing)
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Surface:
@@ -166,18 +166,18 @@ class Surface(Shown):
         >>> Surface.from_(surface.to_xarray()).spacing
         (0.5, 0.5)
         """
-        from stiction.surfaces.foreign import body_from
+        from stiction.surfaces.foreign import taken_from
 
-        found = body_from("other", other, unit=unit)
-        if not isinstance(found, cls):
-            raise ValueError(f"other must be a surface, got a {type(found).__name__.lower()}; see Profile.from_")
-        return found
+        taken = taken_from("other", other, unit=unit)
+        if taken.heights.ndim != 2:
+            raise ValueError("other must be a surface, got a profile; see Profile.from_")
+        return cls(taken.heights, spacing=lengths("spacing", taken.spacing), history=taken.history)
 
     def to_xarray(self) -> xarray.DataArray:
         """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
         from stiction.surfaces.foreign import data_array_of
 
-        return data_array_of(self)
+        return data_array_of(self.heights, self.history, y=self.y, x=self.x)
 
 
 def lengths(name: str, value: Any) -> tuple[float, float]:

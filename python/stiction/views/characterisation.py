@@ -9,9 +9,10 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import BENT, LineRoughness
+from stiction.surfaces.peak import peak_of
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import roughness_parameters, surface_parameters
-from stiction.surfaces.spectrum import PowerSpectrum, peak_of, power_spectrum, spectral_moments, surface_spectrum
+from stiction.surfaces.spectrum import PowerSpectrum, power_spectrum, spectral_moments, surface_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.scale_rows import scale_rows
 

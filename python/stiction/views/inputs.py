@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction.studies.tables import MeasuredFriction
+from stiction.surfaces.peak import peak_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import instrument_limit
-from stiction.surfaces.spectrum import peak_of, power_spectrum
+from stiction.surfaces.spectrum import power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt

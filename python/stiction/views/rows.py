@@ -19,7 +19,9 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.views.answer import Answer, Doubt, answers
 from stiction.views.digits import finite
+from stiction.views.onset import onset_record
 from stiction.views.point import CELLS, rules_of
+from stiction.views.resolution import resolution_record
 
 if TYPE_CHECKING:
     import pandas
@@ -207,9 +209,6 @@ def record_text(
 
     `over` and `onset` are what `resolution_at` and `onset_beside` give.
     """
-    from stiction.views.onset import onset_record
-    from stiction.views.resolution import resolution_record
-
     about = {"kind": "pair" if study.surfaces.kind == "measured" else "study", **about}
     about |= {name: str(at.attrs[name]) for name in ("upper", "lower", "reading") if name in at.attrs}
     for name in ("effective_modulus", "nominal_area"):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from stiction.studies.claims import CLAIMS, Outcome, Part, verdict_of
+from stiction.studies.claim_parts import Part
+from stiction.studies.claims import CLAIMS, Outcome, verdict_of
 from stiction.views.digits import finite
 from stiction.views.rows import entry, record
 from stiction.views.text import fitted
