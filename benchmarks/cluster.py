@@ -18,8 +18,7 @@ from stiction import Study
 from stiction.studies import runner, tasks
 from stiction.studies.netcdf import encoded
 from stiction.studies.pressed import member_sums
-from stiction.studies.result import stacked
-from stiction.studies.store import bytes_of_member
+from stiction.studies.result import bytes_of_member, stacked
 
 STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
 BLOCKS = 60

@@ -7,7 +7,7 @@ import pytest
 import xarray
 from command import assert_refused, stiction_command
 from stiction import half_space, pair_of, run
-from stiction.studies import store
+from stiction.studies import result
 from stiction.studies.friction_table import friction_table, table_study
 
 SMALL = {
@@ -57,7 +57,7 @@ def test_every_number_is_that_of_pressing_by_hand(dataset, table):
 
 
 def test_a_table_in_pieces_is_the_same(dataset, table, monkeypatch):
-    monkeypatch.setattr(store, "MOST_IN_PIECE", 0)
+    monkeypatch.setattr(result, "MOST_IN_PIECE", 0)
     xarray.testing.assert_allclose(friction_table(dataset), table, rtol=1e-12, atol=1e-15)  # but for round-off
 
 

@@ -17,7 +17,7 @@ from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import executors, members, pressed, runner, tasks
 from stiction.studies.pressed import cost_of_member
-from stiction.studies.store import bytes_of_member
+from stiction.studies.result import bytes_of_member
 from stiction.studies.study import study_of
 from tiny import TINY, Inline, assert_same_bits, repetitions
 

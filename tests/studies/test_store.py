@@ -20,6 +20,7 @@ import pytest
 import xarray
 from stiction import _files, run
 from stiction.studies import netcdf, runner, store
+from stiction.studies import result as results
 from stiction.studies.export import ExportError, export
 from stiction.studies.runner import fill
 from stiction.studies.store import BLOCKS, STUDY, Block, StoreError
@@ -128,7 +129,7 @@ def test_lists_of_motions_are_kept(tmp_path):
 
 
 def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, monkeypatch):
-    monkeypatch.setattr(store, "MOST_IN_PIECE", 9 * store.bytes_of_member(TINY))
+    monkeypatch.setattr(results, "MOST_IN_PIECE", 9 * results.bytes_of_member(TINY))
     block_of(whole, 4).unlink()
     there = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
     both = list(zip(store.pieces(store.open_stored(whole)), store.pieces(there), strict=True))
@@ -137,6 +138,21 @@ def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, mo
         assert_same_bits(piece, other)
     (piece,) = store.pieces(undisturbed.isel(repetition=slice(2)), ["contact_area"])
     assert list(piece.data_vars) == ["contact_area"]
+
+
+def test_a_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
+    """And what becomes of it in the hands of a caller is not what the next one sees."""
+    stored, reads = store.open_stored(whole), []
+    decoded = netcdf.decoded
+    monkeypatch.setattr(netcdf, "decoded", lambda content: reads.append(content) or decoded(content))
+    stored.dataset()["contact_area"].values[:] = 7.0
+    assert len(reads) == len(stored.blocks) + 1  # the first one for its version
+    (piece,) = stored.pieces()
+    assert_same_bits(piece, undisturbed)
+    assert_same_bits(stored.dataset(), undisturbed)
+    with pytest.raises(ValueError, match="read-only"):
+        piece["contact_area"].values[:] = 7.0
+    assert len(reads) == len(stored.blocks) + 1
 
 
 def test_what_no_memory_holds_is_said(whole, monkeypatch):
@@ -675,7 +691,7 @@ def test_an_export_is_what_was_computed(whole, undisturbed, tmp_path, monkeypatc
     from stiction.studies import export as exports
 
     monkeypatch.setattr(exports, "MOST_IN_MEMORY", most)
-    monkeypatch.setattr(store, "MOST_IN_PIECE", 9 * store.bytes_of_member(TINY))
+    monkeypatch.setattr(results, "MOST_IN_PIECE", 9 * results.bytes_of_member(TINY))
     file = tmp_path / "r.nc"
     export(undisturbed if kind == "dataset" else store.open_stored(whole), file)
     assert_same_bits(store.read(file), undisturbed)

@@ -36,6 +36,9 @@ TITLE = "stiction study"
 QUANTILES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Of the areas of contacts, and of the pressures over the true area."""
 
+MOST_IN_PIECE = 2**26
+"""Bytes of a result that are in memory at a time, where it is read piece by piece."""
+
 OF_MEMBERS: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
@@ -130,6 +133,16 @@ def variables_of(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | N
             attributes |= {"flag_values": np.arange(len(STATUSES)), "flag_meanings": " ".join(STATUSES)}
         found[name] = Array(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
     return found
+
+
+def bytes_of_member(study: Study) -> int:
+    """Bytes of the numbers of one member."""
+    return sum(each.size for each in variables_of(study, [0]).values())
+
+
+def piece_of(size: int) -> int:
+    """How many members of so many bytes are in memory at a time, a power of two."""
+    return 1 << max(0, (MOST_IN_PIECE // max(1, size)).bit_length() - 1)
 
 
 def names_of(study: Study) -> tuple[str, ...]:

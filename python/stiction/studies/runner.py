@@ -19,8 +19,8 @@ from stiction._text import bytes_text, duration_text, named
 from stiction.studies.executors import given_or_threads, progress_bar
 from stiction.studies.members import about
 from stiction.studies.pressed import cost_of_member
-from stiction.studies.result import OF_MEMBERS, Arrays, dataset_of
-from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, bytes_of_member, open_stored, put
+from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of
+from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, open_stored, put
 from stiction.studies.study import Study
 from stiction.studies.tasks import Folder, arrays_task, block_task
 from stiction.studies.text import StudyError

@@ -27,7 +27,7 @@ import stiction._files as _files
 from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason
 from stiction._text import named, printable
-from stiction.studies.result import OF_MEMBERS, Arrays, dataset_of, is_measured, variables_of
+from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, is_measured, piece_of, variables_of
 from stiction.studies.same_study import Difference, computed_otherwise, listed
 from stiction.studies.study import LONGEST_FILE, Study, study_from_text
 
@@ -44,9 +44,6 @@ MARK = "# Written by stiction"
 
 MOST_MEMORY = 2**31
 """Bytes of a result that is read into memory at once."""
-
-MOST_IN_PIECE = 2**26
-"""Bytes of a result that are in memory at a time, where it is read piece by piece."""
 
 _NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 
@@ -83,7 +80,7 @@ class StoreInfo:
 
 @dataclass(frozen=True)
 class Stored:
-    """A result in its folder, of which blocks are read when they are asked for.
+    """A result in its folder, of which blocks are read when they are asked for; one that is a single piece, once.
 
     Attributes
     ----------
@@ -149,15 +146,27 @@ class Stored:
                 f"{MOST_MEMORY / 2**30:.0f}; stiction.studies.store.pieces reads it piece by piece, and "
                 f"xarray.open_mfdataset opens {named(self.path / BLOCKS)}"
             )
-        return self._some(0, self.finished.size)
+        return self._piece.copy(deep=True) if self._step >= self.finished.size else self._some(0, self.finished.size)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Read the result piece by piece, in order, so that one piece is in memory at a time; see `pieces`."""
-        wanted = None if names is None else list(names)
-        step = members_of_piece(bytes_of_member(self.study))
-        for first in range(0, self.finished.size, step):
-            piece = self._some(first, min(first + step, self.finished.size))
-            yield piece if wanted is None else piece[wanted]
+        wanted, count = None if names is None else list(names), self.finished.size
+        for first in range(0, count, self._step):
+            piece = self._piece if self._step >= count else self._some(first, min(first + self._step, count))
+            yield piece.copy() if wanted is None else piece[wanted]
+
+    @cached_property
+    def _step(self) -> int:
+        """Members of a piece."""
+        return piece_of(bytes_of_member(self.study))
+
+    @cached_property
+    def _piece(self) -> xarray.Dataset:
+        """The whole result, of which nobody may change a number: every table and figure reads it again."""
+        whole = self._some(0, self.finished.size)
+        for variable in whole.data_vars.values():
+            variable.values.flags.writeable = False
+        return whole
 
     def _some(self, first: int, last: int) -> xarray.Dataset:
         """The finished members from one to before another, counted among the finished ones."""
@@ -307,20 +316,10 @@ def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) 
         yield from result.pieces(names)
         return
     count = result.sizes["repetition"]
-    step = members_of_piece(sum(each.nbytes for each in result.data_vars.values()) // max(1, count))
+    step = piece_of(sum(each.nbytes for each in result.data_vars.values()) // max(1, count))
     some = result if names is None else result[list(names)]
     for first in range(0, count, step):
         yield some.isel(repetition=slice(first, first + step))
-
-
-def members_of_piece(size: int) -> int:
-    """How many members of so many bytes are in memory at a time, a power of two."""
-    return 1 << max(0, (MOST_IN_PIECE // max(1, size)).bit_length() - 1)
-
-
-def bytes_of_member(study: Study) -> int:
-    """Bytes of the numbers of one member."""
-    return sum(each.size for each in variables_of(study, [0]).values())
 
 
 def _listed(path: Path) -> tuple[Block, ...]:
