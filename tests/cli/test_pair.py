@@ -415,7 +415,7 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     stored = store.read(folder / "pair" / "resolution")
     wanted = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml"))
     np.testing.assert_array_equal(stored["contact_area"].values, wanted["contact_area"].values)
-    assert {"cut_off.png", "onset.png", "onset.csv"} <= {path.name for path in (folder / "pair").iterdir()}
+    assert {"cut_off.png", "onset.png", "slip.png", "onset.csv"} <= {path.name for path in (folder / "pair").iterdir()}
 
 
 def test_a_pair_says_how_it_begins_to_slide(beside):

@@ -7,7 +7,7 @@ import numpy as np
 import pandas
 import pytest
 from measured_studies import study_of, write_maps, write_profiles
-from stiction import Study, half_space
+from stiction import Study, approach_at_load, contacts, half_space, read_result
 from stiction.studies.executors import threads
 from stiction.studies.export import export
 from stiction.studies.intervals import of_sample
@@ -16,6 +16,7 @@ from stiction.studies.onset import FILE, backbone, onset_beside, onset_of_result
 from stiction.studies.runner import fill
 from stiction.studies.store import open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
+from stiction.views.report import report_page
 
 
 def computed(study, **options):
@@ -86,6 +87,57 @@ def test_asperities_of_lines_have_one_and_half_planes_no_displacement(tmp_path):
 def test_nothing_holds_bodies_without_friction_and_generated_ones_have_none(study):
     assert computed(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
     assert computed(Study.named("quick")) is None
+
+
+def test_a_map_says_what_slips_first(study, onset, monkeypatch):
+    upper, lower = bodies_of(study).member(0, 0.0).pair
+    curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
+    one = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
+    wanted = (one.slip_load() / one.sliding_load).reshape(lower.heights.shape)
+    np.testing.assert_allclose(onset["slip"], wanted, rtol=1e-6)
+    touching = curve.contact(0).pressure > 0
+    np.testing.assert_array_equal(np.isfinite(onset["slip"]), touching)
+    # What slips at half of the load bears as much of it as the curve says.
+    bears = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
+    assert bears == pytest.approx(one.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9)
+    np.testing.assert_allclose(onset["lower_height"], lower.heights, rtol=1e-6)
+    monkeypatch.setattr("stiction.studies.slip_map.MOST_PICTURED", 8)
+    coarse = computed(study, members=1)["slip"].values
+    assert coarse.shape == (8, 8)
+    for row, column in np.ndindex(8, 8):
+        block = wanted[5 * row : 5 * row + 5, 5 * column : 5 * column + 5]
+        known = block[np.isfinite(block)]
+        assert coarse[row, column] == pytest.approx(known.min() if known.size else np.nan, nan_ok=True)
+
+
+def test_asperities_have_a_mark_for_each_contact(tmp_path):
+    study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
+    found = computed(study, members=1)
+    pair = bodies_of(study).member(0, 0.0).pair
+    approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")
+    listed = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
+    np.testing.assert_allclose(found["contact_x"], listed.centre[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(found["contact_area"], listed.area, rtol=1e-6)
+    assert float(found["contact_slip"].max()) == 1
+    assert "slip" not in found
+
+
+def test_figures_and_the_page_show_what_slips_first(study, onset, tmp_path):
+    fill(study, tmp_path)
+    export(onset, tmp_path / FILE)
+    result = read_result(tmp_path)
+    assert {"onset", "slip"} <= set(result.figures())
+    figure = result.figure("slip")
+    whole, closer = (axes.images[-1].get_array() for axes in figure.axes[:2])
+    assert np.ma.count(whole) == np.isfinite(onset["slip"]).sum()
+    assert np.ma.count(closer) > 0
+    page = report_page(open_stored(tmp_path))
+    for words in ("How the bodies begin to slide", "What slips first", "light points slip first"):
+        assert words in page
+    assert page.count('src="data:image/png;base64,') == 2
+    export(onset.drop_vars(["slip", "lower_height"]), tmp_path / FILE, replace=True)
+    assert "slip" not in read_result(tmp_path).figures()
+    assert "What slips first" not in report_page(open_stored(tmp_path))
 
 
 def test_it_is_read_beside_the_result_that_it_is_of(study, onset, tmp_path):

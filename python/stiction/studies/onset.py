@@ -18,6 +18,7 @@ from stiction.studies import intervals
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
+from stiction.studies.slip_map import slip_map
 from stiction.studies.study import Study
 from stiction.studies.tables import MeasuredFriction
 
@@ -75,10 +76,10 @@ def onset_of_result(
     -------
     xarray.Dataset or None
         Over fraction (of the sliding load) and statistic (mean, lower, upper): tangential_load, displacement,
-        slipped_area, slipped_load, energy_lost; over statistic: sliding_load, displacement_at_sliding, stiffness. The
-        attributes say load, mu0, tau0 and how many members there are, and have the parameters of the Iwan and LuGre
-        models of the mean curve. None of generated bodies, where nothing holds the bodies, and where no member has an
-        answer.
+        slipped_area, slipped_load, energy_lost; over statistic: sliding_load, displacement_at_sliding, stiffness. Of
+        areas also the map of what slips first of the first member, see `slip_map`. The attributes say load, mu0, tau0
+        and how many members there are, and have the parameters of the Iwan and LuGre models of the mean curve. None of
+        generated bodies, where nothing holds the bodies, and where no member has an answer.
     """
     if not is_measured(study):
         return None
@@ -93,29 +94,32 @@ def onset_of_result(
     few = surfaces.is_areal and study.contact.mechanics == "half-space"
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
-    found = [
-        each for each in executor.map(partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0), indices) if each
-    ]
+    of_member = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
+    found = [each for each in executor.map(of_member, indices) if each]
     if not found:
         return None
-    return _over_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    onset = _over_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    return onset.assign(found[0]["map"])
 
 
 def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: float) -> dict[str, Any] | None:
     """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
     member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
-    pressed = OneLoad.of(study, member.pair, load)
-    if pressed is None:
-        return None
     poisson = getattr(study.contact, "poisson_ratio", None) or (POISSON_RATIO, POISSON_RATIO)
     try:
+        pressed = OneLoad.of(study, member.pair, load)
+        if pressed is None:
+            return None
         onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=FRACTIONS, poisson=poisson)
     except (RuntimeError, ValueError):  # no solution, or a law that has no onset
         return None
     found: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS) if name != "energy_lost"
     }  # fmt: skip
-    return found | {"energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x}
+    return found | {
+        "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x,
+        "map": slip_map(pressed, onset),
+    }  # fmt: skip
 
 
 # ---- Over members ----------------------------------------------------------------------------------------------------

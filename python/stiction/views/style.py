@@ -77,6 +77,8 @@ FRICTION_MAP = "plasma"
 """Colour map of friction coefficients; viridis is of fractal dimensions, cividis of heights, inferno of pressures."""
 HEIGHT_MAP = "cividis"
 PRESSURE_MAP = "inferno"
+SLIP_MAP = "YlOrRd"
+"""Of the tangential load at which a point slips: light first, dark last."""
 
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}
 """What a legend says of a sliding rule."""

@@ -56,7 +56,7 @@ def contacts_figure(
     figure = Figure(figsize=(WIDTH, (144 if has_pressure else 86) * MILLIMETRE), layout="constrained")
     drawn = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = drawn[0]
-    _heights(figure, axes, picture["lower_height"].values, _box(picture, "height"))
+    draw_heights(figure, axes, picture["lower_height"].values, box_of(picture, "height"))
     radians = np.radians(direction)
     slope = picture["contact_slope_x"].values * np.cos(radians) + picture["contact_slope_y"].values * np.sin(radians)
     x, y = picture["contact_x"].values, picture["contact_y"].values
@@ -78,10 +78,10 @@ def contacts_figure(
             title, f"{force.size} contacts at {with_unit(float(picture.attrs['load_mN']), 'mN')}", moved,
         ) if line), loc="left", fontsize=6, pad=3,
     )  # fmt: skip
-    _scale_bar(axes, _box(picture, "height"))
+    scale_bar(axes, box_of(picture, "height"))
     if has_pressure:
         _pressure_panel(figure, drawn[1], picture, hardness)
-        left, right, bottom, top = _box(picture, "zoom")
+        left, right, bottom, top = box_of(picture, "zoom")
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="white", linewidth=1.6)
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="black", linewidth=0.6)
     figure.legend(
@@ -91,7 +91,8 @@ def contacts_figure(
     return figure
 
 
-def _heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
+def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
+    """Heights of the lower body in grey, with their scale, in a box: left, right, bottom, top (µm)."""
     fine = np.ptp(heights) < _FINE
     shown = heights * (1000 if fine else 1)
     low, high = np.quantile(shown, [0.01, 0.99])
@@ -102,7 +103,7 @@ def _heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, floa
     axes.set_ylabel(label("y"))
 
 
-def _box(picture: xarray.Dataset, what: str) -> tuple[float, float, float, float]:
+def box_of(picture: xarray.Dataset, what: str) -> tuple[float, float, float, float]:
     """Where a map of the picture lies: left, right, bottom, top."""
     ends: list[float] = []
     for axis in ("x", "y"):
@@ -111,7 +112,7 @@ def _box(picture: xarray.Dataset, what: str) -> tuple[float, float, float, float
     return ends[0], ends[1], ends[2], ends[3]
 
 
-def _scale_bar(axes: Axes, box: tuple[float, float, float, float]) -> None:
+def scale_bar(axes: Axes, box: tuple[float, float, float, float]) -> None:
     """A bar of a round length in the lower right corner."""
     from matplotlib.patheffects import withStroke
 
@@ -130,7 +131,7 @@ def _scale_bar(axes: Axes, box: tuple[float, float, float, float]) -> None:
 def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:
     """Pressure about the contact that carries most."""
     pressure = picture["zoom_pressure"].values
-    box = _box(picture, "zoom")
+    box = box_of(picture, "zoom")
     axes.imshow(picture["zoom_height"].values, extent=box, origin="lower", cmap="gray", alpha=0.6)
     image = axes.imshow(
         np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0,

@@ -26,6 +26,7 @@ from stiction.views.figures.distributions import positions_figure, sizes_figure
 from stiction.views.figures.ensemble import area_figure, friction_figure, motions
 from stiction.views.figures.loads import cut_off_figure, load_figure
 from stiction.views.figures.onset import onset_figure
+from stiction.views.figures.slip import has_slip_map, slip_figure
 from stiction.views.figures.surfaces import length_scales_figure, profiles_figure
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
@@ -47,8 +48,8 @@ def drawn(
     Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
     (a figure for each mu0) and ``area``; of several sliding rules or directions each has figures of its own, as in
     ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
-    ``sizes``, ``cut_off``, ``onset``, ``contact`` (of profiles) and ``contacts`` (of maps), as far as the result has
-    what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
+    ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of maps), as far as the
+    result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
 
     Parameters
     ----------
@@ -177,6 +178,8 @@ def _of_measured(
             yield f"cut_off{of}", _later(_cut_off, at, study, title=read.title)
     if onset is not None:
         yield "onset", _later(onset_figure, onset, title=read.title)
+        if has_slip_map(onset):
+            yield "slip", _later(slip_figure, onset, title=read.title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         yield "sizes", _later(_sizes, result, read, hardness)
     if picture is not None:

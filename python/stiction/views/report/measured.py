@@ -22,6 +22,7 @@ from stiction.views.inputs import doubts_of_inputs
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import over_text
 from stiction.views.point import points as points_of
+from stiction.views.report.onset import onset_panels
 from stiction.views.report.page import MOST_TEXT, ReportError, counted, escaped, listed, packed
 from stiction.views.report.page_result import CELLS, PageResult, motions_of, way
 from stiction.views.report.picture import pictured
@@ -95,12 +96,14 @@ def page_of_measured(
         facts |= more
         numbers |= packs
     members = int(facts["repetitions"])
+    onset = onset_beside(result) if isinstance(result, Stored) else None
     version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
     details = "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
-        study=study, name=name, head=[*_head(study, facts), *_beside(result, study)],
+        study=study, name=name, head=[*_head(study, facts), *_beside(study, onset)],
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
         facts=facts, numbers=numbers, version=str(version), there=members, details=details,
+        pictures="" if onset is None else onset_panels(onset, files),
     )  # fmt: skip
 
 
@@ -143,10 +146,9 @@ def _facts_of(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     }
 
 
-def _beside(result: xarray.Dataset | Stored, study: Study) -> list[str]:
+def _beside(study: Study, onset: xarray.Dataset | None) -> list[str]:
     """Which waves were seen, and how the pair begins to slide, where that is kept beside the result."""
     found = seen(study)
-    onset = onset_beside(result) if isinstance(result, Stored) else None
     words = [] if found is None else [waves_text(found)]
     return words if onset is None else [*words, f"{onset_text(onset)} {onset_note(onset)}"]
 

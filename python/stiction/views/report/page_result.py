@@ -22,7 +22,10 @@ CELLS = {
 
 @dataclass(frozen=True, eq=False)
 class PageResult:
-    """One result of a page: its study, what it is called, what the page says and knows of it, and its numbers."""
+    """One result of a page: its study, what it is called, what the page says and knows of it, and its numbers.
+
+    `details` and `pictures` are markup, of the study and of figures that do not move.
+    """
 
     study: Study
     name: str
@@ -33,6 +36,7 @@ class PageResult:
     version: str
     there: int
     details: str = ""
+    pictures: str = ""
 
     def unfinished(self) -> str:
         """A notice, as markup, where members are missing."""

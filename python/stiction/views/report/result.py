@@ -158,6 +158,7 @@ def _page(results: list[PageResult]) -> Page:
             "percent": f"{100 * CONFIDENCE:g} %",
             "pairs": escaped(" and ".join(result.pairs for result in results)),
             "unfinished": "".join(result.unfinished() for result in results),
+            "pictures": "".join(result.pictures for result in results),
             "studies": "".join(result.described(several) for result in results),
         },
         facts=facts,
