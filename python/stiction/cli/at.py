@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stiction.cli.application import command, tell
-from stiction.cli.options import Json, Verbose, at_least_0, listed, load_of, numbers, quantity_of
+from stiction.cli.options import Json, Verbose, at_least_0, listed, load_of, numbers, option, quantity_of
 from stiction.cli.showing import opened
 
 if TYPE_CHECKING:
@@ -19,42 +19,17 @@ if TYPE_CHECKING:
 
 Loads = Annotated[
     list[str],
-    typer.Option(
-        "--load",
-        metavar="FORCE",
-        help='Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.',
-    ),
+    option("--load", "FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.'),
 ]
-Dimension = Annotated[
-    float | None,
-    typer.Option("--d", metavar="D", help="Of a study: the nearest fractal dimension that it has.", show_default="all"),
-]
-Amplitude = Annotated[
-    str | None,
-    typer.Option(
-        "--amplitude", metavar="LENGTH", help="Of a study: the nearest that it has.", show_default="its first"
-    ),
-]
-Mu0 = Annotated[
-    str | None,
-    typer.Option(
-        "--mu0", metavar="NUMBERS", help='Molecular friction coefficients, "0.3,0.4".', show_default="its own"
-    ),
-]
+Dimension = Annotated[float | None, option("--d", "D", "Of a study: the nearest fractal dimension that it has.", "all")]
+Amplitude = Annotated[str | None, option("--amplitude", "LENGTH", "Of a study: the nearest that it has.", "its first")]
+Mu0 = Annotated[str | None, option("--mu0", "NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
 Tau0 = Annotated[
     str | None,
-    typer.Option(
-        "--tau0",
-        metavar="PRESSURES",
-        help='Adhesive shear strengths, "0 MPa,50 MPa".',
-        show_default="0 MPa of a study, its own of a pair",
-    ),
+    option("--tau0", "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa of a study, its own of a pair"),
 ]
 Direction = Annotated[
-    float | None,
-    typer.Option(
-        "--direction", metavar="DEGREES", help="Where the upper body is about to move.", show_default="the mean of all"
-    ),
+    float | None, option("--direction", "DEGREES", "Where the upper body is about to move.", "the mean of all")
 ]
 
 
@@ -125,9 +100,9 @@ def _nominal_area(stored: Stored, load: str) -> float:
 def _cells(found: xarray.Dataset, fractal_dimension: float | None, amplitude: float | None) -> xarray.Dataset:
     """The nearest cells to those that were asked for."""
     asked = {"--d": ("fractal_dimension", fractal_dimension), "--amplitude": ("amplitude", amplitude)}
-    for option, (name, value) in asked.items():
+    for flag, (name, value) in asked.items():
         if value is not None and name not in found.dims:
-            raise ValueError(f"{option} is for studies of generated surfaces, got {value:g}")
+            raise ValueError(f"{flag} is for studies of generated surfaces, got {value:g}")
         if value is not None:
             found = found.sel({name: [value]}, method="nearest")
     return found.isel(amplitude=[0]) if "amplitude" in found.dims and amplitude is None else found

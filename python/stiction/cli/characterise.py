@@ -10,65 +10,44 @@ import typer
 from stiction._checks import choice
 from stiction._text import named
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Unit, measurement, quantity_of
+from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Unit, measurement, option, quantity_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-Row = Annotated[int | None, typer.Option("--row", metavar="N", min=0, help="Of a surface, this row alone, from 0 on.")]
-Column = Annotated[
-    int | None, typer.Option("--column", metavar="N", min=0, help="Of a surface, this column alone, from 0 on.")
-]
+Row = Annotated[int | None, option("--row", "N", "Of a surface, this row alone, from 0 on.", least=0)]
+Column = Annotated[int | None, option("--column", "N", "Of a surface, this column alone, from 0 on.", least=0)]
 Level = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--level",
-        metavar="TREND",
-        help="What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.",
-        show_default="line, plane",
+        "TREND",
+        "What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.",
+        "line, plane",
     ),
 ]
 Band = Annotated[
     str | None,
-    typer.Option(
-        "--band",
-        metavar="SHORTEST,LONGEST",
-        help='Wavelengths to fit the Hurst exponent to, "1 um,100 um".',
-        show_default="found",
-    ),
+    option("--band", "SHORTEST,LONGEST", 'Wavelengths to fit the Hurst exponent to, "1 um,100 um".', "found"),
 ]
 CutOff = Annotated[
     str | None,
-    typer.Option(
-        "--cutoff",
-        metavar="LENGTH",
-        help='Take off waves shorter than this (Gaussian), "0.1 um".',
-        show_default="the scan as it is",
-    ),
+    option("--cutoff", "LENGTH", 'Take off waves shorter than this (Gaussian), "0.1 um".', "the scan as it is"),
 ]
 Tip = Annotated[
-    str | None,
-    typer.Option(
-        "--tip",
-        metavar="RADIUS",
-        help='Of the stylus or the probe, "10 nm": what is sharper is its own.',
-        show_default=False,
-    ),
+    str | None, option("--tip", "RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False)
 ]
 Together = Annotated[
     bool,
-    typer.Option(
-        "--together", help="Several scans of one surface, alike in all directions: one spectrum, written as CSV."
-    ),
+    option("--together", None, "Several scans of one surface, alike in all directions: one spectrum, written as CSV."),
 ]
 Output = Annotated[
     Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="The figure to draw, or the table to write of several files.",
-        show_default="./FILE.png, ./characterised.csv, ./joined.csv",
+    option(
+        "--output -o",
+        "FILE",
+        "The figure to draw, or the table to write of several files.",
+        "./FILE.png, ./characterised.csv, ./joined.csv",
     ),
 ]
 

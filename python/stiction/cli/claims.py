@@ -7,10 +7,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
-
 from stiction.cli.application import command, tell
-from stiction.cli.options import Json
+from stiction.cli.options import Json, option
 from stiction.cli.running import Scheduler, Workers
 from stiction.cli.studies import Changes, changes_of
 from stiction.studies.study import Study
@@ -21,19 +19,14 @@ PAPERS_FIGURES = ("figure2", "figure3", "figure5", "figure6", "figure7", "figure
 
 @command("claims", "stiction claims", "stiction claims --json > claims.json")
 def claims_command(
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
-        "claims"
-    ),
+    output: Annotated[Path, option("--output -o", "DIR", "Where the results go.")] = Path("claims"),
     repetitions: Annotated[
-        int | None,
-        typer.Option(
-            "--repetitions", metavar="N", min=20, help="Judge on so many as well.", show_default="100, the paper's"
-        ),
+        int | None, option("--repetitions", "N", "Judge on so many as well.", "100, the paper's", least=20)
     ] = None,
     columns: Annotated[
         bool,
-        typer.Option(
-            "--columns", help="Judge areas, half-planes and half-spaces too, on a fraction of the repetitions each."
+        option(
+            "--columns", None, "Judge areas, half-planes and half-spaces too, on a fraction of the repetitions each."
         ),
     ] = False,
     workers: Workers = None,

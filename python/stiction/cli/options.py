@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,47 +12,59 @@ from stiction._units import quantity
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-READING, OUTPUT = "Reading files", "Output"
-"""Sections of help."""
 
-_unit = typer.Option(
+def option(
+    flags: str, takes: str | None, means: str, usually: str | bool = True, *, panel: str | None = None,
+    least: int | None = None,
+) -> Any:  # fmt: skip
+    """An option of a command, as its help shows it.
+
+    Parameters
+    ----------
+    flags : str
+        What it is called, "--output -o".
+    takes : str, optional
+        What stands behind it, in capitals; nothing behind a switch.
+    means : str
+    usually : str or bool
+        Its default in words; or whether the default is shown.
+    panel : str, optional
+        The section of help that it is in.
+    least : int, optional
+    """
+    return typer.Option(
+        *flags.split(), metavar=takes, help=means, show_default=usually, rich_help_panel=panel, min=least
+    )
+
+
+_reading = partial(option, panel="Reading files")
+_output = partial(option, panel="Output")
+
+_unit = _reading(
     "--unit",
-    metavar="UNIT",
-    help='Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
-    show_default=False,
-    rich_help_panel=READING,
+    "UNIT",
+    'Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
+    False,
 )
-_spacing = typer.Option(
+_spacing = _reading(
     "--spacing",
-    metavar="LENGTH",
-    help='Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
-    show_default=False,
-    rich_help_panel=READING,
+    "LENGTH",
+    'Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
+    False,
 )
-_channel = typer.Option(
+_channel = _reading(
     "--channel",
-    metavar="NAME|NUMBER",
-    help="What to read of a file of several channels or sheets, numbers from 0 on.",
-    show_default="the first of heights",
-    rich_help_panel=READING,
+    "NAME|NUMBER",
+    "What to read of a file of several channels or sheets, numbers from 0 on.",
+    "the first of heights",
 )
-_columns = typer.Option(
-    "--columns",
-    metavar="X,Z|Z",
-    help="Of a table, names or numbers from 0 on, of positions and heights or of heights.",
-    show_default=False,
-    rich_help_panel=READING,
+_columns = _reading(
+    "--columns", "X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
 )
 
-Json = Annotated[
-    bool,
-    typer.Option("--json", help="Print JSON alone on standard output; messages go elsewhere.", rich_help_panel=OUTPUT),
-]
+Json = Annotated[bool, _output("--json", None, "Print JSON alone on standard output; messages go elsewhere.")]
 
-Verbose = Annotated[
-    bool,
-    typer.Option("--verbose", "-v", help="Say what was pressed, and every quantity.", rich_help_panel=OUTPUT),
-]
+Verbose = Annotated[bool, _output("--verbose -v", None, "Say what was pressed, and every quantity.")]
 
 Unit = Annotated[str | None, _unit]
 Spacing = Annotated[str | None, _spacing]
@@ -64,13 +77,7 @@ Spacings = Annotated[list[str] | None, _spacing]
 Channels = Annotated[list[str] | None, _channel]
 ColumnsOfEach = Annotated[list[str] | None, _columns]
 
-MissingPoints = Annotated[
-    str,
-    typer.Option(
-        "--missing", metavar="error|interpolate", help="What to do about points without a height.",
-        rich_help_panel=READING,
-    ),
-]  # fmt: skip
+MissingPoints = Annotated[str, _reading("--missing", "error|interpolate", "What to do about points without a height.")]
 
 
 def listed(text: str) -> list[str]:

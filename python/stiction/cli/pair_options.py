@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-PRESSED = "What is pressed"
-MATERIAL = "Material"
-MOTION = "Load and motion"
-LINES = "Only for lines"
-AREAS = "Only for areas"
-FILES = "Reading files"
-OUTPUT = "Output"
+from stiction.cli.options import option
+
+_pressed = partial(option, panel="What is pressed")
+_material = partial(option, panel="Material")
+_motion = partial(option, panel="Load and motion")
+_of_lines = partial(option, panel="Only for lines")
+_of_areas = partial(option, panel="Only for areas")
+_output = partial(option, panel="Output")
 
 UpperFile = Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")]
 LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")]
@@ -22,207 +24,146 @@ LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is car
 
 Mechanics = Annotated[
     str | None,
-    typer.Option(
-        "--mechanics", metavar="half-space|asperities", show_default="half-space of areas, asperities of lines",
-        help="The exact elastic answer (of lines: of half-planes), or a fast one.", rich_help_panel=PRESSED,
+    _pressed(
+        "--mechanics",
+        "half-space|asperities",
+        "The exact elastic answer (of lines: of half-planes), or a fast one.",
+        "half-space of areas, asperities of lines",
     ),
-]  # fmt: skip
-Check = Annotated[
-    bool,
-    typer.Option("--check", help="Press by the other mechanics as well, into DIR/NAME.", rich_help_panel=PRESSED),
 ]
+Check = Annotated[bool, _pressed("--check", None, "Press by the other mechanics as well, into DIR/NAME.")]
 LinesOfMaps = Annotated[
     int | None,
-    typer.Option(
-        "--lines", metavar="N", min=1, show_default="128 of surrogates, and of a map and a profile",
-        help="Press so many pairs of lines of maps instead of their areas; also of surrogates.",
-        rich_help_panel=PRESSED,
-    ),
-]  # fmt: skip
-Lay = Annotated[
-    str | None,
-    typer.Option(
-        "--lay", metavar="grooves|isotropic", show_default="lines", rich_help_panel=PRESSED,
-        help="Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.",
-    ),
-]  # fmt: skip
-Surrogates = Annotated[
-    str,
-    typer.Option(
-        "--surrogates", metavar="N|none|upper|lower|both", rich_help_panel=PRESSED,
-        help="Of areas: press so many pairs of surfaces of equal spectrum as well. Of lines: what they replace.",
-    ),
-]  # fmt: skip
-Seed = Annotated[
-    int,
-    typer.Option(
-        "--seed", metavar="N", min=0, help="Where the random phases of surrogates start.", rich_help_panel=PRESSED
+    _pressed(
+        "--lines",
+        "N",
+        "Press so many pairs of lines of maps instead of their areas; also of surrogates.",
+        "128 of surrogates, and of a map and a profile",
+        least=1,
     ),
 ]
+Lay = Annotated[
+    str | None,
+    _pressed(
+        "--lay",
+        "grooves|isotropic",
+        "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.",
+        "lines",
+    ),
+]
+Surrogates = Annotated[
+    str,
+    _pressed(
+        "--surrogates",
+        "N|none|upper|lower|both",
+        "Of areas: press so many pairs of surfaces of equal spectrum as well. Of lines: what they replace.",
+    ),
+]
+Seed = Annotated[int, _pressed("--seed", "N", "Where the random phases of surrogates start.", least=0)]
 Level = Annotated[
     str | None,
-    typer.Option(
-        "--level", metavar="TREND", show_default="line, plane", rich_help_panel=PRESSED,
-        help="What is taken off each line: mean, line, quadratic or none; off each map: mean, plane or quadratic.",
+    _pressed(
+        "--level",
+        "TREND",
+        "What is taken off each line: mean, line, quadratic or none; off each map: mean, plane or quadratic.",
+        "line, plane",
     ),
-]  # fmt: skip
+]
 CutOff = Annotated[
     str | None,
-    typer.Option(
-        "--cutoff", metavar="LENGTHS", show_default="the scan as it is", rich_help_panel=PRESSED,
-        help='Take off waves shorter than this (Gaussian), "0.1 um"; several, "0 um,0.1 um", are pressed each.',
+    _pressed(
+        "--cutoff",
+        "LENGTHS",
+        'Take off waves shorter than this (Gaussian), "0.1 um"; several, "0 um,0.1 um", are pressed each.',
+        "the scan as it is",
     ),
-]  # fmt: skip
+]
 
 Curvature = Annotated[
     str | None,
-    typer.Option(
-        "--curvature", metavar="convex|signed", help="Whether cups count as well as summits.",
-        show_default="convex of lines, signed of areas", rich_help_panel=PRESSED,
+    _pressed(
+        "--curvature", "convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"
     ),
-]  # fmt: skip
+]
 
 OnsetMembers = Annotated[
     int | None,
-    typer.Option(
-        "--onset", metavar="N", min=0, show_default="16, of areas by the half-space 4", rich_help_panel=PRESSED,
-        help="Members of which it is computed how they begin to slide; 0 for none.",
+    _pressed(
+        "--onset",
+        "N",
+        "Members of which it is computed how they begin to slide; 0 for none.",
+        "16, of areas by the half-space 4",
+        least=0,
     ),
-]  # fmt: skip
+]
 
 # ---- Material -------------------------------------------------------------------------------------------------------
 
-EffectiveModulus = Annotated[
-    str | None,
-    typer.Option(
-        "--effective-modulus", metavar="PRESSURE", help='E*, as in "10 GPa".', show_default=False,
-        rich_help_panel=MATERIAL,
-    ),
-]  # fmt: skip
+EffectiveModulus = Annotated[str | None, _material("--effective-modulus", "PRESSURE", 'E*, as in "10 GPa".', False)]
 Young = Annotated[
     str | None,
-    typer.Option(
-        "--young", metavar="PRESSURES", show_default=False, rich_help_panel=MATERIAL,
-        help='Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".',
+    _material(
+        "--young",
+        "PRESSURES",
+        'Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".',
+        False,
     ),
-]  # fmt: skip
-Poisson = Annotated[
-    str | None,
-    typer.Option(
-        "--poisson", metavar="NUMBERS", help='Poisson\'s ratios, "0.3" or "0.3,0.33".', show_default=False,
-        rich_help_panel=MATERIAL,
-    ),
-]  # fmt: skip
+]
+Poisson = Annotated[str | None, _material("--poisson", "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', False)]
 UpperMaterial = Annotated[
     str | None,
-    typer.Option(
-        "--upper", metavar="MATERIAL", show_default=False, rich_help_panel=MATERIAL,
-        help="Instead of E*: what the slider is made of, by name, as in steel.",
-    ),
-]  # fmt: skip
+    _material("--upper", "MATERIAL", "Instead of E*: what the slider is made of, by name, as in steel.", False),
+]
 LowerMaterial = Annotated[
-    str | None,
-    typer.Option(
-        "--lower", metavar="MATERIAL", help="What it is carried over; that of --upper by default.",
-        show_default=False, rich_help_panel=MATERIAL,
-    ),
-]  # fmt: skip
+    str | None, _material("--lower", "MATERIAL", "What it is carried over; that of --upper by default.", False)
+]
 Hardness = Annotated[
     str | None,
-    typer.Option(
-        "--hardness", metavar="PRESSURE", show_default=False, rich_help_panel=MATERIAL,
-        help="Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.",
+    _material(
+        "--hardness",
+        "PRESSURE",
+        "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.",
+        False,
     ),
-]  # fmt: skip
+]
 ContactLaw = Annotated[
-    str,
-    typer.Option(
-        "--law", metavar="hertz-sphere|hertz-cylinder|jackson-green", help="Contact law of asperities.",
-        rich_help_panel=MATERIAL,
-    ),
-]  # fmt: skip
+    str, _material("--law", "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.")
+]
 YieldStrength = Annotated[
-    str | None,
-    typer.Option(
-        "--yield-strength", metavar="PRESSURE", help="Of the softer body, for jackson-green.", show_default=False,
-        rich_help_panel=MATERIAL,
-    ),
-]  # fmt: skip
+    str | None, _material("--yield-strength", "PRESSURE", "Of the softer body, for jackson-green.", False)
+]
 
 # ---- Load and motion ------------------------------------------------------------------------------------------------
 
-Mu0 = Annotated[
-    str,
-    typer.Option(
-        "--mu0", metavar="NUMBERS", help='Molecular friction coefficients, "0.3" or "0.3,0.4".',
-        rich_help_panel=MOTION,
-    ),
-]  # fmt: skip
-Tau0 = Annotated[
-    str,
-    typer.Option(
-        "--tau0", metavar="PRESSURES", help='Adhesive shear strengths, "0 MPa,50 MPa".', rich_help_panel=MOTION
-    ),
-]
+Mu0 = Annotated[str, _motion("--mu0", "NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".')]
+Tau0 = Annotated[str, _motion("--tau0", "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".')]
 Loads = Annotated[
-    list[str],
-    typer.Option(
-        "--load", metavar="FORCE", rich_help_panel=MOTION,
-        help='Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.',
-    ),
-]  # fmt: skip
+    list[str], _motion("--load", "FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.')
+]
 Directions = Annotated[
     str | None,
-    typer.Option(
-        "--direction", metavar="DEGREES", show_default="the compass in 30", rich_help_panel=MOTION,
-        help='Of areas, where the upper is about to move, from +x towards +y: "0,90".',
+    _motion(
+        "--direction",
+        "DEGREES",
+        'Of areas, where the upper is about to move, from +x towards +y: "0,90".',
+        "the compass in 30",
     ),
-]  # fmt: skip
+]
 
 # ---- Only for lines -------------------------------------------------------------------------------------------------
 
 Offsets = Annotated[
-    int | None,
-    typer.Option(
-        "--offsets", metavar="N", min=1, help="Positions along the lower profile.",
-        show_default="64, or 1 for several lines", rich_help_panel=LINES,
-    ),
-]  # fmt: skip
-Travel = Annotated[
-    str | None,
-    typer.Option(
-        "--travel", metavar="LENGTH", help="The largest offset.", show_default="half the length",
-        rich_help_panel=LINES,
-    ),
-]  # fmt: skip
-LinesAlong = Annotated[
-    str, typer.Option("--along", metavar="x|y", help="Direction of the lines of maps.", rich_help_panel=LINES)
+    int | None, _of_lines("--offsets", "N", "Positions along the lower profile.", "64, or 1 for several lines", least=1)
 ]
-Detection = Annotated[
-    str,
-    typer.Option(
-        "--detection", metavar="gap-minimum|cell", help="How contacts of asperities are found.", rich_help_panel=LINES
-    ),
-]
+Travel = Annotated[str | None, _of_lines("--travel", "LENGTH", "The largest offset.", "half the length")]
+LinesAlong = Annotated[str, _of_lines("--along", "x|y", "Direction of the lines of maps.")]
+Detection = Annotated[str, _of_lines("--detection", "gap-minimum|cell", "How contacts of asperities are found.")]
 # ---- Only for areas -------------------------------------------------------------------------------------------------
 
-Shifts = Annotated[
-    int, typer.Option("--shifts", metavar="N", min=1, help="Relative positions of maps.", rich_help_panel=AREAS)
-]
-Rotation = Annotated[
-    float | None,
-    typer.Option(
-        "--rotate", metavar="DEGREES", help="Turn the upper map in its plane.", show_default=False,
-        rich_help_panel=AREAS,
-    ),
-]  # fmt: skip
+Shifts = Annotated[int, _of_areas("--shifts", "N", "Relative positions of maps.", least=1)]
+Rotation = Annotated[float | None, _of_areas("--rotate", "DEGREES", "Turn the upper map in its plane.", False)]
 
 # ---- Output ---------------------------------------------------------------------------------------------------------
 
-Folder = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="DIR", help="Where the results go.", rich_help_panel=OUTPUT),
-]
-Replace = Annotated[
-    bool, typer.Option("--replace", help="Write over the results of another pair.", rich_help_panel=OUTPUT)
-]
+Folder = Annotated[Path, _output("--output -o", "DIR", "Where the results go.")]
+Replace = Annotated[bool, _output("--replace", None, "Write over the results of another pair.")]

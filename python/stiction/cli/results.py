@@ -9,7 +9,7 @@ import typer
 
 from stiction._text import named
 from stiction.cli.application import command, tell
-from stiction.cli.options import Json, Verbose, listed
+from stiction.cli.options import Json, Verbose, listed, option
 from stiction.cli.showing import draw_result, opened, show_result, write_table
 
 Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")]
@@ -48,12 +48,8 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")
 def plot(
     directory: Directory,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the figures go.", show_default="DIR")
-    ] = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="FORMATS", help='Of the figures, some of "png,pdf,svg".')
-    ] = "png",
+    output: Annotated[Path | None, option("--output -o", "DIR", "Where the figures go.", "DIR")] = None,
+    formats: Annotated[str, option("--format", "FORMATS", 'Of the figures, some of "png,pdf,svg".')] = "png",
 ) -> None:
     """Draw the figures of a result again, or of what is finished of it."""
     from stiction.views.style import checked_formats
@@ -74,10 +70,7 @@ def report(
         list[Path],
         typer.Argument(metavar="DIR", help="Where a study or a pair was written; two studies are compared."),
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.html", help="The page to write.", show_default="DIR/report.html"),
-    ] = None,
+    output: Annotated[Path | None, option("--output -o", "FILE.html", "The page to write.", "DIR/report.html")] = None,
 ) -> None:
     """Make one interactive page, for any browser, of a result, or of what is finished of it."""
     from stiction.views.report import save_report

@@ -15,6 +15,7 @@ from stiction._core import __version__
 from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, announce, say, tell
+from stiction.cli.options import option
 from stiction.studies.executors import threads
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.runner import fill
@@ -24,28 +25,24 @@ from stiction.studies.study import Study
 from stiction.studies.text import StudyError
 
 Workers = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", "-w", metavar="N", min=1, help="Threads that compute.", show_default="one for each core",
-        rich_help_panel="Computing",
-    ),
-]  # fmt: skip
+    int | None, option("--workers -w", "N", "Threads that compute.", "one for each core", least=1, panel="Computing")
+]
 
 Scheduler = Annotated[
     str | None,
-    typer.Option(
-        "--scheduler", metavar="ADDRESS", help="Compute on the workers of a Dask scheduler, as in tcp://host:8786.",
-        show_default=False, rich_help_panel="Computing",
+    option(
+        "--scheduler",
+        "ADDRESS",
+        "Compute on the workers of a Dask scheduler, as in tcp://host:8786.",
+        False,
+        panel="Computing",
     ),
-]  # fmt: skip
+]
 
 Part = Annotated[
     str | None,
-    typer.Option(
-        "--part", metavar="I/N", help="Only the I-th of N parts, as in 3/16, beside others.", show_default=False,
-        rich_help_panel="Computing",
-    ),
-]  # fmt: skip
+    option("--part", "I/N", "Only the I-th of N parts, as in 3/16, beside others.", False, panel="Computing"),
+]
 
 _FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip", ".toml")
 

@@ -10,14 +10,13 @@ import typer
 
 from stiction._units import shortened
 from stiction.cli.application import command, tell
-from stiction.cli.options import Verbose
+from stiction.cli.options import Verbose, option
 from stiction.cli.running import Part, Scheduler, Workers
 from stiction.studies.study import Study, study_names, study_summary
 from stiction.studies.text import StudyError, toml
 
 Changes = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as in ensemble.repetitions=10. Repeatable."),
+    list[str] | None, option("--set", "KEY=VALUE", "Change a value, as in ensemble.repetitions=10. Repeatable.")
 ]
 
 
@@ -33,10 +32,7 @@ def run_command(
     study: Annotated[
         str, typer.Argument(metavar="STUDY", help="A built-in study, a study file (TOML), or a folder with a result.")
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="DIR", help="Where the results go.", show_default="./NAME"),
-    ] = None,
+    output: Annotated[Path | None, option("--output -o", "DIR", "Where the results go.", "./NAME")] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,

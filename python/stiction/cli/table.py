@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
-
 from stiction.cli.application import command, tell
 from stiction.cli.elasticity import elasticity_of
-from stiction.cli.options import listed, load_of, numbers, quantity_of
+from stiction.cli.options import listed, load_of, numbers, option, quantity_of
 from stiction.cli.running import Scheduler, Workers
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
@@ -21,45 +19,32 @@ TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
     "stiction table --young '70 GPa' --poisson 0.2 --load '1 MPa,9 MPa' --mu0 0.4",
 )
 def table_command(
-    hurst: Annotated[str, typer.Option("--hurst", metavar="NUMBERS", help="Hurst exponents of the surfaces.")] = (
-        "0.5,0.7,0.9"
-    ),
-    rms: Annotated[str, typer.Option("--rms", metavar="LENGTHS", help="Their root-mean-square heights Sq.")] = (
-        "10 nm,30 nm,100 nm"
-    ),
+    hurst: Annotated[str, option("--hurst", "NUMBERS", "Hurst exponents of the surfaces.")] = ("0.5,0.7,0.9"),
+    rms: Annotated[str, option("--rms", "LENGTHS", "Their root-mean-square heights Sq.")] = ("10 nm,30 nm,100 nm"),
     load: Annotated[
-        str, typer.Option("--load", metavar="PRESSURES", help="Normal loads over the nominal area, 3 for a stiffness.")
+        str, option("--load", "PRESSURES", "Normal loads over the nominal area, 3 for a stiffness.")
     ] = "1 MPa,3 MPa,10 MPa,30 MPa,100 MPa",
-    mu0: Annotated[str, typer.Option("--mu0", metavar="NUMBERS", help="Molecular friction coefficients.")] = (
-        "0.2,0.4,0.6"
-    ),
-    tau0: Annotated[str, typer.Option("--tau0", metavar="PRESSURES", help="Adhesive shear strengths.")] = "0 MPa",
+    mu0: Annotated[str, option("--mu0", "NUMBERS", "Molecular friction coefficients.")] = ("0.2,0.4,0.6"),
+    tau0: Annotated[str, option("--tau0", "PRESSURES", "Adhesive shear strengths.")] = "0 MPa",
     effective_modulus: Annotated[
-        str | None,
-        typer.Option("--effective-modulus", metavar="PRESSURE", help='E*, as in "10 GPa".', show_default=False),
+        str | None, option("--effective-modulus", "PRESSURE", 'E*, as in "10 GPa".', False)
     ] = None,
     young: Annotated[
-        str | None,
-        typer.Option("--young", metavar="PRESSURES", help="Young's moduli instead, of both or one after the other."),
+        str | None, option("--young", "PRESSURES", "Young's moduli instead, of both or one after the other.")
     ] = None,
-    poisson: Annotated[
-        str | None, typer.Option("--poisson", metavar="NUMBERS", help="Poisson's ratios, with --young.")
-    ] = None,
+    poisson: Annotated[str | None, option("--poisson", "NUMBERS", "Poisson's ratios, with --young.")] = None,
     extent: Annotated[
-        str, typer.Option("--extent", metavar="LENGTH", help="Side of the square that is pressed, and its period.")
+        str, option("--extent", "LENGTH", "Side of the square that is pressed, and its period.")
     ] = "10 um",
     wavelengths: Annotated[
-        str,
-        typer.Option("--wavelengths", metavar="SHORTEST,LONGEST", help="Cut-off and roll-off of the surfaces."),
+        str, option("--wavelengths", "SHORTEST,LONGEST", "Cut-off and roll-off of the surfaces.")
     ] = "0.3125 um,2.5 um",
-    points: Annotated[int, typer.Option("--points", metavar="N", min=16, help="Along each side.")] = 256,
-    repetitions: Annotated[int, typer.Option("--repetitions", metavar="N", min=1, help="Pairs of surfaces.")] = 12,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the surfaces.")] = 2016,
+    points: Annotated[int, option("--points", "N", "Along each side.", least=16)] = 256,
+    repetitions: Annotated[int, option("--repetitions", "N", "Pairs of surfaces.", least=1)] = 12,
+    seed: Annotated[int, option("--seed", "N", "Of the surfaces.")] = 2016,
     workers: Workers = None,
     scheduler: Scheduler = None,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path(
-        "table"
-    ),
+    output: Annotated[Path, option("--output -o", "DIR", "Where the results go.")] = Path("table"),
 ) -> None:
     """Friction, true area and stiffness of self-affine surfaces for the contact law of another code.
 
