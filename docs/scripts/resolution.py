@@ -31,9 +31,6 @@ SLOPES = {0.4: 0.6, 0.8: 0.25}
 SEEN = (8, 16, 32, 64)
 """Cut-offs in points, beside the surface itself, whose waves begin at four."""
 PER_DECADE = 5
-TOLERANCE = 0.005
-"""Of an answer, what the grid leaves uncertain."""
-
 PAIRS, BRACKETED, CONTINUED = 6, 50, 50
 """Pairs of each Hurst exponent."""
 
@@ -64,6 +61,7 @@ def settling():
             bodies = pair(hurst, index, WHOLE, WHOLE // 4)
             found.append({"hurst": hurst, **answers(bodies, SEEN, HARDNESS, "plastic")})
             found[-1] |= answers(bodies, SEEN, None, "elastic")
+            found[-1] |= {"softer": answers(bodies, SEEN[-1:], HARDNESS / 2, "plastic")["plastic"]}
             print(hurst, index, found[-1]["plastic"]["area"], found[-1]["plastic"]["all"], flush=True)
             save("settling", found)
 
@@ -97,6 +95,10 @@ def answers(bodies, seen, hardness, name):
     if hardness is None:
         return {name: answer}
     limit = [float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])]
+    answer |= {
+        f"most_{each}": result[f"bracket_{words}"][:, 0].sel(end="upper").values.tolist()
+        for each, words in (("area", "area_fraction"), ("all", "friction_coefficient"))
+    }
     return {name: answer, "limit": limit}
 
 
@@ -234,18 +236,58 @@ def settled_lines(rows):
     return lines
 
 
-def inside(rows, name, limit):
-    """Pairs of which every finer answer is between the limit and that at the coarser cut-off, but for second order."""
+def inside(rows, name, limit, most):
+    """Pairs of which every finer answer is between the limit and a coarser one's end, but for second order."""
     count = 0
     for row in rows:
-        values, steep = row["plastic"][name], row["plastic"]["gradient"]
+        values, ends, steep = (row["plastic"][each] for each in (name, most, "gradient"))
         pairs = [(fine, coarse) for coarse in range(len(values)) for fine in range(coarse)]
         count += all(
-            row["limit"][limit] <= values[fine] * (1 + TOLERANCE)
-            and values[fine] <= values[coarse] * (1 + steep[fine] ** 2 / 8) * (1 + TOLERANCE)
-            for fine, coarse in pairs
+            row["limit"][limit] <= values[fine] <= ends[coarse] * (1 + steep[fine] ** 2 / 8) for fine, coarse in pairs
         )
-    return count
+    return f"{count} of {len(rows)}"
+
+
+def widths(rows, name, limit, most):
+    """Median of the upper end of a bracket over the limit, less one, %, at each cut-off but the finest."""
+    over = np.array([np.array(row["plastic"][most]) / row["limit"][limit] for row in rows])
+    return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(over, axis=0)[1:])
+
+
+def bracket_lines(groups):
+    """How many pairs are in their brackets and in narrower ones, and how wide these are."""
+    lines = [
+        "| every finer answer is between the plastic limit and | A/A0 | upper end over the limit (%) | μ_s, all rub "
+        "| upper end over the limit (%) |",
+        "|---|---|---|---|---|",
+    ]
+    for words, rows in groups.items():
+        for said, prefix in (("the upper end of the bracket", "most_"), ("the answer at the coarser cut-off", "")):
+            parts = [
+                each
+                for limit, name in enumerate(("area", "all"))
+                for each in (inside(rows, name, limit, prefix + name), widths(rows, name, limit, prefix + name))
+            ]
+            lines.append(f"| {said}; {words} | {' | '.join(parts)} |")
+    return lines
+
+
+def yielded_lines(by_hurst):
+    """How far the coarsest answer is from the finest where its elastic pressure is the hardness, and where twice it."""
+    lines = [
+        f"| μ_s, all rub, at {SEEN[-1]} points | elastic pressure over the hardness | from the finest, mean (%) "
+        "| furthest (%) |",
+        "|---|---|---|---|",
+    ]
+    for hurst, rows in by_hurst.items():
+        for name, hardness in (("plastic", HARDNESS), ("softer", HARDNESS / 2)):
+            ratio = np.mean([row["elastic"]["pressure"][-1] for row in rows]) / hardness
+            values = np.array([row[name]["all"] for row in rows])
+            off = 100 * (values[:, -1] / values[:, 0] - 1)
+            lines.append(
+                f"| Hurst {hurst}, H = {hardness:g} GPa | {ratio:.1f} | {off.mean():.1f} | {np.abs(off).max():.1f} |"
+            )
+    return lines
 
 
 def covered(rows, name):
@@ -323,17 +365,12 @@ def page():
         f"Pairs of {WHOLE}² points, E\\* {MODULUS:g} GPa, {1e3 * PRESSURE:g} MPa, μ0 {MU0:g}, τ0 {1e3 * TAU0:g} MPa, "
         "waves from 4 points to a quarter of the length, means over pairs, Gaussian cut-offs.",
         "",
-        "| the answer at every finer cut-off is between the plastic limit and that at the coarser one | A/A0 "
-        "| μ_s, all rub |",
-        "|---|---|---|",
-    ]
-    for words, rows in ((f"{WHOLE}², 4 to 64 points", settled), (f"{WHOLE // 4}², 4 to 16 points", bracketed)):
-        counts = [f"{inside(rows, *each)} of {len(rows)} pairs" for each in (("area", 0), ("all", 1))]
-        lines.append(f"| {words} | {' | '.join(counts)} |")
-    lines += [
+        *yielded_lines(by_hurst),
         "",
-        "The factor 1 + h'²/8 of the finer answer's slopes is allowed, and "
-        f"{100 * TOLERANCE:g} % for what the grid leaves uncertain.",
+        *bracket_lines({f"{WHOLE}², 4 to 64 points": settled, f"{WHOLE // 4}², 4 to 16 points": bracketed}),
+        "",
+        "The factor 1 + h'²/8 of the finer answer's slopes is allowed. Upper ends are medians, at all cut-offs but the "
+        "first.",
         "",
         *continued_lines(ahead),
         "",

@@ -82,6 +82,10 @@ from stiction.surfaces.measured.reading import (
     read_profile as read_profile,
     read_surface as read_surface,
 )
+from stiction.surfaces.measured.spectrum_file import (
+    read_spectrum as read_spectrum,
+    write_spectrum as write_spectrum,
+)
 from stiction.surfaces.measured.writing import write_profile as write_profile, write_surface as write_surface
 from stiction.surfaces.pairing import paired_lines as paired_lines
 from stiction.surfaces.preparation import (

@@ -265,7 +265,7 @@ def test_several_scans_are_one_spectrum(folder):
         [levelled(Surface(each, spacing=step), "plane") for each, step in ((fine, 0.02), (coarse, 0.08))]
     )
     with (folder / "joined.csv").open() as file:
-        rows = list(csv.DictReader(file))
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], joined.density, rtol=1e-6)
     record = json.loads(stiction_command("characterise", *given, "--json", cwd=folder).stdout)
     assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]

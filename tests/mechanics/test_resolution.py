@@ -16,6 +16,7 @@ from stiction import (
     self_affine,
     self_affine_surface,
 )
+from stiction.mechanics.brackets import most_area
 from stiction.mechanics.continuation import kappa_spread
 
 ROUND_OFF = 1e-12
@@ -92,6 +93,41 @@ def test_a_hardness_settles_the_answer_and_its_limits_hold(seen):
         assert (area[finer] <= area[finer:] * (1 + EDGES)).all()
         assert (mu[finer] >= limit * (1 - 0.02)).all()
         assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
+
+
+def test_a_bracket_holds_every_finer_answer(seen):
+    found = seen[3]
+    stretch = 1 + np.square(found.rms_gradient.values) / 8
+    for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
+        values = found[of].sel(sliding="all") if "sliding" in found[of].dims else found[of]
+        ends = found[f"bracket_{name}"][:, 0].values
+        assert ends[:, 0] == pytest.approx(float(found[f"plastic_{name}"][0]), rel=ROUND_OFF)
+        for finer in range(ends.shape[0]):
+            assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
+    # As far above the limit as two standard deviations of κ, squared; of an elastic scan one.
+    count, least = found.contact_count[:, 0].values, float(found.plastic_area_fraction[0])
+    above = found.contact_area_fraction[:, 0].values - least
+    assert found.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
+    assert float(most_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
+    assert float(most_area(0.9, 1000)) == 1.0
+
+
+def test_a_bracket_of_few_contacts_is_not_monotone():
+    """A pair of seven contacts, of which the finest has more area than a coarser one: what the bracket is wide for."""
+    bodies = [
+        self_affine_surface(
+            28, hurst_exponent=0.8, rms=0.01, shape=(256, 256), spacing=0.01, side=side, repetition=2004,
+            longest_wavelength=0.64, shortest_wavelength=0.04,
+        )
+        for side in ("upper", "lower")
+    ]  # fmt: skip
+    gap = Surface(bodies[0].heights - bodies[1].heights, spacing=0.01)
+    factor = 0.25 / float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
+    scaled = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
+    found = resolution(*scaled, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL)
+    area = found.contact_area_fraction[:, 0].values
+    assert area[0] > 1.02 * area[1]
+    assert area[0] < float(found.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
 def test_without_a_hardness_it_is_elastic_and_says_from_where_on_it_cannot_be(seen):

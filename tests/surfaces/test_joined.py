@@ -67,7 +67,11 @@ def test_a_wrong_calibration_is_seen(whole):
     scans = instruments(whole)
     wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     assert 2.5 < wrong.disagreement[0] < 6  # heights squared
+    assert np.log(wrong.disagreement[0]) > 2 * wrong.chance[0]
+    few = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
+    assert few.chance[1] > wrong.chance[0]  # a small piece has few of the waves that both have
     alone = joined_spectrum(scans[:1])
+    assert np.isnan(alone.chance).all()
     assert math.isnan(alone.disagreement[0])
     assert (alone.ratio == pytest.approx(1.0)) or np.isnan(alone.ratio).any()
 
@@ -109,7 +113,8 @@ def test_surrogates_have_the_spectrum(whole):
     assert not np.array_equal(body.heights, joined.surface(3, shape=(512, 512), spacing=0.04, side="upper").heights)
     made = scale_dependent_roughness(body, periodic=True)
     assert float(made.gradient_at(0.2)) == pytest.approx(float(joined.roughness().gradient_at(0.2)), rel=0.08)
-    assert body.history == ("a random surface of a spectrum of 5 scans, seed 3, repetition 0",)
+    assert body.history == (*joined.history, "a random surface of this spectrum, seed 3, repetition 0")
+    assert "scan 5" in body.history[0]
 
 
 @pytest.mark.parametrize(
@@ -119,6 +124,7 @@ def test_surrogates_have_the_spectrum(whole):
         (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one for each of the 1 scans, got 2"),
         (None, {"shortest_wavelengths": [-1.0]}, "shortest_wavelengths must be a finite number above 0 µm"),
         (None, {"shortest_wavelengths": [50.0]}, "has none from 50 µm"),
+        (None, {"names": []}, "names must have one for each of the 1 scans, got 0"),
         (None, {"per_decade": 2}, "per_decade must be a whole number of at least 4"),
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),
     ],

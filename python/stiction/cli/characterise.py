@@ -126,19 +126,23 @@ def _together(
 ) -> None:
     """Say what several scans of one surface are together, and write their spectrum."""
     from stiction.surfaces.joined import joined_spectrum
+    from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views import scale_rows
     from stiction.views.rows import record
 
     if len(files) < 2:
         raise ValueError("--together is for several scans of one surface, got 1")
-    joined = joined_spectrum(bodies, tip_radii=[radius] * len(bodies))
     names = [file.name for file in files]
+    names = names if len(set(names)) == len(names) else list(map(str, files))
+    joined = joined_spectrum(bodies, tip_radii=[radius] * len(bodies), names=names)
     if as_json:
-        tell(record("characterise", [], kind="joined", **scale_rows.joined_record(names, joined)))
+        tell(record("characterise", [], kind="joined", **scale_rows.joined_record(joined)))
     else:
-        tell(scale_rows.joined_text(names, joined))
+        tell(scale_rows.joined_text(joined))
     if output is not None or not as_json:
-        _write(output or Path("joined.csv"), scale_rows.joined_csv(names, joined), f"{len(files)} scans", as_json)
+        table = output or Path("joined.csv")
+        write_spectrum(joined, table)
+        (say if as_json else tell)(f"wrote {table}, {len(files)} scans")
 
 
 def _cut_off(body: Profile | Surface, shortest: float | None) -> Profile | Surface:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stiction._text import named
 from stiction._units import quantity
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -121,7 +122,10 @@ def measurement(
 ) -> Profile | Surface:
     """What a file holds, by the options that every command takes for it."""
     from stiction.surfaces.measured.reading import read_measurement
+    from stiction.surfaces.measured.spectrum_file import is_spectrum
 
+    if is_spectrum(file):
+        raise ValueError(f"{named(file)}: is the spectrum of several scans, which stiction pair takes in place of one")
     return read_measurement(
         file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
         channel=channel, columns=_one_or_pair(columns),

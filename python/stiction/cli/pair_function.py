@@ -21,6 +21,8 @@ import numpy as np
 from stiction._checks import number, whole_number
 from stiction._units import exactly
 from stiction.surfaces.foreign import taken_from
+from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.measured.spectrum_file import write_spectrum
 from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, lengths
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
     from stiction.views.result import Result
 
-Body = str | Path | Profile | Surface | Any
+Body = str | Path | Profile | Surface | JoinedSpectrum | Any
 
 Quantity = str | float
 """A text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)."""
@@ -80,9 +82,10 @@ def pair(
 
     Parameters
     ----------
-    first, second : str, path, Profile or Surface
+    first, second : str, path, Profile, Surface or JoinedSpectrum
         The slider and what it is carried over, as files or as bodies; heights of both point out of the material, as
-        they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them.
+        they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them. Of a spectrum random
+        surfaces are pressed, and another scan beside it is taken by its own spectrum.
     load : str or float, or several
         Normal load, "10 mN" or per nominal area "10 MPa"; numbers are mN.
     mu0 : float, or several
@@ -233,10 +236,12 @@ def _defaults() -> dict[str, Any]:
 # ---- Bodies ----------------------------------------------------------------------------------------------------------
 
 
-def _checked(name: str, body: Any) -> Path | Profile | Surface:
+def _checked(name: str, body: Any) -> Path | Profile | Surface | JoinedSpectrum:
     """A file, or a body as it was scanned; those of other libraries as ours."""
     if isinstance(body, (str, Path)):
         return Path(body)
+    if isinstance(body, JoinedSpectrum):
+        return body
     heights, spacing, history = taken_from(name, body)
     found: Profile | Surface
     if heights.ndim == 1:
@@ -252,15 +257,20 @@ def _checked(name: str, body: Any) -> Path | Profile | Surface:
     return found
 
 
-def _file(body: Path | Profile | Surface, folder: Path, side: str) -> Path:
+def _file(body: Path | Profile | Surface | JoinedSpectrum, folder: Path, side: str) -> Path:
     """The file that holds a body, of one in memory a new one in the folder, under a checksum of its own."""
     if isinstance(body, Path):
         return body
-    content = repr((body.spacing, body.history)).encode() + body.heights.tobytes()
-    path = folder / "bodies" / hashlib.sha256(content).hexdigest()[:12] / f"{side}.npy"
+    if isinstance(body, JoinedSpectrum):
+        content, ending = repr(body.history).encode() + body.density.tobytes(), "csv"
+    else:
+        content, ending = repr((body.spacing, body.history)).encode() + body.heights.tobytes(), "npy"
+    path = folder / "bodies" / hashlib.sha256(content).hexdigest()[:12] / f"{side}.{ending}"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
-        if isinstance(body, Surface):
+        if isinstance(body, JoinedSpectrum):
+            write_spectrum(body, path)
+        elif isinstance(body, Surface):
             write_surface(body, path)
         else:
             write_profile(body, path)

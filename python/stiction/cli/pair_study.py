@@ -14,9 +14,10 @@ from stiction.cli.elasticity import Elasticity, elasticity_of
 from stiction.cli.options import given, listed, load_of, numbers, of_each, quantity_of
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.ladder import ladder
-from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.measured_surfaces import Body, MeasuredFile
 from stiction.studies.study import Study
 from stiction.studies.text import validated
+from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -53,15 +54,15 @@ class Asked:
     chosen : frozenset of str
         Names of the options that are given.
     files : (MeasuredFile, MeasuredFile)
-    upper, lower : Profile or Surface
+    upper, lower : Profile, Surface or JoinedSpectrum
         What they hold.
     """
 
     values: dict[str, Any]
     chosen: frozenset[str]
     files: tuple[MeasuredFile, MeasuredFile]
-    upper: Profile | Surface
-    lower: Profile | Surface
+    upper: Body
+    lower: Body
 
     @classmethod
     def of(cls, context: typer.Context) -> Asked:
@@ -105,9 +106,14 @@ class Asked:
         return isinstance(self.upper, Profile) and isinstance(self.lower, Profile)
 
     @property
+    def has_spectrum(self) -> bool:
+        """Whether one of both is a spectrum of several scans."""
+        return isinstance(self.upper, JoinedSpectrum) or isinstance(self.lower, JoinedSpectrum)
+
+    @property
     def press(self) -> str:
         """How members are made: "areas", "lines" or "surrogates"."""
-        if self.values["lay"] == "isotropic":
+        if self.has_spectrum or self.values["lay"] == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.values["lines"] is None else "lines"
 
@@ -330,6 +336,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 _APPLY: tuple[tuple[tuple[str, ...], Callable[[Asked], bool], str], ...] = (
     (("lay",), lambda asked: asked.are_profiles, "is for two profiles; a map has its lay in it"),
     (("mechanics",), lambda asked: not asked.values["check"], "must not be given beside --check, which is both"),
+    (("lines",), lambda asked: not asked.has_spectrum, "is not for a spectrum, of which surfaces are made"),
     (("lines",), lambda asked: not asked.are_profiles or (asked.press == "lines" and asked.has_surrogates),
      "is for surfaces and surrogates; two profiles are one pair"),
     (("offsets", "travel"), lambda asked: asked.press == "lines", "is for lines; of maps give --lines as well"),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, number
+from stiction.mechanics.brackets import with_brackets
 from stiction.mechanics.continuation import (
     FINER,
     continued,
@@ -106,6 +107,9 @@ def resolution(
         Over `normal_load`: `elastic_kappa`, and with a hardness `plastic_area`, `plastic_area_fraction` and
         `plastic_friction_coefficient`: what no finer scan can pass.
 
+        With a hardness, over cut-offs, loads and `end` ("lower", "upper"): `bracket_area_fraction` and, of "all",
+        `bracket_friction_coefficient`, between which every finer scan of this pair lies.
+
         Over `hardness` (GPa), `normal_load` and `statistic` (value, lower, upper): `plastic_wavelength` (µm), at which
         the mean pressure of the elastic answer reaches the hardness; the longest where even
         that does, NaN where the power law never does.
@@ -128,8 +132,10 @@ def resolution(
 
     .. math:: F/H \le A \le A_{scan}, \qquad μ_0 + τ_0/H \le μ_s \le μ_{s,scan}
 
-    where all contacts rub, but for terms of second order in slopes: the interface of a gap with the gradient h' is
-    longer than its ground plan by the factor 1 + h'²/8, and so is the area. The opposing rule's slope term has no such
+    in the mean over pairs where all contacts rub, but for terms of second order in slopes: the interface of a gap with
+    the gradient h' is longer than its ground plan by the factor 1 + h'²/8, and so is the area. Of one pair with n
+    contacts finer waves move the load between them: there the bracket ends not at A but at
+    :math:`F/H + (A - F/H)\,e^{2/\sqrt n}`, and 1/√n is at least 0.1. The opposing rule's slope term has no such
     limit: its number belongs to a resolution.
 
     Finer than the fitted band, h' is continued by the power law of the gap's Hurst exponent. `lower` and `upper` take
@@ -392,18 +398,7 @@ def _with_limits(
         ),
     }  # fmt: skip
     if hardness is not None:
-        least = loads / hardness
-        variables |= {
-            "plastic_area": ("normal_load", least, _said("µm²", "least true area, F/H")),
-            "plastic_area_fraction": (
-                "normal_load", least / pair.nominal_area, _said("1", "least true over nominal area, F/(H A0)")
-            ),
-        }  # fmt: skip
-        if parameters is not None:
-            limit = np.full(loads.size, parameters[0] + parameters[1] / hardness)
-            variables["plastic_friction_coefficient"] = (
-                "normal_load", limit, _said("1", "mu0 + tau0/H, least where all contacts rub")
-            )  # fmt: skip
+        result = with_brackets(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
     reached = np.array([
         [plastic_wavelength(roughness, estimate, *one) for one in zip(kappa * each / modulus, spread, strict=True)]

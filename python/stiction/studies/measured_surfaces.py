@@ -14,13 +14,18 @@ from stiction._checks import Floats
 from stiction._text import named
 from stiction._units import Quantity, quantity, shortened
 from stiction.studies.values import CutOffs, LengthOrZero, Table, array_of, as_written, read_length, written
+from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.measured.reading import read_measurement
+from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum
 from stiction.surfaces.pairing import Surrogates
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.surface import Surface
 
 Column = int | str
+
+Body = Profile | Surface | JoinedSpectrum
+"""What a file may hold."""
 
 LONGEST_PATH = 4096
 """Characters."""
@@ -55,7 +60,7 @@ def _one_or_two(read: Callable[[object], Any]) -> PlainValidator:
 
 
 class MeasuredFile(Table):
-    """A file that holds a measured profile or surface, and how it is read."""
+    """A file that holds a measured profile or surface, and how it is read, or a spectrum of several."""
 
     file: str = Field(min_length=1, max_length=LONGEST_PATH, description="Name of the file.")
     sha256: str | None = Field(
@@ -77,8 +82,8 @@ class MeasuredFile(Table):
         default="error", description="What to do about points without a height."
     )
 
-    def read(self) -> Profile | Surface:
-        """The profile or surface that the file holds, µm.
+    def read(self) -> Body:
+        """The profile, surface or joined spectrum that the file holds, µm.
 
         Raises
         ------
@@ -116,8 +121,13 @@ class MeasuredFile(Table):
 
 
 @functools.lru_cache(maxsize=2)
-def _body(file: MeasuredFile) -> Profile | Surface:
+def _body(file: MeasuredFile) -> Body:
     """The body in a file, known by its checksum, so that the two of a study are taken apart once."""
+    if is_spectrum(Path(file.file)):
+        for name in ("unit", "spacing", "channel", "columns"):
+            if getattr(file, name) is not None:
+                raise ValueError(f"{named(file.file)}: is a spectrum, which has no {name} to be given")
+        return read_spectrum(file.file)
     return read_measurement(
         file.file,
         unit=file.unit,
@@ -208,7 +218,10 @@ class MeasuredLines(MeasuredBodies):
 
 
 class MeasuredSurrogates(MeasuredBodies):
-    """Other areas of the spectra of two maps, or of two profiles, and then alike in all directions."""
+    """Other areas of the spectra of two maps, of two profiles, or where one file is a spectrum that several scans have.
+
+    But for two maps, they are alike in all directions.
+    """
 
     case: ClassVar[str] = "surrogates of measured files"
 

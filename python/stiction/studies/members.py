@@ -27,13 +27,17 @@ from stiction.surfaces.fractal import (
     random_phases,
     weierstrass_mandelbrot_surface,
 )
+from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES, IsotropicPairs, LinePairs, MapPairs, lower_piece, spread
 from stiction.surfaces.preparation import levelled, rotated, turned_over
 from stiction.surfaces.profile import Profile, Side, scaled_profile
 from stiction.surfaces.self_affine import self_affine_surface
+from stiction.surfaces.spectral_pairs import SpectrumPairs, spectrum_of
 from stiction.surfaces.surface import Surface
 
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
+
+Maker = MapPairs | IsotropicPairs | SpectrumPairs | LinePairs
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
@@ -246,26 +250,34 @@ class Bodies:
         self._surfaces = measured(study)
         self._scans = self._surfaces.upper.read(), self._surfaces.lower.read()
         self._check_kinds()
-        self._makers: dict[float, MapPairs | IsotropicPairs | LinePairs] = {}
+        self._makers: dict[float, Maker] = {}
 
     def _check_kinds(self) -> None:
         press = self._surfaces.press
+        if any(isinstance(scan, JoinedSpectrum) for scan in self._scans):
+            if press != "surrogates":
+                raise ValueError(f'surfaces.press: of a spectrum there are "surrogates" alone, got "{press}"')
+            return
         are_maps = [isinstance(scan, Surface) for scan in self._scans]
         if press == "areas" and not all(are_maps):
             raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
         if press == "surrogates" and any(are_maps) and not all(are_maps):
             raise ValueError('surfaces.press: "surrogates" are of two maps or of two profiles, not of one of each')
 
-    def maker(self, wavelength: float) -> MapPairs | IsotropicPairs | LinePairs:
+    def maker(self, wavelength: float) -> Maker:
         """What makes the pairs of bodies from which waves shorter than a cut-off are taken off."""
         if wavelength not in self._makers:
             self._makers[wavelength] = self._made(wavelength)
         return self._makers[wavelength]
 
-    def _made(self, wavelength: float) -> MapPairs | IsotropicPairs | LinePairs:
+    def _made(self, wavelength: float) -> Maker:
         surfaces, seed = self._surfaces, self._study.ensemble.seed
-        upper, lower = (cut_off(scan, wavelength) if wavelength > 0 else scan for scan in self._scans)
+        one, other = self._scans
         level: Any = None if surfaces.level == "none" else surfaces.level
+        if isinstance(one, JoinedSpectrum) or isinstance(other, JoinedSpectrum):
+            finest = float(surfaces.cells()["cut_off"][0])
+            return SpectrumPairs(spectrum_of(one), spectrum_of(other), level, seed, wavelength, finest)
+        upper, lower = (cut_off(scan, wavelength) if wavelength > 0 else scan for scan in (one, other))
         if isinstance(surfaces, MeasuredLines):
             travel = None if surfaces.travel is None else float(surfaces.travel)
             several = surfaces.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
@@ -284,7 +296,7 @@ class Bodies:
     def member(self, index: int, wavelength: float) -> Measured:
         """One member at a cut-off (µm, 0 for the scan itself)."""
         maker, surfaces = self.maker(wavelength), self._surfaces
-        if isinstance(maker, IsotropicPairs):
+        if isinstance(maker, (IsotropicPairs, SpectrumPairs)):
             return Measured(maker.surrogates(index), np.nan, np.nan, surrogate=True)
         if isinstance(maker, MapPairs):
             made = surfaces.surrogates if isinstance(surfaces, MeasuredAreas) else index + 1
@@ -330,7 +342,13 @@ class Bodies:
         else:
             bodies = maker.upper, maker.lower
             area, shape, spacing, used = maker.area, list(maker.shape), list(maker.spacing), list(maker.used)
-        scanned = [np.atleast_1d(scan.spacing) for scan in self._scans]
+        if isinstance(maker, SpectrumPairs):  # as if two points were the shortest wave
+            scanned = [np.array([max(body.shortest, maker.finest) / 2]) for body in (maker.upper, maker.lower)]
+            extents = [np.array([maker.side])] * 2
+        else:
+            scans = [scan for scan in self._scans if not isinstance(scan, JoinedSpectrum)]
+            scanned = [np.atleast_1d(scan.spacing) for scan in scans]
+            extents = [np.atleast_1d(scan.extent) for scan in scans]
         attributes = {side: "\n".join(body.history) for side, body in zip(SIDES, bodies, strict=True)}
         return About(
             nominal_area=float(area),
@@ -341,8 +359,8 @@ class Bodies:
                 "fraction_used": np.array(used, np.float64),
                 "upper_spacing_um": scanned[0],
                 "lower_spacing_um": scanned[1],
-                "upper_extent_um": np.atleast_1d(self._scans[0].extent),
-                "lower_extent_um": np.atleast_1d(self._scans[1].extent),
+                "upper_extent_um": extents[0],
+                "lower_extent_um": extents[1],
             },
         )
 

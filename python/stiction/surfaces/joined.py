@@ -24,6 +24,10 @@ LONGEST = 1 / 3
 """Longest wave that is taken from a scan, of its shortest side: longer ones are of the window."""
 
 
+_WAVES_OF_ONE = 4.0
+"""Waves of a scan that make one independent value: opposite ones are the same, and a window joins neighbours."""
+
+
 @dataclass(frozen=True, eq=False)
 class JoinedSpectrum:
     """Spectrum of an isotropic surface over all wavelengths that several scans resolve.
@@ -45,6 +49,8 @@ class JoinedSpectrum:
         Shortest and longest wavelength that is taken of each scan.
     reasons : tuple of str
         What ends each scan at short waves: "pixels", "noise floor", "tip" or "given".
+    names : tuple of str
+        What each scan is called.
 
     Examples
     --------
@@ -62,6 +68,32 @@ class JoinedSpectrum:
     ratio: Floats
     bands: tuple[tuple[float, float], ...]
     reasons: tuple[str, ...]
+    names: tuple[str, ...]
+
+    @property
+    def shortest(self) -> float:
+        """Shortest wavelength of the spectrum, µm: the end of its last bin."""
+        return float(2 * math.pi / (self.wave_number[-1] * self._half))
+
+    @property
+    def longest(self) -> float:
+        """Longest wavelength of the spectrum, µm."""
+        return float(2 * math.pi / (self.wave_number[0] / self._half))
+
+    @property
+    def _half(self) -> float:
+        """From the middle of a bin to its end."""
+        return math.sqrt(self.wave_number[1] / self.wave_number[0])
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """What it was made of, in words."""
+        scans = (
+            f"{name} ({shortest:.4g} to {longest:.4g} µm)"
+            for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
+        )
+        of = f", of {', '.join(scans)}" if self.names else ""
+        return (f"spectrum of waves from {self.shortest:.4g} to {self.longest:.4g} µm{of}",)
 
     @property
     def disagreement(self) -> Floats:
@@ -80,6 +112,20 @@ class JoinedSpectrum:
                     math.exp(float(np.average(logs, weights=self.count[there]))) if (others > 0).all() else np.inf
                 )
         return read_only(off)
+
+    @property
+    def chance(self) -> Floats:
+        """(scans,) standard deviation of the logarithm of `disagreement` that comes of the number of waves alone."""
+        shared = (self.contribution > 0).sum(axis=0) > 1
+        own = self.contribution * self.count / _WAVES_OF_ONE
+        found = np.full(len(self.bands), np.nan)
+        for scan, waves in enumerate(own):
+            there = shared & (waves > 0)
+            if there.any():
+                others = own[:, there].sum(axis=0) - waves[there]
+                weight = self.count[there] / self.count[there].sum()
+                found[scan] = math.sqrt(float(np.square(weight) @ (1 / waves[there] + 1 / others)))
+        return read_only(found)
 
     def roughness(self) -> ScaleDependentRoughness:
         """Slope and curvature over wavelength, of all waves of the spectrum."""
@@ -126,16 +172,15 @@ class JoinedSpectrum:
         steps = lengths("spacing", spacing)
         q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
         q = np.hypot(q_y[:, np.newaxis], q_x)
-        half = math.sqrt(self.wave_number[1] / self.wave_number[0])
-        inside = (q >= self.wave_number[0] / half) & (q <= self.wave_number[-1] * half)
+        inside = (q >= self.wave_number[0] / self._half) & (q <= self.wave_number[-1] * self._half)
         with np.errstate(divide="ignore"):
             density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
         power = np.where(inside, density, 0.0) * (rows * columns / (steps[0] * steps[1]))
         random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
         phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
         waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)  # whose real part halves the power
-        step = f"a random surface of a spectrum of {len(self.bands)} scans, seed {seed}, repetition {repetition}"
-        return Surface(ifft2(waves, overwrite_x=True).real, spacing=steps, history=(step,))
+        step = f"a random surface of this spectrum, seed {seed}, repetition {repetition}"
+        return Surface(ifft2(waves, overwrite_x=True).real, spacing=steps, history=(*self.history, step))
 
 
 def joined_spectrum(
@@ -143,6 +188,7 @@ def joined_spectrum(
     *,
     shortest_wavelengths: Sequence[float | None] | None = None,
     tip_radii: Sequence[float | None] | None = None,
+    names: Sequence[str] | None = None,
     per_decade: int = 10,
 ) -> JoinedSpectrum:
     """One spectrum of several scans of a surface, by one instrument or by several.
@@ -156,6 +202,8 @@ def joined_spectrum(
         Of each scan, the shortest wave to take; None is what `instrument_limit` finds, at least eight points.
     tip_radii : sequence of float or None, µm, optional
         Of the tip of each scan.
+    names : sequence of str, optional
+        Of each scan; by default "scan 1" and so on.
     per_decade : int
         Bins of the wave number.
 
@@ -185,6 +233,8 @@ def joined_spectrum(
     if not bodies:
         raise ValueError("scans must be at least one profile or surface, got none")
     per_decade = whole_number("per_decade", per_decade, least=4)
+    if names is not None and len(names) != len(bodies):
+        raise ValueError(f"names must have one for each of the {len(bodies)} scans, got {len(names)}")
     limits = _one_each("shortest_wavelengths", shortest_wavelengths, len(bodies))
     tips = _one_each("tip_radii", tip_radii, len(bodies))
     parts, bands, reasons = [], [], []
@@ -214,6 +264,7 @@ def joined_spectrum(
             ratio=read_only(total / count / density),
             bands=tuple(bands),
             reasons=tuple(reasons),
+            names=tuple(names or (f"scan {number}" for number in range(1, len(bodies) + 1))),
         )
 
 

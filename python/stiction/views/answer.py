@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from stiction.mechanics import friction
+from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.views.digits import percent, two_digits, with_unit
 from stiction.views.doubts import WIDE as WIDE
@@ -96,7 +97,7 @@ class Answer:
         Coordinates: the cell, load (mN), mu0 and tau0 (GPa).
     bracket : (float, float), optional
         With a hardness, between which ends every finer scan lies where all contacts rub: mu0 + tau0/H, and the upper
-        end at this scan.
+        end of the interval at this scan with what few contacts leave open.
     """
 
     rules: tuple[RuleValue, ...]
@@ -224,14 +225,20 @@ def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Between which ends every finer scan lies: to second order in slopes, so that they may meet."""
+    """Between which ends every finer scan lies: to second order in slopes, so that they may meet.
+
+    The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
+    """
     hardness = getattr(study.contact, "hardness", None)
     measured = study.surfaces.kind == "measured" and study.contact.mechanics == "half-space"
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
-    limit = float(point["mu0"]) + float(point["tau0"]) / float(hardness)
+    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) / float(hardness)
     most = all_rub.upper if math.isfinite(all_rub.upper) else all_rub.value
-    return min(limit, all_rub.value), most
+    if adhesion > 0:
+        contacts = value_of(point, "contact_count") * value_of(point, "members")
+        most += adhesion * float(most_area((most - mu0) / adhesion, contacts)) - max(most - mu0, adhesion)
+    return min(mu0 + adhesion, all_rub.value), most
 
 
 # ---- Words -----------------------------------------------------------------------------------------------------------

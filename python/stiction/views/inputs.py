@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction.studies.tables import MeasuredFriction
+from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.peak import peak_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -17,8 +18,10 @@ from stiction.surfaces.spectrum import power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt
+from stiction.views.scale_rows import spectra_differ
 
 if TYPE_CHECKING:
+    from stiction.studies.measured_surfaces import Body
     from stiction.studies.study import Study
 
 HIGHEST_MU0 = 2.0
@@ -37,14 +40,12 @@ WHOLE_PART = 0.1
 """Nominal pressure over E* from which on a load is that of a larger body."""
 
 
-def doubts_of_inputs(
-    upper: Profile | Surface, lower: Profile | Surface, study: Study, loads: Sequence[float] = ()
-) -> tuple[Doubt, ...]:
+def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
     """A doubt for each thing that is seldom meant.
 
     Parameters
     ----------
-    upper, lower : Profile or Surface
+    upper, lower : Profile, Surface or JoinedSpectrum
         As they were read.
     study : Study
         That presses them.
@@ -54,7 +55,10 @@ def doubts_of_inputs(
     bowed = getattr(study.surfaces, "level", "") == "quadratic"  # what is taken off is no doubt
     lengths = [float(each) for each in getattr(study.surfaces, "cut_off", ())]
     of_upper, of_lower = (
-        [*_of_body(body, form=not bowed), *_of_instrument(body, min(lengths, default=0.0))] for body in (upper, lower)
+        list(_of_scans(body))
+        if isinstance(body, JoinedSpectrum)
+        else [*_of_body(body, form=not bowed), *_of_instrument(body, min(lengths, default=0.0))]
+        for body in (upper, lower)
     )
     both = [each for each in of_upper if each in of_lower]
     doubts = [
@@ -88,9 +92,20 @@ def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
     return doubts_of_inputs(upper, lower, study, [float(load) for load in study.friction.load])
 
 
-def _extent(body: Profile | Surface) -> tuple[float, float]:
-    """Along both axes; a profile is 1 µm thick."""
+def _extent(body: Body) -> tuple[float, float]:
+    """Along both axes; a profile is 1 µm thick, and a spectrum has as many waves as it likes."""
+    if isinstance(body, JoinedSpectrum):
+        return np.inf, np.inf
     return (1.0, body.extent) if isinstance(body, Profile) else body.extent
+
+
+def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
+    """What several scans of one surface do not agree on, or leave open."""
+    if spectra_differ(spectrum):
+        text = "its scans differ by more than a factor of two in power"
+        yield Doubt(text, "look at them by characterise --together; leave out what is wrong", "caution")
+    if (spectrum.count == 0).any():
+        yield Doubt("there are waves that none of its scans has", "scan what lies between", "caution")
 
 
 def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,15 +78,16 @@ def scale_values(body: Profile | Surface, *, tip_radius: float | None = None) ->
 # ---- Together --------------------------------------------------------------------------------------------------------
 
 
-def joined_text(names: Sequence[str], joined: JoinedSpectrum) -> str:
+def joined_text(joined: JoinedSpectrum) -> str:
     """What each scan gives to one spectrum, how far it is off the others, and the slope over wavelength."""
     from stiction.views.text import aligned, fitted
 
     rows = [["scan", "waves taken", "ended by", "beside the others"]]
-    for name, (shortest, longest), reason, off in zip(
-        names, joined.bands, joined.reasons, joined.disagreement, strict=True
+    for name, (shortest, longest), reason, off, chance in zip(
+        joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
     ):
         beside = "no overlap" if math.isnan(off) else f"{off:.2f} times as much power"
+        beside += ", of few waves" if 2 * chance > math.log(MUCH) else ""
         rows.append([name, f"{with_unit(shortest, 'um')} to {with_unit(longest, 'um')}", reason, beside])
     found = joined.roughness()
     slopes = [["waves from", "h'", "h'' (1/µm)"]]
@@ -103,10 +103,15 @@ def joined_text(names: Sequence[str], joined: JoinedSpectrum) -> str:
     said = ""
     if (joined.count == 0).any():
         said = "Between some scans there are waves that none has; a power law joins them.\n"
-    off = joined.disagreement[np.isfinite(joined.disagreement)]
-    if (np.abs(np.log(off)) > math.log(MUCH)).any():
+    if spectra_differ(joined):
         said += "Scans differ by more than a factor of two in power: heights are scaled otherwise, or waves are cut.\n"
     return "\n\n".join([aligned(rows), aligned(slopes)]) + "\n" + (fitted(said) + "\n" if said else "")
+
+
+def spectra_differ(joined: JoinedSpectrum) -> bool:
+    """Whether a scan is off the others by more than a factor of two in power, whatever chance does."""
+    with np.errstate(invalid="ignore"):
+        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
 
 
 MOST_ROWS = 12
@@ -116,7 +121,7 @@ MUCH = 2.0
 """Factor between spectra of one surface, above which it is said."""
 
 
-def joined_record(names: Sequence[str], joined: JoinedSpectrum) -> dict[str, Any]:
+def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
     """The same as JSON has it: µm."""
     found = joined.roughness()
     scans = [
@@ -124,27 +129,10 @@ def joined_record(names: Sequence[str], joined: JoinedSpectrum) -> dict[str, Any
             "file": name, "shortest_um": band[0], "longest_um": band[1], "ended_by": reason,
             "power_over_others": finite(float(off)),
         }
-        for name, band, reason, off in zip(names, joined.bands, joined.reasons, joined.disagreement, strict=True)
+        for name, band, reason, off in zip(joined.names, joined.bands, joined.reasons, joined.disagreement, strict=True)
     ]  # fmt: skip
     curve = {
         "wavelength_um": found.wavelength, "rms_gradient": found.gradient, "rms_curvature_per_um": found.curvature,
         "density_um4": joined.density, "waves": joined.count,
     }  # fmt: skip
     return {"scans": scans, "spectrum": {name: [float(each) for each in values] for name, values in curve.items()}}
-
-
-def joined_csv(names: Sequence[str], joined: JoinedSpectrum) -> str:
-    """A row for each wavelength: slope and curvature down to it, density, and what each scan gives to it."""
-    import pandas
-
-    found = joined.roughness()
-    columns: dict[str, Any] = {
-        "wavelength (um)": found.wavelength,
-        "rms gradient down to it": found.gradient,
-        "rms curvature down to it (1/um)": found.curvature,
-        "wave number (1/um)": joined.wave_number,
-        "C2D (um4)": joined.density,
-        "waves": joined.count,
-    } | {f"fraction of {name}": part for name, part in zip(names, joined.contribution, strict=True)}
-    text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
-    return text

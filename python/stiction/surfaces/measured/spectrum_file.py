@@ -1,0 +1,166 @@
+"""The file of a spectrum that several scans have together: a table (CSV) below a line for each scan."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import read_only
+from stiction._files import new_file
+from stiction._text import named
+from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.measured.raw import FormatError
+
+WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
+"""Columns from which a spectrum is read; one without the last is somebody else's."""
+
+FRACTION, RATIO = "fraction of ", "power over the joined of "
+"""Beginnings of two columns for each scan."""
+
+_SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
+
+_BEGINNING = 100_000
+"""Bytes in which the names of columns stand."""
+
+_EQUAL = 1e-3
+"""Relative difference of ratios of wave numbers that are equal but for their printed digits."""
+
+
+def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
+    """Write a joined spectrum, every number to the bit, with slope and curvature over wavelength.
+
+    Parameters
+    ----------
+    spectrum : JoinedSpectrum
+    path : path
+        Ending in .csv. It must not exist yet, and appears when it is whole.
+
+    Raises
+    ------
+    FormatError
+        A `ValueError`, if the ending is another, or the file exists already or cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from stiction import joined_spectrum, read_spectrum, self_affine_surface, write_spectrum
+    >>> scan = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(128, 128), spacing=0.01)
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "joined.csv"
+    >>> write_spectrum(joined_spectrum([scan], names=["probe"]), path)
+    >>> read_spectrum(path).names
+    ('probe',)
+    """
+    import pandas
+
+    if not isinstance(spectrum, JoinedSpectrum):
+        raise ValueError(f"spectrum must be a JoinedSpectrum, got {type(spectrum).__name__}")
+    path = Path(path)
+    if path.suffix.lower() != ".csv":
+        raise FormatError(f"{path}: cannot be written: its name must end in .csv")
+    names = [" ".join(name.split()) for name in spectrum.names]
+    if len(set(names)) < len(names):
+        names = [f"{name} ({index})" for index, name in enumerate(names, 1)]
+    found = spectrum.roughness()
+    columns: dict[str, Any] = {
+        "wavelength (um)": found.wavelength,
+        "rms gradient down to it": found.gradient,
+        "rms curvature down to it (1/um)": found.curvature,
+        WAVE_NUMBER: spectrum.wave_number,
+        DENSITY: spectrum.density,
+        WAVES: spectrum.count,
+    }
+    for beginning, parts in ((FRACTION, spectrum.contribution), (RATIO, spectrum.ratio)):
+        columns |= {f"{beginning}{name}": part for name, part in zip(names, parts, strict=True)}
+    scans = [
+        f"# scan: {name}, from {shortest!r} to {longest!r} um, ended by {reason}\n"
+        for name, (shortest, longest), reason in zip(names, spectrum.bands, spectrum.reasons, strict=True)
+    ]
+    with new_file(path, FormatError) as partial:
+        text = pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n")
+        partial.write_text("".join(scans) + text, encoding="utf-8")
+
+
+def is_spectrum(path: Path) -> bool:
+    """Whether a file is one of `write_spectrum`, or a table with the same columns of wave numbers and densities."""
+    if path.suffix.lower() != ".csv":
+        return False
+    try:
+        with path.open("rb") as file:
+            beginning = file.read(_BEGINNING).decode("utf-8-sig", "replace")
+    except OSError:
+        return False
+    names = next((line for line in beginning.splitlines() if line.strip() and not line.startswith("#")), "")
+    return DENSITY in names
+
+
+def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
+    r"""Read a spectrum that `write_spectrum` or ``stiction characterise --together`` wrote, or a table like it.
+
+    Parameters
+    ----------
+    path : path
+        CSV with columns "wave number (1/um)", rising in equal ratios, and "C2D (um4)", the density per area of wave
+        numbers of which the mean square height is the integral over 4π². The rest may be missing.
+
+    Raises
+    ------
+    FormatError
+        A `ValueError`, if the file cannot be read or is no spectrum.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from stiction import read_spectrum
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "published.csv"
+    >>> _ = path.write_text("wave number (1/um),C2D (um4)\n1,1e-4\n2,3e-6\n4,9e-8\n")
+    >>> read_spectrum(path).shortest.__round__(2)
+    1.11
+    """
+    import pandas
+
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig", "replace")
+        table = pandas.read_csv(io.StringIO(text), comment="#")
+    except OSError as error:
+        raise FormatError(f"{named(path)}: cannot be read: {error.strerror}") from None
+    except ValueError:  # of pandas, whatever it is
+        raise FormatError(f"{named(path)}: is no table of a spectrum") from None
+    scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
+    names = [match["name"] for match in scans]
+    try:
+        q, density = (np.array(table[name], np.float64) for name in (WAVE_NUMBER, DENSITY))
+        count = np.array(table[WAVES], np.float64) if WAVES in table else np.ones(q.size)
+        contribution, ratio = (
+            np.array([table[f"{beginning}{name}"] for name in names], np.float64).reshape(len(names), q.size)
+            for beginning in (FRACTION, RATIO)
+        )
+        bands = tuple((float(match["shortest"]), float(match["longest"])) for match in scans)
+    except KeyError as error:
+        raise FormatError(f"{named(path)}: is no spectrum: it has no column {error.args[0]!r}") from None
+    except ValueError:
+        raise FormatError(f"{named(path)}: is no spectrum: it has something else than numbers") from None
+    if q.size < 2 or not (q > 0).all() or not np.isfinite(q).all() or not _rise_equally(np.log(q)):
+        raise FormatError(f"{named(path)}: is no spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
+    if not (density > 0).all() or not np.isfinite(density).all():
+        raise FormatError(f"{named(path)}: is no spectrum: {DENSITY!r} must be above 0")
+    return JoinedSpectrum(
+        wave_number=read_only(q),
+        density=read_only(density),
+        count=read_only(count),
+        contribution=read_only(contribution),
+        ratio=read_only(ratio),
+        bands=bands,
+        reasons=tuple(match["reason"] for match in scans),
+        names=tuple(names),
+    )
+
+
+def _rise_equally(logarithms: Any) -> bool:
+    steps = np.diff(logarithms)
+    return bool((steps > 0).all() and np.ptp(steps) <= _EQUAL * steps.mean() + 1e-12)

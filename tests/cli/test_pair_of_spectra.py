@@ -1,0 +1,200 @@
+"""`stiction pair` of what several scans of one surface say together, in place of a scan that is too coarse."""
+
+import json
+
+import numpy as np
+import pytest
+from command import assert_refused, stiction_command
+from stiction import (
+    JoinedSpectrum,
+    Study,
+    Surface,
+    cut_off,
+    joined_spectrum,
+    levelled,
+    pair,
+    read_spectrum,
+    scale_dependent_roughness,
+    self_affine_surface,
+    write_spectrum,
+    write_surface,
+)
+from stiction.surfaces.spectral_pairs import SpectrumPairs
+
+SPACING, POINTS = 0.02, 256
+MATERIAL = {"effective_modulus": "100 GPa", "hardness": "4 GPa", "mu0": 0.2, "tau0": "200 MPa", "load": "20 MPa"}
+QUICK = {"direction": [0.0, 90.0], "onset": 0}
+OPTIONS = [
+    "--effective-modulus", "100 GPa", "--hardness", "4 GPa", "--mu0", "0.2", "--tau0", "200 MPa", "--load", "20 MPa",
+    "--direction", "0,90", "--onset", "0",
+]  # fmt: skip
+SIDES = ("upper", "lower")
+
+
+def whole(side):
+    return self_affine_surface(
+        11, hurst_exponent=0.8, rms=0.02, shape=(POINTS, POINTS), spacing=SPACING, side=side,
+        longest_wavelength=1.28, shortest_wavelength=8 * SPACING,
+    )  # fmt: skip
+
+
+def seen(surface):
+    """A microscope with large pixels, and a probe that sees four pieces."""
+    pixels = surface.heights.reshape(POINTS // 4, 4, POINTS // 4, 4).mean((1, 3))
+    half = POINTS // 2
+    pieces = [surface.heights[row : row + half, column : column + half] for row in (0, half) for column in (0, half)]
+    return [Surface(pixels, spacing=4 * SPACING), *(Surface(piece, spacing=SPACING) for piece in pieces)]
+
+
+@pytest.fixture(scope="module")
+def surfaces():
+    return [whole(side) for side in SIDES]
+
+
+@pytest.fixture(scope="module")
+def spectra(surfaces):
+    return [joined_spectrum([levelled(scan, "plane") for scan in seen(each)]) for each in surfaces]
+
+
+@pytest.fixture(scope="module")
+def where(tmp_path_factory, surfaces, spectra):
+    folder = tmp_path_factory.mktemp("spectra")
+    for side, surface, spectrum in zip(SIDES, surfaces, spectra, strict=True):
+        write_spectrum(spectrum, folder / f"{side}.csv")
+        write_surface(surface, folder / f"{side}.npy")
+    return folder
+
+
+# ---- What is pressed ------------------------------------------------------------------------------------------------
+
+
+def test_members_have_both_spectra_and_stay_the_same_over_cut_offs(spectra):
+    pairs = SpectrumPairs(*spectra)
+    assert pairs.spacing[0] == pytest.approx(min(each.shortest for each in spectra) / 4)
+    assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
+    slopes = [
+        [float(scale_dependent_roughness(body).gradient_at(0.3)) for body in pairs.surrogates(index)]
+        for index in range(6)
+    ]
+    wanted = [float(each.roughness().gradient_at(0.3)) for each in spectra]
+    assert np.mean(slopes, axis=0) == pytest.approx(wanted, rel=0.1)
+    coarser = SpectrumPairs(*spectra, cut_off=0.4)
+    assert coarser.spacing == pairs.spacing
+    size = round(pairs.side / pairs.spacing[0])
+    made = spectra[1].surface(2016, shape=(size, size), spacing=pairs.spacing, repetition=3)
+    rows, columns = pairs.shape
+    piece = Surface(cut_off(made, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
+    assert np.array_equal(coarser.surrogates(3)[1].heights, levelled(piece, "plane").heights)
+    # With a cut-off that is the finest, points are further apart and the surface is larger.
+    assert SpectrumPairs(*spectra, cut_off=0.4, finest=0.4).spacing[0] == pytest.approx(0.1)
+
+
+def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces):
+    elastic = {name: value for name, value in MATERIAL.items() if name != "hardness"} | {"load": "200 MPa"}
+    said = pair(*spectra, surrogates=8, **elastic, **QUICK)
+    known = pair(*surfaces, shifts=8, **elastic, **QUICK)
+    coarse = pair(*(seen(each)[0] for each in surfaces), shifts=8, **elastic, **QUICK)
+    for quantity in ("friction_all_round", "contact_area_fraction"):
+        values = []
+        for result in (said, known, coarse):
+            one = result.at()[quantity].squeeze()
+            one = one.sel(sliding="all") if "sliding" in one.dims else one
+            values.append([float(one.sel(statistic=each)) for each in ("mean", "lower", "upper")])
+        (mean, low, high), (truth, *_), (missed, *_) = values
+        assert low < truth < high
+    assert abs(missed - truth) > 2 * abs(mean - truth)  # of the area, which the fine waves decide
+
+
+def test_is_a_study_as_any_other(where):
+    done = stiction_command("pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where)
+    assert done.returncode == 0, done.stderr
+    record = json.loads(done.stdout)
+    study = Study.from_toml(where / "pair" / "study.toml")
+    assert study.surfaces.press == "surrogates"
+    assert study.surfaces.upper.sha256 is not None
+    assert study.ensemble.repetitions == 2
+    at = stiction_command("at", "pair", "--load", "30 MPa", cwd=where)
+    assert at.returncode == 0, at.stderr
+    assert stiction_command("report", "pair", cwd=where).returncode == 0
+    over = [each["cut_off"] for each in record["resolution"]["cut_offs"]]
+    assert over[1] == pytest.approx(read_spectrum(where / "upper.csv").shortest, rel=1e-3)
+
+
+def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectra):
+    command = ["pair", "upper.csv", "lower.npy", *OPTIONS, "--surrogates", "2", "--output", "mixed"]
+    done = stiction_command(*command, cwd=where)
+    assert done.returncode == 0, done.stderr
+    changed = where / "changed"
+    changed.mkdir()
+    for name in ("upper.csv", "lower.csv"):
+        (changed / name).write_bytes((where / name).read_bytes())
+    assert (
+        stiction_command("pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", cwd=changed).returncode == 0
+    )
+    (changed / "upper.csv").write_bytes((where / "lower.csv").read_bytes())
+    assert_refused(stiction_command("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--lines", "4"], "--lines"),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4"], "--shifts"),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--unit", "um"], "has no unit"),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um"], "rows and columns must be pressed"),
+        (["characterise", "upper.csv"], "is the spectrum of several scans"),
+    ],
+)
+def test_what_does_not_apply_is_refused(where, arguments, said):
+    assert_refused(stiction_command(*arguments, "--output", "refused", cwd=where), said)
+
+
+# ---- The file -------------------------------------------------------------------------------------------------------
+
+
+def test_the_file_has_every_number_to_the_bit(spectra, tmp_path):
+    write_spectrum(spectra[0], tmp_path / "joined.csv")
+    again = read_spectrum(tmp_path / "joined.csv")
+    for name in ("wave_number", "density", "count", "contribution", "ratio"):
+        assert np.array_equal(getattr(again, name), getattr(spectra[0], name), equal_nan=True)
+    assert (again.bands, again.reasons, again.names) == (spectra[0].bands, spectra[0].reasons, spectra[0].names)
+    assert again.history == spectra[0].history
+    with pytest.raises(ValueError, match="exists already"):
+        write_spectrum(again, tmp_path / "joined.csv")
+    with pytest.raises(ValueError, match=r"must end in \.csv"):
+        write_spectrum(again, tmp_path / "joined.txt")
+    with pytest.raises(ValueError, match="must be a JoinedSpectrum"):
+        write_spectrum("joined", tmp_path / "other.csv")
+
+
+def test_a_published_spectrum_is_one_too(tmp_path):
+    q = np.geomspace(1.0, 100.0, 12)
+    rows = "".join(f"{each!r},{1e-4 * each**-3.6!r}\n" for each in q.tolist())
+    (tmp_path / "table.csv").write_text("wave number (1/um),C2D (um4)\n" + rows)
+    spectrum = read_spectrum(tmp_path / "table.csv")
+    assert isinstance(spectrum, JoinedSpectrum)
+    assert spectrum.disagreement.size == 0
+    body = spectrum.surface(1, shape=(64, 64), spacing=0.02)
+    assert "of waves" in body.history[0]
+    result = pair(spectrum, spectrum, **MATERIAL, **QUICK, surrogates=2)
+    assert result.verdict in ("Quote it", "Quote with care", "Do not quote")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("wave number (1/um),C2D (um4)\n1,1\n2,1\n3,1\n", "must rise in equal ratios"),
+        ("wave number (1/um),C2D (um4)\n1,1\n", "must rise in equal ratios"),
+        ("wave number (1/um),C2D (um4)\n1,1\n2,0\n", "must be above 0"),
+        ("wave number (1/um),C2D (um4)\n1,a\n2,b\n", "something else than numbers"),
+        ("wave number,C2D (um4)\n1,1\n2,1\n", "has no column 'wave number"),
+        ("# scan: a, from 1 to 2 um, ended by pixels\nwave number (1/um),C2D (um4)\n1,1\n2,1\n", "has no column"),
+        ("", "is no table"),
+    ],
+)
+def test_a_bad_file_is_named(tmp_path, text, said):
+    (tmp_path / "bad.csv").write_text(text)
+    with pytest.raises(ValueError, match=said):
+        read_spectrum(tmp_path / "bad.csv")
+    with pytest.raises(ValueError, match="cannot be read"):
+        read_spectrum(tmp_path / "none.csv")
