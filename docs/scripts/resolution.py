@@ -155,6 +155,8 @@ def continuing():
 def joining():
     """One surface seen by three simulated instruments, and its spectrum from them."""
     from scipy.ndimage import grey_dilation
+    from stiction.views.figures.joined import joined_figure
+    from stiction.views.style import save_picture
 
     points, radius = 2048, 0.01  # µm
     whole = self_affine_surface(
@@ -184,6 +186,9 @@ def joining():
         tip_radii=[radius if name == "fine probe" else None for name in names],
         per_decade=PER_DECADE,
     )
+    first = [scans[name][0] for name in scans]
+    one_each = joined_spectrum(first, tip_radii=[None, None, radius], names=list(scans))
+    save_picture(joined_figure(one_each), DOCS / "images/characterise_joined.png")
     q, _, density = surface_spectrum(whole, periodic=True).waves()
     half = 10 ** (0.5 / PER_DECADE)
     known = []

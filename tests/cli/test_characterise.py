@@ -261,6 +261,11 @@ def test_several_scans_are_one_spectrum(folder):
     done = stiction_command("characterise", *given, cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "waves taken" in done.stdout
+    assert (folder / "joined.png").read_bytes().startswith(b"\x89PNG")
+    only = stiction_command("characterise", *given, "--output", "spectra.svg", cwd=folder)
+    assert only.returncode == 0, only.stderr
+    assert (folder / "spectra.svg").exists()
+    assert_refused(stiction_command("characterise", *given, "--output", "spectra.doc", cwd=folder), "must end in")
     joined = joined_spectrum(
         [levelled(Surface(each, spacing=step), "plane") for each, step in ((fine, 0.02), (coarse, 0.08))]
     )

@@ -10,19 +10,25 @@ from matplotlib.text import Text
 from stiction import (
     Profile,
     Surface,
+    effective_modulus,
     gentle_friction,
     hurst_exponent_of,
+    joined_spectrum,
     levelled,
+    material,
     power_spectrum,
     roughness_parameters,
     self_affine,
+    self_affine_surface,
     spectral_moments,
+    spectral_resolution,
     surface_parameters,
     surface_spectrum,
 )
 from stiction.surfaces.lines import lines_along_both
-from stiction.surfaces.spectrum import peak_of
+from stiction.surfaces.peak import peak_of
 from stiction.views.characterisation import characterisation_text, surface_characterisation_text
+from stiction.views.figures.joined import joined_figure
 from stiction.views.figures.roughness import characterisation_figure, surface_characterisation_figure
 
 NO_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
@@ -191,3 +197,29 @@ def test_friction_by_slope_of_a_surface_is_along_both_axes():
     said = rows(surface_characterisation_text(surface, *lines_along_both(surface)))["friction by slope"]
     along_x, along_y = (float(value) for value in re.findall(r"(0\.\d+) along", said))
     assert along_x > along_y > 0.2
+
+
+class TestJoined:
+    def test_pressure_is_that_of_the_closed_form_and_ends_where_a_material_yields(self, tmp_path):
+        fine = self_affine_surface(4, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.01)
+        pieces = fine.heights.reshape(64, 4, 64, 4).mean((1, 3)), fine.heights[:128, :128]
+        scans = [Surface(heights, spacing=step) for heights, step in zip(pieces, (0.04, 0.01), strict=True)]
+        joined = joined_spectrum(scans, names=["microscope", "probe"])
+        figure = joined_figure(joined)
+        spectra, _, pressure = figure.axes
+        assert [text.get_text() for text in spectra.get_legend().texts] == ["microscope", "probe", "together"]
+        own = joined.roughness()
+        known = spectral_resolution(
+            own, own, pressure=1e-4, hardness=None, mu0=0.2, tau0=0.1, effective_modulus=1.0
+        )  # E* of 1, so that pressures are over it
+        elastic = pressure.lines[0]
+        assert elastic.get_ydata() == pytest.approx(known.mean_pressure.values)
+        steel = material("bearing steel")
+        young, ratio = steel.young_modulus, steel.poisson_ratio
+        limit = steel.hardness / effective_modulus(young, ratio, young, ratio)
+        line = next(each for each in pressure.lines[1:] if each.get_ydata()[0] == pytest.approx(limit))
+        start = line.get_xdata()[0]
+        assert float(np.sqrt(2) * own.gradient_at(start) / 2.2) == pytest.approx(limit, rel=1e-3)
+        figure.savefig(tmp_path / "figure.png", dpi=300)
+        assert imread(tmp_path / "figure.png").shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
+        assert min(text.get_fontsize() for text in figure.findobj(Text) if text.get_text()) >= 6

@@ -39,15 +39,15 @@ Tip = Annotated[
 ]
 Together = Annotated[
     bool,
-    option("--together", None, "Several scans of one surface, alike in all directions: one spectrum, written as CSV."),
+    option("--together", None, "Several scans of one surface, alike in all directions: one spectrum."),
 ]
 Output = Annotated[
     Path | None,
     option(
         "--output -o",
         "FILE",
-        "The figure to draw, or the table to write of several files.",
-        "./FILE.png, ./characterised.csv, ./joined.csv",
+        "The figure to draw, or the table to write of several files; of --together either, by its ending.",
+        "./FILE.png, ./characterised.csv, ./joined.csv and .png",
     ),
 ]
 
@@ -128,7 +128,9 @@ def _together(
     from stiction.surfaces.joined import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views import scale_rows
+    from stiction.views.figures.joined import joined_figure
     from stiction.views.rows import record
+    from stiction.views.style import save_picture
 
     if len(files) < 2:
         raise ValueError("--together is for several scans of one surface, got 1")
@@ -140,9 +142,12 @@ def _together(
     else:
         tell(scale_rows.joined_text(joined))
     if output is not None or not as_json:
-        table = output or Path("joined.csv")
-        write_spectrum(joined, table)
-        (say if as_json else tell)(f"wrote {table}, {len(files)} scans")
+        for path in (Path("joined.csv"), Path("joined.png")) if output is None else (output,):
+            if path.suffix.lower() == ".csv":
+                write_spectrum(joined, path)
+            else:
+                save_picture(joined_figure(joined), path)
+            (say if as_json else tell)(f"wrote {path}, {len(files)} scans")
 
 
 def _cut_off(body: Profile | Surface, shortest: float | None) -> Profile | Surface:
