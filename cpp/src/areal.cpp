@@ -217,7 +217,8 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     most_rows = std::max(most_rows, tile.rows);
     most_columns = std::max(most_columns, tile.columns);
   }
-  Matrix work(most_rows + 2, most_columns + 2);
+  std::vector<double> kept(static_cast<std::size_t>((most_rows + 2) * (most_columns + 2)));
+  Eigen::Map<Matrix> work(kept.data(), most_rows + 2, most_columns + 2);
   std::vector<unsigned char> marks(static_cast<std::size_t>(most_columns));
   std::vector<GridMinimum> points;
   std::vector<Place> places;

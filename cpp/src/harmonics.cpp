@@ -264,7 +264,8 @@ STICTION_KERNEL(one_row,
 // All rows of one whole block; `sums` points at its first column. Calls after(begin, end) when the rows from begin to
 // end, excluded, are done and still in the cache.
 template <class After>
-void product(const Matrix& weights, const double* values, double* sums, Index stride, const After& after) {
+void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,
+             const After& after) {
   const Index rows = weights.rows();
   const auto frequencies = static_cast<std::size_t>(weights.cols());
   const auto step = static_cast<std::size_t>(stride);
@@ -422,10 +423,11 @@ std::vector<Level> harmonic_profiles(MatrixView phases, MatrixView weights, cons
     return {};
   }
   std::vector<Group> all = groups(phases, grid);
-  const Matrix packed_weights = weights;
+  const auto packed = aligned(static_cast<std::size_t>(weights.size()));
+  Eigen::Map<Matrix>(packed.get(), weights.rows(), weights.cols()) = weights;
+  const Eigen::Map<const Matrix> packed_weights(packed.get(), weights.rows(), weights.cols());
   const auto values = aligned(all.size() * block);
   std::vector<Levelling> levellings(static_cast<std::size_t>(weights.rows()));
-  Matrix last_block;
   for (Index first = 0; first < grid.points; first += block) {
     for (std::size_t n = 0; n < all.size(); ++n) {
       checkpoint();
@@ -441,8 +443,9 @@ std::vector<Level> harmonic_profiles(MatrixView phases, MatrixView weights, cons
     if (count == block) {
       product(packed_weights, values.get(), profiles.data() + first, profiles.outerStride(), measure);
     } else {
-      last_block.resize(weights.rows(), block);
-      product(packed_weights, values.get(), last_block.data(), block, [](Index, Index) {});
+      const auto kept = aligned(static_cast<std::size_t>(weights.rows() * block));
+      const Eigen::Map<Matrix> last_block(kept.get(), weights.rows(), block);
+      product(packed_weights, values.get(), kept.get(), block, [](Index, Index) {});
       profiles.rightCols(count) = last_block.leftCols(count);
       measure(0, weights.rows());
     }
@@ -475,7 +478,9 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
   const auto of_x = aligned(2 * together * block);
   std::array<double, run> cosines;
   std::array<double, run> sines;
-  Matrix tile(run, block);
+  const auto of_tile = aligned(run * block);
+  const Eigen::Map<const Matrix> tile(of_tile.get(), run, block);
+  const auto factors = aligned(run * 2 * together);
   for (Index column = 0; column < columns; column += block) {
     const Index width = std::min(block, columns - column);
     for (std::size_t begin = 0; begin < sum.harmonics.size(); begin += together) {
@@ -486,7 +491,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
           sum.harmonics[begin + h].along_x.fill(column + j, values + j, values + block + j);
         }
       }
-      Matrix of_y(run, static_cast<Index>(2 * count));
+      Eigen::Map<Matrix> of_y(factors.get(), run, static_cast<Index>(2 * count));
       for (Index row = 0; row < rows; row += run) {
         checkpoint();
         for (std::size_t h = 0; h < count; ++h) {
@@ -499,7 +504,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
             of_y(at, static_cast<Index>(2 * h + 1)) = harmonic.odd.real() * sines[i] + harmonic.odd.imag() * cosines[i];
           }
         }
-        product(of_y, of_x.get(), tile.data(), block, [](Index, Index) {});
+        product({of_y.data(), of_y.rows(), of_y.cols()}, of_x.get(), of_tile.get(), block, [](Index, Index) {});
         const Index height = std::min(run, rows - row);
         heights.block(row, column, height, width) += tile.topLeftCorner(height, width);
       }

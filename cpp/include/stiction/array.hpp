@@ -3,8 +3,9 @@
 // Units everywhere: lengths µm, forces mN, pressures GPa (1 GPa = 1 mN/µm², so no factor appears). Height is z; a
 // profile lies along x, at y = 0.
 //
-// No compiled function hands over an Eigen array that owns its memory: how Eigen allocates depends on compiler flags
-// (-mavx, -fsanitize=address), which a program and the library need not share.
+// No compiled function hands over or has inside an Eigen array that owns its memory: how Eigen allocates and aligns
+// depends on compiler flags (-mavx, -fsanitize=address), which a program and the library need not share, and the linker
+// takes one of the two instances of a template for both.
 #pragma once
 
 #include <Eigen/Core>
