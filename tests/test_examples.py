@@ -220,7 +220,7 @@ def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(print
 
 @pytest.mark.skipif(not DEV.exists(), reason="./dev is not here")
 def test_commands_of_dev_are_those_of_its_usage():
-    commands = set(re.findall(r'case "(\w+)":', DEV.read_text(encoding="utf-8")))
+    commands = set(re.findall(r'^    "(\w+)": ', DEV.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == dev_commands()
 
 

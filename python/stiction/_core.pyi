@@ -338,4 +338,4 @@ def scale_to_amplitude(
     Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.
     """
 
-__version__: str = "0.1.0"
+__version__: str
