@@ -21,6 +21,7 @@ from stiction import (
     westergaard_gap,
     westergaard_pressure,
 )
+from stiction.mechanics import elastic_pressure
 from stiction.mechanics.elastic_kernel import Grids, Kernel
 from stiction.mechanics.elastic_pressure import Solver
 from stiction.studies.members import pair_of
@@ -54,6 +55,9 @@ SINGLE = 3e-6
 SAME = 1e-5
 """Of two solutions with a tolerance of 1e-6."""
 
+
+OF_STIFFNESS = 1e-6
+"""Relative, of a compliance that is right to 1e-7."""
 
 GRID_OF_A_BALL = 2e-3
 """Of the load at an approach, with a contact of 24 points in radius."""
@@ -304,6 +308,22 @@ def test_stiffness_is_the_slope_of_load_over_approach():
     slope = (load[2] - load[0]) / (curve.approach[2] - curve.approach[0])
     # Points that join between both loads make the slope differ from the stiffness of the patches between.
     assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
+
+
+@pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
+@pytest.mark.parametrize("most", [0, 1000])
+def test_stiffness_agrees_with_dense_matrices(shape, boundary, most, monkeypatch):
+    """By transforms, and by the matrix of the points in contact."""
+    monkeypatch.setattr(elastic_pressure, "MOST_AMONG", most)
+    lower = rough(shape, longest=1, shortest=5)
+    curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary)
+    spacing = np.array([1 / n for n in shape])
+    matrix = getattr(dense_half_space, f"{boundary}_matrix")(shape, spacing, MODULUS)
+    touching = np.flatnonzero(curve.contact(0).pressure)
+    assert 5 < touching.size < 0.8 * lower.heights.size
+    even = np.linalg.solve(matrix[np.ix_(touching, touching)], np.ones(touching.size))
+    assert (even > 0).all()
+    assert curve.stiffness[0] == pytest.approx(even.sum() * np.prod(spacing), rel=OF_STIFFNESS)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -671,6 +691,20 @@ def test_single_precision_responses_are_the_displacements(points, periodic):
     waves = np.fft.rfft(residual) * (0.5 * 10.0 * 2 * np.pi * np.fft.rfftfreq(points, 0.1))
     stiff = np.fft.irfft(waves, points)
     assert kernel.preconditioned(residual.astype(np.float32)) == pytest.approx(stiff, abs=SINGLE * np.abs(stiff).max())
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("empty", [0, 200, 401])
+def test_displacements_are_those_of_whole_transforms_on_any_number_of_threads(periodic, empty):
+    kernel = Kernel((401, 380), (0.1, 0.2), MODULUS, periodic=periodic)
+    pressure = np.random.default_rng(4).random((401, 380))
+    pressure[np.random.default_rng(5).permutation(401)[:empty]] = 0.0
+    waves = scipy.fft.rfft2(pressure, kernel.padded) * kernel.compliance
+    expected = scipy.fft.irfft2(waves, kernel.padded)[:401, :380]
+    found = kernel.displacement(pressure)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=ROUND_OFF * np.abs(expected).max())
+    with scipy.fft.set_workers(3):
+        assert np.array_equal(kernel.displacement(pressure), found)
 
 
 def test_pairs_on_one_grid_share_kernels():

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats
-from stiction.mechanics.elastic_kernel import Grids, Kernel
+from stiction.mechanics.elastic_kernel import MOST_KEPT, Grids, Kernel
 
 COARSE_TOLERANCE = 3e-3
 """Of the solutions on coarser grids, whose own distance from the finest is larger."""
@@ -35,6 +35,9 @@ MOST_COARSE_ITERATIONS = 100
 
 COMPLIANCE_TOLERANCE = 1e-3
 """Of displacements that should be equal, relative to the compliance, which is then right to 1e-7."""
+
+MOST_AMONG = 1024
+"""Points up to which their own matrix is solved for it, which a few transforms take longer than."""
 
 MOST_LOADS = 60
 """That are tried for one approach; six are many."""
@@ -246,6 +249,10 @@ def linear_compliance(kernel: Kernel, free: NDArray[np.bool_]) -> float:
     """
     if kernel.periodic and free.all():
         return 0.0
+    if np.count_nonzero(free) <= MOST_AMONG and free.size <= MOST_KEPT:
+        even = _under_one_displacement(kernel.among(np.argwhere(free)))
+        if (even >= 0).all():
+            return 1.0 / float(even.sum())
     bound = np.where(free, np.inf, 0.0).ravel()
     descent = _Descent(kernel, np.zeros(free.shape), bound, free.astype(np.float64), 1.0 / free.size)
     for _ in range(MOST_ITERATIONS):
@@ -253,6 +260,19 @@ def linear_compliance(kernel: Kernel, free: NDArray[np.bool_]) -> float:
             break
         descent.iterate()
     return descent.search.work()
+
+
+def _under_one_displacement(influence: Floats) -> Floats:
+    """Pressures of some points under which each of them moves by 1, to `COMPLIANCE_TOLERANCE`.
+
+    Without BLAS, whose threads wait for each other where many pairs are solved at once.
+    """
+    import scipy.sparse.linalg as sparse
+
+    matrix = sparse.LinearOperator(influence.shape, lambda x: np.einsum("ij,j->i", influence, x), dtype=np.float64)
+    ones = np.ones(len(influence))
+    pressure: Floats = sparse.cg(matrix, ones, rtol=COMPLIANCE_TOLERANCE**1.5, atol=0.0)[0]
+    return pressure
 
 
 def _resampled(values: Floats, shape: tuple[int, ...], *, periodic: bool) -> Floats:
