@@ -15,6 +15,7 @@ from stiction import (
     materials,
     softer_hardness,
 )
+from stiction.mechanics.materials import NOT_SEEN
 
 ROUND_OFF = 1e-14
 
@@ -34,7 +35,8 @@ def test_numbers_can_be(each):
     for value in (each.young_modulus, each.poisson_ratio, each.hardness):
         assert 0 < value.low <= value <= value.high
         assert float(value) == pytest.approx(math.sqrt(value.low * value.high), rel=ROUND_OFF)
-        assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431", value.source), value.source
+        # A work with its year, a standard, or what stood on a page of the web.
+        assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431|\(web\)", value.source), value.source
     assert 0.1 < each.young_modulus.low <= each.young_modulus.high < 1300
     assert each.poisson_ratio.high < 0.5
     # Between a soft metal and the ideal strength of a covalent solid; a rock with cracks is softer than its grains.
@@ -117,8 +119,8 @@ def test_a_mixture_of_both_is_refused(arguments):
 def test_a_value_goes_to_another_process_with_its_range():
     value = pickle.loads(pickle.dumps(material("copper").hardness))
     assert isinstance(value, MaterialValue)
-    assert (value.low, value.high, value.source) == (0.34, 1.15, material("copper").hardness.source)
-    assert "0.34 to 1.15" in repr(value)
+    assert (value.low, value.high, value.source) == (0.34, 1.14, material("copper").hardness.source)
+    assert "0.34 to 1.14" in repr(value)
     assert repr(MaterialValue(2, 2, "somebody")) == "<2, somebody>"
 
 
@@ -130,3 +132,9 @@ def test_the_table_of_the_documents_is_that_of_the_package():
     assert (docs / "generated/materials.md").read_text(encoding="utf-8") == script.table(), (
         "run docs/scripts/materials.py"
     )
+    sources = [
+        value.source for each in materials() for value in (each.young_modulus, each.poisson_ratio, each.hardness)
+    ]
+    unseen = sum(NOT_SEEN in source for source in sources)
+    said = f"Of {len(sources)} numbers {len(sources) - unseen} were compared"
+    assert said in " ".join((docs / "materials.md").read_text(encoding="utf-8").split())

@@ -22,7 +22,7 @@ def materials_text(chosen: Sequence[Material]) -> str:
     --------
     >>> from stiction import material
     >>> print(materials_text([material("gold")]).splitlines()[1])
-    gold   77–78 [1]  0.42–0.44 [1]  0.188–0.73 [2]
+    gold   77–78 [1]  0.42–0.44 [1]  0.19–0.73 [2]
     """
     sources: dict[str, int] = {}
 
