@@ -18,7 +18,7 @@ from stiction import (
     surrogate,
 )
 from stiction.mechanics.patches import slopes
-from stiction.studies.result import QUANTILES
+from stiction.studies.contact_statistics import QUANTILES
 from stiction.surfaces.pairing import FEWEST_POINTS, MapPairs
 
 ANGLES = (0.0, 30.0, 90.0, 180.0)

@@ -83,8 +83,9 @@ def pair(
 
 def _press(asked: Asked, context: typer.Context) -> None:
     """Compute what is asked for, show it, and write it."""
-    from stiction.cli.showing import draw_result, said_by, show_result, write_table
+    from stiction.cli.showing import draw_result, said_by, show_result
     from stiction.studies.members import about
+    from stiction.views.files import write_table
     from stiction.views.inputs import doubts_of_inputs
 
     values = asked.values

@@ -10,7 +10,7 @@ import typer
 from stiction._text import named
 from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, listed, option
-from stiction.cli.showing import draw_result, opened, show_result, write_table
+from stiction.cli.showing import draw_result, opened, show_result
 
 Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")]
 
@@ -88,15 +88,8 @@ def export(
     ],
 ) -> None:
     """Write a result, or what is finished of it, to one netCDF file; or its values at the loads of `info` to CSV."""
-    from stiction.studies.export import export as to_netcdf
+    from stiction.views.files import check_name, write_result
 
-    if file.suffix.lower() not in (".nc", ".csv"):
-        raise ValueError(f"{named(file)}: its name must end in .nc (the whole result) or .csv (a table)")
-    stored = opened(directory)
-    if file.suffix.lower() == ".csv":
-        if file.exists():
-            raise ValueError(f"{named(file)}: exists already; remove it, or choose another name")
-        write_table(stored, file)
-    else:
-        to_netcdf(stored, file)
+    check_name(file)
+    write_result(opened(directory), file)
     tell(f"wrote {file}")

@@ -63,16 +63,6 @@ def show_result(
         tell(text.overview_text(at, study))
 
 
-def write_table(stored: Stored, path: Path, *, beside: Sequence[Doubt] | None = None) -> None:
-    """Write the values of a result at the loads of its study as CSV; its files are read for doubts not given."""
-    from stiction.views.asked import at_asked_loads
-    from stiction.views.inputs import doubts_of_study
-    from stiction.views.rows import csv_text
-
-    beside = doubts_of_study(stored.study) if beside is None else beside
-    path.write_text(csv_text(at_asked_loads(stored), stored.study, beside=beside), encoding="utf-8")
-
-
 def draw_result(
     stored: Stored, directory: Path, said: Callable[[str], None] = tell, *, formats: Sequence[str] = ("png",)
 ) -> None:

@@ -46,14 +46,8 @@ HALF_SPACE_SUMS: tuple[str, ...] = (
 AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_at_edge", "share_unanswered")
 """The members that `SurfaceValidity` has besides those of `Validity`."""
 
-STATISTICS: tuple[str, ...] = (
-    "normal_stiffness", "error", "share_on_largest", "share_at_edge", "share_on_steepest_upper",
-    "share_on_steepest_lower", "fraction_on_small",
-)  # fmt: skip
-"""What a result of measured bodies holds of each member at each load, besides its sums."""
-
 DISTRIBUTIONS: tuple[str, ...] = ("patch_area", "pressure")
-"""What it holds quantiles of."""
+"""What a result of measured bodies holds quantiles of, of each member at each load."""
 
 GAP: tuple[str, ...] = ("rms_gradient", "rms_slope")
 """What it holds of the gap of each member, whatever the load; the second along each direction."""
@@ -73,20 +67,8 @@ QUANTITIES: dict[str, Quantity] = (
         "mean_pressure": Quantity("GPa", "mean pressure in contact"),
         "share_opposing": Quantity("1", "fraction of the load on contacts that oppose the motion", "load that opposes"),
         "error": Quantity("1", "error of the half-space, in deviations of the gap", "error of the solution"),
-        "share_on_largest": Quantity(
-            "1", "fraction of the load on the contact that carries most", "load on the largest contact"
-        ),
         "share_at_edge": Quantity(
             "1", "fraction of the load on contacts that reach the edge of the overlap", "load on contacts at the edge"
-        ),
-        "share_on_steepest_upper": Quantity(
-            "1", "fraction of the load on the steepest tenth of the upper body", "load on the upper's steepest tenth"
-        ),
-        "share_on_steepest_lower": Quantity(
-            "1", "fraction of the load on the steepest tenth of the lower body", "load on the lower's steepest tenth"
-        ),
-        "fraction_on_small": Quantity(
-            "1", "fraction of the load on contacts of at most four grid cells", "load on contacts of 4 points or fewer"
         ),
         "patch_area": Quantity("um^2", "areas of contacts on the ground plan", "area of a contact"),
         "pressure": Quantity("GPa", "pressures over the true area", "pressure"),
@@ -127,7 +109,7 @@ QUANTITIES: dict[str, Quantity] = (
         "status": Quantity("", "whether the value exists, or why not"),
     }
 )
-"""All of them, coordinates included."""
+"""All of them, coordinates included; statistics of contacts add their own."""
 
 
 def attributes_of(name: str) -> dict[str, str]:

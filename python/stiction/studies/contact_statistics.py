@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,12 +12,15 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
 from stiction.mechanics.half_space import HalfSpaceContact
-from stiction.studies.result import QUANTILES
+from stiction.mechanics.quantities import QUANTITIES, Quantity
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STEEPEST = 0.1
 """The fraction of a body whose slopes are its steepest."""
+
+QUANTILES = tuple(round(0.05 * step, 2) for step in range(1, 20))
+"""Of the areas of contacts, and of the pressures over the true area."""
 
 SMALL = 4
 """Grid cells of the largest contact that a scan hardly resolves."""
@@ -113,18 +117,49 @@ class Table:
 
     def statistics(self) -> dict[str, Any]:
         """What a result keeps of them: fractions of the load, and quantiles of areas and pressures."""
-        total = self.force.sum()
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
-        return {
-            "share_on_largest": self.force.max() / total,
-            "share_at_edge": self.force[self.at_edge].sum() / total,
-            "fraction_on_small": self.force[self.cells <= SMALL].sum() / total,
+        return {name: of_table(self) for name, (_, of_table) in OF_CONTACTS.items()} | {
             "patch_area": np.quantile(self.area, QUANTILES),
             "pressure": np.interp(
                 QUANTILES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
             ),
         }  # fmt: skip
+
+
+OF_CONTACTS: dict[str, tuple[Quantity, Callable[[Table], float]]] = {
+    "share_on_largest": (
+        Quantity("1", "fraction of the load on the contact that carries most", "load on the largest contact"),
+        lambda table: table.force.max() / table.force.sum(),
+    ),
+    "share_at_edge": (
+        QUANTITIES["share_at_edge"],  # as of asperities
+        lambda table: table.force[table.at_edge].sum() / table.force.sum(),
+    ),
+    "fraction_on_small": (
+        Quantity(
+            "1", "fraction of the load on contacts of at most four grid cells", "load on contacts of 4 points or fewer"
+        ),
+        lambda table: table.force[table.cells <= SMALL].sum() / table.force.sum(),
+    ),
+}
+"""Numbers of the contacts of a member at a load. What is here is a variable of every result of measured bodies, and a
+row of its verbose table, of its CSV and of its JSON."""
+
+_ON_STEEPEST = {
+    f"share_on_steepest_{side}": Quantity(
+        "1", f"fraction of the load on the steepest tenth of the {side} body", f"load on the {side}'s steepest tenth"
+    )
+    for side in ("upper", "lower")
+}
+
+QUANTITIES.update({name: quantity for name, (quantity, _) in OF_CONTACTS.items()} | _ON_STEEPEST)
+
+FRACTIONS: tuple[str, ...] = (*OF_CONTACTS, *_ON_STEEPEST)
+"""Statistics of contacts."""
+
+STATISTICS: tuple[str, ...] = ("normal_stiffness", "error", *FRACTIONS)
+"""What a result of measured bodies holds of each member at each load, besides its sums."""
 
 
 def patches_of(contact: HalfSpaceContact, slope: list[Floats], spacing: tuple[float, ...]) -> Table:

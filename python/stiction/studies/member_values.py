@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import DISTRIBUTIONS, STATISTICS, VALIDITY, attributes_of
+from stiction.mechanics.quantities import DISTRIBUTIONS, VALIDITY, attributes_of
+from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.crossing import Crossing
 from stiction.studies.maps import cells_of, head_of, material_of
 from stiction.studies.store import pieces

@@ -16,11 +16,11 @@ from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
 from stiction.mechanics.model import ContactModel, modulus_for
-from stiction.mechanics.quantities import AREAL_VALIDITY, DISTRIBUTIONS, STATISTICS, VALIDITY, attributes_of
+from stiction.mechanics.quantities import AREAL_VALIDITY, DISTRIBUTIONS, VALIDITY, attributes_of
 from stiction.studies import intervals
+from stiction.studies.contact_statistics import QUANTILES, STATISTICS
 from stiction.studies.executors import in_order
 from stiction.studies.pressing import Mechanics, Pressing, checked_loads
-from stiction.studies.result import QUANTILES
 from stiction.surfaces.pairing import IsotropicPairs, MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
 from stiction.surfaces.profile import Profile

@@ -20,8 +20,10 @@ from stiction.mechanics.half_space import Boundary, HalfSpaceCurve, half_space
 from stiction.mechanics.load_curve import press
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel, Sliding
-from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, DISTRIBUTIONS, STATISTICS, SUMS
+from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, DISTRIBUTIONS, SUMS
 from stiction.studies.contact_statistics import (
+    QUANTILES,
+    STATISTICS,
     Slopes,
     asperities_of,
     on_steepest,
@@ -29,7 +31,7 @@ from stiction.studies.contact_statistics import (
     pressed_on_steepest,
 )
 from stiction.studies.contact_tables import ByAsperities
-from stiction.studies.result import QUANTILES, Arrays
+from stiction.studies.result import Arrays
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface

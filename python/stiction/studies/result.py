@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, STATISTICS, attributes_of
+from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, attributes_of
+from stiction.studies.contact_statistics import QUANTILES, STATISTICS
 from stiction.studies.generated_surfaces import (
     Generated,
     Profiles,
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
 
 TITLE = "stiction study"
 """Of every result."""
-
-QUANTILES = tuple(round(0.05 * step, 2) for step in range(1, 20))
-"""Of the areas of contacts, and of the pressures over the true area."""
 
 MOST_IN_PIECE = 2**26
 """Bytes of a result that are in memory at a time, where it is read piece by piece."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
+from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
 from stiction.views.digits import from_to, two_digits, with_interval, with_unit
@@ -243,8 +244,7 @@ _SHOWN = (
 """Quantities that every table has, where a result has them."""
 
 _MORE = (
-    "share_opposing", "share_on_largest", "share_at_edge", "fraction_on_small", "share_on_steepest_upper",
-    "share_on_steepest_lower", "load_share_at_hardness", "area_share_at_hardness", "relative_overlap",
+    "share_opposing", *FRACTIONS, "load_share_at_hardness", "area_share_at_hardness", "relative_overlap",
     "share_beyond_hertz", "share_below_grid", "share_crossed", "share_overlapping", "share_unanswered", "error",
 )  # fmt: skip
 """Those that a verbose one has besides."""
