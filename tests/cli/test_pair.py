@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -16,9 +17,12 @@ from stiction import (
     write_profile,
 )
 from stiction.cli.application import app
+from stiction.cli.options import announce_reader
 from stiction.cli.pair_study import Asked
 from stiction.studies import store
+from stiction.studies.at_load import at_load
 from stiction.studies.members import Bodies
+from stiction.views.digits import two_digits
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
 LOAD = ["--load", "20 uN"]
@@ -266,6 +270,45 @@ def test_what_is_needed_is_asked_for(where):
         "--young",
         "--upper",
     )
+
+
+# ---- While it is computed --------------------------------------------------------------------------------------------
+
+
+def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where, monkeypatch):
+    for module in ("application", "pair"):
+        monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
+    command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
+    done = stiction_command(*command, cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert "at first, by asperities at 3 positions" in done.stderr
+    assert json.loads(done.stdout)["command"] == "pair"
+    with contextlib.chdir(where):
+        by_asperities = asked(where, *command[1:]).first_study()
+        value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
+    assert f"μ_s = {two_digits(*value.sel(sliding='all').values.ravel())} if all contacts rub" in done.stderr
+    again = stiction_command(*command, cwd=where)
+    assert "at first" not in again.stderr, "what is there already has its answer"
+
+
+def test_lines_and_asperities_have_no_first_answer(where):
+    assert asked(where, *PROFILES, *MATERIAL, *LOAD).first_study() is None
+    assert asked(where, *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities").first_study() is None
+
+
+def test_what_an_instrument_s_file_costs_is_said_once(where, monkeypatch):
+    monkeypatch.setattr("stiction.cli.application.is_watched", lambda: True)
+    (where / "scan.di").write_text("nothing")
+    monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
+    said = []
+    monkeypatch.setattr("stiction.cli.options.announce", said.append)
+    announce_reader(where / "scan.di")
+    announce_reader(where / "upper.csv")
+    announce_reader(where / "missing.di")
+    assert said == ["loading SurfaceTopography, which takes some seconds, to read scan.di"]
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    announce_reader(where / "scan.di")
+    assert len(said) == 1
 
 
 # ---- From files to figures ------------------------------------------------------------------------------------------

@@ -42,8 +42,13 @@ def say(text: str, kind: str = "") -> None:
 
 def announce(text: str) -> None:
     """Tell whoever watches a terminal what takes a moment."""
-    if sys.stderr.isatty():
+    if is_watched():
         say(text)
+
+
+def is_watched() -> bool:
+    """Whether what is said goes to a terminal."""
+    return sys.stderr.isatty()
 
 
 def tell(text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,6 +11,7 @@ import typer
 
 from stiction._text import named
 from stiction._units import quantity
+from stiction.cli.application import announce
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -126,10 +128,19 @@ def measurement(
 
     if is_spectrum(file):
         raise ValueError(f"{named(file)}: is the spectrum of several scans, which stiction pair takes in place of one")
+    announce_reader(file)
     return read_measurement(
         file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
         channel=channel, columns=_one_or_pair(columns),
     )  # fmt: skip
+
+
+def announce_reader(file: Path) -> None:
+    """Tell whoever watches that what reads a file of an instrument takes longer to load than the file to be read."""
+    from stiction.surfaces.measured.reading import READERS
+
+    if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
+        announce(f"loading SurfaceTopography, which takes some seconds, to read {named(file.name)}")
 
 
 def _one_or_pair(text: str | None) -> Any:

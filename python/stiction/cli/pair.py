@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from stiction.cli import pair_options as options
-from stiction.cli.application import command, say, tell
+from stiction.cli.application import announce, command, is_watched, say, tell
 from stiction.cli.options import Channels, ColumnsOfEach, Json, MissingPoints, Spacings, Units, Verbose
 from stiction.cli.pair_study import SHIFTS, Asked
 from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
-from stiction.studies.store import Stored
+from stiction.studies.store import STUDY, Stored
+from stiction.studies.study import Study
 
 if TYPE_CHECKING:
     from stiction.views.answer import Doubt
@@ -97,6 +99,8 @@ def _press(asked: Asked, context: typer.Context) -> None:
     doubts = doubts_of_inputs(asked.upper, asked.lower, studies[0], [float(load) for load in asked.loads])
     with executor_of(values["workers"], values["scheduler"]) as executor:
         results: list[Stored] = []
+        if values["replace"] or not (output / STUDY).exists():
+            announce_first(asked.first_study(), executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
             results.append(
@@ -120,6 +124,18 @@ def _press(asked: Asked, context: typer.Context) -> None:
         draw_result(result, result.path, said)
     for remark in asked.remarks():
         say(remark)
+
+
+def announce_first(study: Study | None, executor: Executor) -> None:
+    """Have a worker tell whoever watches a terminal what asperities say, while the others solve the half-space."""
+    from stiction.views.first import first_text
+
+    def told(done: Future[str]) -> None:
+        if not done.cancelled() and done.exception() is None:  # where nothing touches there is nothing to say
+            announce(done.result())
+
+    if study is not None and is_watched():
+        executor.submit(first_text, study).add_done_callback(told)
 
 
 def record_of(result: Stored, doubts: Sequence[Doubt]) -> Any:

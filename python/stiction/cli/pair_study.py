@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -11,7 +12,7 @@ import typer
 from stiction._checks import Floats
 from stiction._units import Quantity, exactly, quantity
 from stiction.cli.elasticity import Elasticity, elasticity_of
-from stiction.cli.options import given, listed, load_of, numbers, of_each, quantity_of
+from stiction.cli.options import announce_reader, given, listed, load_of, numbers, of_each, quantity_of
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.ladder import ladder
 from stiction.studies.measured_surfaces import Body, MeasuredFile
@@ -91,6 +92,8 @@ class Asked:
     def _read(cls, values: dict[str, Any], chosen: frozenset[str]) -> Asked:
         _check_choices(values)
         files = tuple(_file(values, side, index) for index, side in enumerate(("upper", "lower")))
+        for file in files:
+            announce_reader(Path(file.file))
         asked = cls(values, chosen, files, *(file.read() for file in files))  # type: ignore[arg-type]
         asked.check()
         return asked
@@ -161,6 +164,13 @@ class Asked:
         contacts = [self._contact(mechanics, elasticity) for mechanics in self.by]
         loads = [exactly(load, "mN") for load in self._ladder(contacts).tolist()]
         return [self._study(contact | {"load": loads}) for contact in contacts]
+
+    def first_study(self) -> Study | None:
+        """The study of an answer within a second, by asperities; None where they are the answer, or of lines."""
+        if self.press == "lines" or self.by[0] == "asperities":
+            return None
+        loads = [exactly(float(load), "mN") for load in self.loads]
+        return self._study(self._contact("asperities", self.elasticity) | {"load": loads})
 
     def _ladder(self, contacts: list[dict[str, Any]]) -> Floats:
         """The loads that members are pressed to, by all mechanics the same, mN."""

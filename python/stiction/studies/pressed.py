@@ -63,7 +63,7 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     }
 
 
-COSTS = {"profile": 1.1e-8, "asperities": 3e-8, "half-space": 3e-6, "line": 2e-4}
+COSTS = {"profile": 1.1e-8, "asperities": 3e-8, "half-space": 1e-6, "line": 2e-4}
 """Seconds of one core, roughly: of a point of a generated and pressed profile, of a point of an area pressed as
 asperities, of a point and load of a half-space, and of a load on a line. They decide how many members are a block."""
 
