@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import shutil
 import sys
 import textwrap
@@ -17,7 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from stiction._core import __version__, build
 from stiction._files import reason
-from stiction._text import LONGEST_LINE, named, printable
+from stiction._text import LONGEST_LINE, bytes_text, named, printable
 
 INTERRUPTED = 130
 """Exit status, as of a shell's own commands."""
@@ -26,6 +27,9 @@ BAD_INPUT = 2
 """Exit status."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+LEAST_MEMORY = 400_000_000
+"""Bytes of address space that a command begins with, where it is limited; libraries alone take about 250 million."""
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 """What the parser raises of options: click's UsageError, of the copy of click that typer brings or imports."""
@@ -140,6 +144,7 @@ class _Commands(TyperGroup):
         modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
         if cmd_name not in modules:
             return None
+        _take_memory()
         import_module(f"stiction.cli.{modules[cmd_name]}")
         return typer.main.get_command(_ADDED[cmd_name])
 
@@ -222,6 +227,21 @@ def _started() -> int:
     except SystemExit:  # by the parser, whose help nobody reads to its end
         return 0
     return BAD_INPUT
+
+
+def _take_memory() -> None:
+    """Where memory is limited, load what tries for ever to get some while there is enough: the OpenBLAS of SciPy."""
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if most == resource.RLIM_INFINITY:
+        return
+    if most < LEAST_MEMORY:
+        raise ValueError(
+            f"memory is limited to {bytes_text(most)} here; at least {bytes_text(LEAST_MEMORY)} are needed"
+        )
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # each thread reserves 40 MB, whatever is computed
+    from scipy.linalg.blas import dgemm
+
+    dgemm(1.0, [[1.0]], [[1.0]])  # the first product reserves what the later ones use
 
 
 def _open_streams() -> None:
