@@ -374,6 +374,9 @@ def test_the_same_command_goes_on_and_another_is_refused(where, areas):
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)
     assert "3 of its 4 repetitions were there already" in done.stderr
+    (where / "areas" / "picture.nc").unlink()
+    assert stiction_command(*again, "--shifts", 4, cwd=where).returncode == 0
+    assert (where / "areas" / "picture.nc").exists()
     assert_refused(stiction_command(*again, "--shifts", 4, "--rotate", 10, cwd=where), "holds another study")
     turned = stiction_command(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
     assert turned.returncode == 0, turned.stderr

@@ -123,14 +123,14 @@ def fill_folder(
         say(f"interrupted{_how_to_go_on(directory)}")
         raise typer.Exit(INTERRUPTED) from None
     stored = open_stored(directory)
+    if beside and part is None:
+        write_picture(stored, anew=before < total)
     if part is not None:
         said(
             f"part {part[0]}/{part[1]} is finished, {held} repetitions; {stored.finished.size} of {total} are in "
             f"{directory}"
         )
     elif before < total:
-        if beside:
-            write_picture(stored)
         said(f"wrote {directory}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
     else:
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
@@ -140,7 +140,7 @@ def fill_folder(
     return stored
 
 
-def write_picture(stored: Stored) -> None:
+def write_picture(stored: Stored, *, anew: bool) -> None:
     """Write the contacts of a typical member of measured areas beside its blocks, for figures and pages."""
     surfaces = stored.study.surfaces
     if not isinstance(surfaces, Measured) or not surfaces.is_areal:
@@ -148,6 +148,8 @@ def write_picture(stored: Stored) -> None:
     from stiction.studies.contact_picture import FILE, contact_picture
     from stiction.studies.export import export
 
+    if not anew and (stored.path / FILE).exists():
+        return
     try:
         picture = contact_picture(stored)
     except ValueError:  # the files are not there any more

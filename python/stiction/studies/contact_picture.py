@@ -9,6 +9,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
+from stiction.studies.beside import read_beside
 from stiction.studies.contact_statistics import Table
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.maps import Result
+    from stiction.studies.store import Stored
 
 FILE = "picture.nc"
 """Name of the file in the folder of a result."""
@@ -85,6 +87,22 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         return None
     attributes = {"member": index, "load_mN": load, "x": member.x, "y": member.y}
     return _dataset(upper, lower, pressed.table(), pressed.pressure()).assign_attrs(attributes)
+
+
+def picture_beside(result: Stored) -> xarray.Dataset | None:
+    """The picture that lies beside a stored result, if there is one.
+
+    Raises
+    ------
+    StoreError
+        If it is damaged.
+    """
+    variables: dict[str, tuple[str, ...]] = dict.fromkeys(_OF_CONTACTS, ("contact",))
+    variables |= dict.fromkeys(("upper_height", "lower_height"), ("height_y", "height_x"))
+    if result.study.contact.mechanics == "half-space":
+        variables |= dict.fromkeys(("zoom_pressure", "zoom_height"), ("zoom_y", "zoom_x"))
+    variables |= {dim: (dim,) for dims in set(variables.values()) for dim in dims if dim != "contact"}
+    return read_beside(result.path / FILE, variables, ("member", "load_mN", "x", "y"))
 
 
 def typical(area: Floats) -> int:

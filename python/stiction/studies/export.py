@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stiction._files import new_file, replaced_file
-from stiction.studies.netcdf import write
+from stiction.studies.netcdf import seal, write
 from stiction.studies.store import Stored, pieces
 
 if TYPE_CHECKING:
@@ -49,9 +49,12 @@ def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool =
         if result.nbytes <= MOST_IN_MEMORY:
             whole = io.BytesIO()
             _write(result, whole)
+            seal(whole)
             partial.write_bytes(whole.getvalue())
         elif result.nbytes <= shutil.disk_usage(partial.parent).free:
             _write(result, partial)
+            with partial.open("rb+") as file:
+                seal(file)
         else:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import functools
 import io
-from collections.abc import Iterator, Mapping, Sequence
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import h5py
 import numpy as np
@@ -52,6 +53,14 @@ NUMBERS_OF_BODIES = (
     "lower_extent_um",
 )
 """Attributes of a result of measured bodies, besides those of every result."""
+
+
+SEAL = b"stiction crc32 "
+"""What an exported file ends with, before the checksum of all that precedes, because HDF5 may run for ever in a damaged
+file. HDF5 reads no further than its own end, and what else writes into the file takes the seal off."""
+
+MOST_BESIDE = 2**26
+"""Bytes of a file that lies beside a result."""
 
 
 class DamageError(Exception):
@@ -140,6 +149,15 @@ def write(
                 written.attrs[attribute] = value
 
 
+def seal(file: BinaryIO) -> None:
+    """Put the checksum of a file, open for reading and writing, at its end."""
+    file.seek(0)
+    checksum = 0
+    while part := file.read(2**24):
+        checksum = zlib.crc32(part, checksum)
+    file.write(SEAL + b"%08x" % checksum)
+
+
 # ---- Reading --------------------------------------------------------------------------------------------------------
 
 
@@ -167,8 +185,49 @@ def decoded(content: bytes) -> Members:
     return Members(study, version, numbers, arrays, of_bodies, all(exact.values()))
 
 
+def decoded_beside(
+    content: bytes,
+    variables: Mapping[str, tuple[str, ...]],
+    numbers: Iterable[str],
+    text: Mapping[str, list[str]],
+    optional: Mapping[str, tuple[str, ...]],
+) -> xarray.Dataset:
+    """What a small file beside a result holds, checked; see `read_beside`.
+
+    Raises
+    ------
+    DamageError
+        If it is not that.
+    """
+    import xarray
+
+    sizes = {name: len(words) for name, words in text.items()}
+    with _opened(content) as file:
+        wanted = {**variables, **(optional if all(name in file for name in optional) else {})}
+        for name, dims in wanted.items():
+            found = _variable(file, name)
+            sizes = dict(zip(dims, found.shape, strict=False)) | sizes
+            if found.shape != tuple(map(sizes.get, dims)) or not 0 < 8 * found.size <= MOST_BESIDE:
+                raise DamageError(f"has {name} of another shape: {found.shape}")
+            dtype = np.dtype(np.float32 if found.dtype == np.float32 else np.float64)
+            values = _values(file, name, Array(dims, found.shape, dtype, {})).astype(np.float64)
+            if (np.abs(values) > LARGEST).any():
+                raise DamageError(f"has a {name} that cannot be")
+        for name, words in text.items():
+            if not _is_exact(file, name, Array((name,), (len(words),), np.dtype("U1"), {}), np.array(words)):
+                raise DamageError(f"has another {name}")
+        for name in numbers:
+            _numbers_of(file, name)
+        # Neither units nor scales are taken from the file.
+        whole = xarray.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_cf=False)
+        return whole[[name for name in wanted if name not in whole.dims]]
+
+
 @contextmanager
 def _opened(content: bytes) -> Iterator[h5py.File]:
+    end = len(content) - len(SEAL) - 8
+    if content[end:-8] == SEAL and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
+        raise DamageError("is not what was written")
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
@@ -258,13 +317,20 @@ def _about(file: h5py.File) -> About:
         if not isinstance(said[name], str):
             raise DamageError(f"does not say what its {name} body is")
     for name in NUMBERS_OF_BODIES:
-        numbers = np.atleast_1d(file.attrs.get(name, np.nan))
-        if numbers.dtype.kind not in "if" or numbers.shape not in ((1,), (2,)):
-            raise DamageError(f"has no {name} of its bodies")
-        if not ((numbers > 0) & (numbers < LARGEST)).all():
-            raise DamageError(f"has a {name} of {numbers.tolist()}")
-        said[name] = numbers
+        said[name] = _numbers_of(file, name)
+        if not (said[name] > 0).all():
+            raise DamageError(f"has a {name} of {said[name].tolist()}")
     return About(nominal_area=area, attributes=said)
+
+
+def _numbers_of(file: h5py.File, name: str) -> NDArray[Any]:
+    """An attribute that is a number, or two."""
+    numbers = np.atleast_1d(file.attrs.get(name, np.nan))
+    if numbers.dtype.kind not in "if" or numbers.shape not in ((1,), (2,)):
+        raise DamageError(f"has no {name} of its bodies")
+    if not (np.abs(numbers) < LARGEST).all():
+        raise DamageError(f"has a {name} of {numbers.tolist()}")
+    return numbers
 
 
 def _check_range(name: str, values: NDArray[Any], wanted: Array, surrogate: NDArray[np.bool_] | None) -> None:

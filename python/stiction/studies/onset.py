@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 from stiction.studies import intervals
+from stiction.studies.beside import read_beside
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
-from stiction.studies.slip_map import slip_map
+from stiction.studies.slip_map import dims_of_map, slip_map
 from stiction.studies.study import Study
 from stiction.studies.tables import MeasuredFriction
 
@@ -55,6 +56,10 @@ _NUMBERS = {
     "displacement_at_sliding": ("um", "creep before sliding"),
     "stiffness": ("mN/um", "tangential stiffness at rest"),
 }
+
+_STATISTICS = ["mean", "lower", "upper"]
+
+_ATTRIBUTES = ("load_mN", "mu0", "tau0_GPa", "members", "poisson_ratio", "poisson_given")
 
 
 def onset_of_result(
@@ -138,7 +143,7 @@ def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str
         variables[name] = (dims, values, {"units": unit, "long_name": words})
     coordinates: dict[str, Any] = {
         "fraction": ("fraction", list(FRACTIONS), {"units": "1", "long_name": "tangential over sliding load"}),
-        "statistic": ["mean", "lower", "upper"],
+        "statistic": _STATISTICS,
     }
     ratios = getattr(study.contact, "poisson_ratio", None)
     about = about | {
@@ -192,16 +197,25 @@ def _models(onset: xarray.Dataset) -> dict[str, float]:
 
 
 def onset_beside(result: Stored) -> xarray.Dataset | None:
-    """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0."""
-    import xarray
+    """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0.
 
-    path = Path(result.path) / FILE
+    Raises
+    ------
+    StoreError
+        If it is damaged.
+    """
     friction = result.study.friction
-    if not path.is_file() or not isinstance(friction, MeasuredFriction):
+    if not isinstance(friction, MeasuredFriction):
         return None
-    with xarray.open_dataset(path, engine="h5netcdf") as opened:
-        onset = opened.load()
-    of = [float(onset.attrs.get(name, math.nan)) for name in ("load_mN", "mu0", "tau0_GPa")]
+    variables: dict[str, tuple[str, ...]] = {"fraction": ("fraction",)}
+    variables |= dict.fromkeys(_NUMBERS, ("statistic",)) | dict.fromkeys(_CURVES, ("fraction", "statistic"))
+    of_map = dims_of_map(result.study.contact.mechanics)
+    onset = read_beside(
+        Path(result.path) / FILE, variables, _ATTRIBUTES, text={"statistic": _STATISTICS}, optional=of_map
+    )
+    if onset is None or onset["fraction"].values.tolist() != list(FRACTIONS):
+        return None
+    of = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
     return onset if of == [float(each[0]) for each in (friction.load, friction.mu0, friction.tau0)] else None
 
 

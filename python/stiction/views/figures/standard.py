@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.studies.at_load import at_load, member_values
-from stiction.studies.contact_picture import FILE
+from stiction.studies.contact_picture import picture_beside
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
 from stiction.studies.onset import onset_beside
@@ -93,13 +93,7 @@ def whole(result: Any) -> xarray.Dataset:
 
 def picture_of(result: xarray.Dataset | Stored) -> xarray.Dataset | None:
     """The picture of contacts beside a stored result, if there is one."""
-    import xarray
-
-    folder = getattr(result, "path", None)
-    if folder is None or not (Path(folder) / FILE).is_file():
-        return None
-    with xarray.open_dataset(Path(folder) / FILE, engine="h5netcdf") as opened:
-        return opened.load()
+    return picture_beside(result) if isinstance(result, Stored) else None
 
 
 def hardness_of(study: Study) -> float | None:
