@@ -240,6 +240,17 @@ def test_materials_are_named_with_the_range_of_the_softer_hardness():
 
 
 @pytest.mark.parametrize(
+    ("pressure", "severity"), [(2.0, ["fault"]), (1.0, ["caution"]), (0.2, [])], ids=["all", "some", "none"]
+)
+def test_materials_that_must_have_yielded_are_named(pressure, severity):
+    study = measured_study(mechanics="asperities")
+    study.contact.materials = ("mild steel", "brass")
+    found = [doubt for doubt in answers(measured(mean_pressure=pressure), study)[0].doubts if "brass" in doubt.text]
+    assert [doubt.severity for doubt in found] == severity
+    assert all("brass yields at 230 MPa to 1.7 GPa" in doubt.text for doubt in found)
+
+
+@pytest.mark.parametrize(
     "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
 )
 def test_a_hardness_that_was_measured_has_no_range(study):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from points import measured_study
-from stiction import Profile, Surface, self_affine
+from stiction import Profile, Surface, instrument_limit, self_affine
 from stiction.views.inputs import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
 
 
@@ -71,6 +71,11 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
         found = {cut_off: texts_behind(body, cut_off) for cut_off in (0.0, 0.6)}
         assert any(word in text for text in found[0.0])
         assert not any(word in text for text in found[0.6])
+    # A floor from which hardly any slope comes.
+    faint = Profile(made.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01)
+    assert instrument_limit(faint).reason == "noise floor"
+    assert not any("as of noise" in text for text in texts_behind(faint, 0.0))
+    assert any("of the mean square slope" in text for text in texts_behind(noisy, 0.0))
 
 
 def texts_behind(body, cut_off):

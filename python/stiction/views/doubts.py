@@ -11,7 +11,7 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.views.digits import percent, with_unit
-from stiction.views.point import hardness_range, is_capped, modulus_of, pressure_of, value_of
+from stiction.views.point import hardness_range, is_capped, modulus_of, pressure_of, softer_material, value_of
 
 if TYPE_CHECKING:
     import xarray
@@ -129,10 +129,19 @@ def _of_the_bodies(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
             "check the units of heights and spacing, or filter the scan", "fault",
         )  # fmt: skip
     pressure, modulus = pressure_of(point), modulus_of(point, study)
-    if is_capped(study) or not pressure > HIGH_PRESSURE * modulus:
+    if is_capped(study):
         return
     measured = study.surfaces.kind == "measured"
-    shown = with_unit(pressure, "GPa")
+    shown, softer = with_unit(pressure, "GPa"), softer_material(study)
+    if softer is not None and pressure > softer.hardness.low:
+        hardness = softer.hardness
+        ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (hardness.low, hardness.high)))
+        text = f"the mean pressure in contact is {shown}, and {softer.name} yields at {ends}"
+        severity: Severity = "fault" if pressure > hardness.high else "caution"
+        yield Doubt(text, "take --mechanics half-space or --law jackson-green", severity)
+        return
+    if not pressure > HIGH_PRESSURE * modulus or softer is not None:
+        return
     if pressure > HIGHEST_PRESSURE * modulus and measured:
         text = f"the mean pressure in contact is {shown}, at which nearly every material has yielded"
         yield Doubt(text, "give the hardness of the softer body", "fault")

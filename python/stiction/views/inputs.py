@@ -13,7 +13,7 @@ from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.peak import peak_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import instrument_limit
+from stiction.surfaces.scale import instrument_limit, scale_dependent_roughness
 from stiction.surfaces.spectrum import power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import with_unit
@@ -32,6 +32,9 @@ FORM = 0.6
 
 SPIKE = 12.0
 """Of the usual second difference (median over 0.67), from which on a point stands out: by chance none does at 5."""
+
+NOISE = 0.01
+"""Fraction of the mean square slope in waves that are of noise, from which on it is said."""
 
 PEAK = 0.1
 """Fraction of the fourth spectral moment in one peak, from which on it is said."""
@@ -115,9 +118,10 @@ def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:
     except ValueError:  # flat
         return
     if limit.reason == "noise floor" and limit.noise > cut_off:
-        wave = with_unit(limit.noise, "um")
-        text = f"below {wave} the spectrum is flat, as of noise, and the finest waves decide on slope and area"
-        yield Doubt(text, f"take them off: --cutoff '{wave}'", "caution")
+        wave, part = with_unit(limit.noise, "um"), float(scale_dependent_roughness(body).fraction_below(limit.noise))
+        if part > NOISE:
+            text = f"below {wave} the spectrum is flat, as of noise: {100 * part:.0f} % of the mean square slope"
+            yield Doubt(text, f"take them off: --cutoff '{wave}'", "caution")
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))

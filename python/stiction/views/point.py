@@ -13,6 +13,7 @@ from stiction.views.digits import with_unit
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.mechanics.materials import Material
     from stiction.studies.study import Study
 
 RULES = {
@@ -90,17 +91,23 @@ def materials_text(study: Study) -> str:
 
 def hardness_range(study: Study) -> tuple[float, float] | None:
     """Between which values (GPa) the hardness of the softer material lies, if it is that which the study has."""
-    names, hardness = getattr(study.contact, "materials", None), getattr(study.contact, "hardness", None)
-    if names is None or hardness is None:
+    softer, hardness = softer_material(study), getattr(study.contact, "hardness", None)
+    if softer is None or hardness is None:
         return None
-    from stiction.mechanics.materials import material, softer_hardness
-
-    try:
-        known = softer_hardness(*(material(name) for name in names))
-    except ValueError:  # of names that somebody gave himself
-        return None
+    known = softer.hardness
     same = abs(float(hardness) / known - 1) < ROUNDED
     return (known.low, known.high) if same and known.low < known.high else None
+
+
+def softer_material(study: Study) -> Material | None:
+    """The softer of the materials by whose names a study was made; None where there are no such names."""
+    from stiction.mechanics.materials import material
+
+    try:
+        bodies = [material(name) for name in getattr(study.contact, "materials", None) or ()]
+    except ValueError:  # of names that somebody gave himself
+        return None
+    return min(bodies, key=lambda body: float(body.hardness), default=None)
 
 
 ROUNDED = 0.006
