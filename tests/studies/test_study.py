@@ -72,7 +72,7 @@ class TestLibrary:
     def test_has_the_papers_studies(self):
         names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
         areal = ["figure6-areal", "figure6-half-plane"]
-        assert study_names() == sorted(names + areal)
+        assert study_names() == sorted([*names, *areal, "presliding"])
         drawn = {name: Study.named(name).figures.draw for name in names}
         assert drawn["figure2"] == ("profiles",)
         assert drawn["figure3"] == ("length-scales",)

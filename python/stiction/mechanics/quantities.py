@@ -46,6 +46,9 @@ HALF_SPACE_SUMS: tuple[str, ...] = (
 AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_at_edge", "share_unanswered")
 """The members that `SurfaceValidity` has besides those of `Validity`."""
 
+ONSET: tuple[str, ...] = ("tangential_stiffness", "displacement_at_sliding", "fraction_slipped")
+"""What a result of generated bodies holds of how each pair begins to slide, where its study asks for it."""
+
 DISTRIBUTIONS: tuple[str, ...] = ("patch_area", "pressure")
 """What a result of measured bodies holds quantiles of, of each member at each load."""
 
@@ -63,6 +66,15 @@ QUANTITIES: dict[str, Quantity] = (
         "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
         "normal_load": Quantity("mN", "normal load while sliding starts, friction on slopes included"),
         "normal_stiffness": Quantity("mN/um", "normal stiffness"),
+        "tangential_stiffness": Quantity("mN/um", "tangential stiffness at rest"),
+        "displacement_at_sliding": Quantity(
+            "um", "displacement of the upper body before it slides", "creep before sliding"
+        ),
+        "fraction_slipped": Quantity(
+            "1",
+            "fraction of the normal load on what slips at half of the sliding load",
+            "load that slips at half of it",
+        ),
         "contact_area_fraction": Quantity("1", "true over nominal contact area", "true area A/A0"),
         "mean_pressure": Quantity("GPa", "mean pressure in contact"),
         "share_opposing": Quantity("1", "fraction of the load on contacts that oppose the motion", "load that opposes"),

@@ -16,7 +16,7 @@ from stiction._checks import Floats, choice, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import VALIDITY, attributes_of
+from stiction.mechanics.quantities import ONSET, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import CELLS, cells_of, ensemble_map, head_of, material_of, means, study_of_result
 from stiction.studies.member_values import Kind, Reading, member_values
@@ -68,9 +68,11 @@ def at_load(
         Over the cells of the result, sliding and direction where it has several, load, mu0 and tau0:
         friction_coefficient and status; friction_by_axis, the mean over both senses of an axis, and friction_all_round,
         the mean over all directions, where there are opposite directions; contact_area (µm²), normal_stiffness and
-        figures of validity over cells and load. Of measured bodies also their statistics of contacts, quantiles of
-        areas and pressures, slopes of the gap and `gentle_friction`. All with a last dimension statistic ("mean",
-        "lower", "upper"). spread_low and spread_high say between which values four of five single members lie,
+        figures of validity over cells and load; where a study asks for the onset of sliding also tangential_stiffness
+        (mN/µm), displacement_at_sliding (µm) and fraction_slipped, of an ensemble at its mean load means that weigh
+        pairs by the load they carry, but of the stiffness. Of measured bodies also their statistics of contacts,
+        quantiles of areas and pressures, slopes of the gap and `gentle_friction`. All with a last dimension statistic
+        ("mean", "lower", "upper"). spread_low and spread_high say between which values four of five single members lie,
         reading_difference by how much, relatively, the three readings differ, ok and members how many have an answer.
 
     Raises
@@ -123,7 +125,8 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
 
     head = head_of(result)
     by_name = {}
-    for what in ("friction_coefficient", "contact_area", "normal_stiffness"):
+    onset = [name for name in ONSET if name in head]
+    for what in ("friction_coefficient", "contact_area", "normal_stiffness", *onset):
         try:
             by_name[what] = ensemble_map(result, loads, mu0, tau0, what)
         except ValueError:

@@ -13,7 +13,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, create_model, model
 from stiction._checks import Floats
 from stiction._units import quantity, shortened
 from stiction.mechanics.half_space import Boundary
-from stiction.mechanics.law import LAWS, NAMED, Law, LawName
+from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.values import (
     ApproachesOrRange,
@@ -26,6 +26,7 @@ from stiction.studies.values import (
     LoadsOrRange,
     Modulus,
     Rules,
+    Strength,
     Table,
     array_of,
     as_tuple,
@@ -246,6 +247,23 @@ class ByAsperities(ContactTable):
         )
 
 
+# ---- How they begin to slide ----------------------------------------------------------------------------------------
+
+
+class OnsetTable(Table):
+    """Strengths at which it is kept how each pair begins to slide, all contacts rubbing; others need another run."""
+
+    mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
+    tau0: Strength = Field(default=quantity("0 MPa", "pressure"), description="Adhesive shear strength.")
+    poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Of both bodies.")
+
+    @model_validator(mode="after")
+    def _holds(self) -> OnsetTable:
+        if self.mu0 == 0 and float(self.tau0) == 0:
+            raise ValueError("mu0 and tau0 must not both be 0: nothing would hold the bodies")
+        return self
+
+
 # ---- Generated surfaces ---------------------------------------------------------------------------------------------
 
 
@@ -258,6 +276,16 @@ class Asperities(GeneratedContact, ByAsperities):
         default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
         description="How far the bodies are pressed together.",
     )
+    onset: OnsetTable | None = Field(
+        default=None,
+        description="Whether it is kept how each pair begins to slide, and at which strengths, as in `{ mu0 = 0.4 }`.",
+    )
+
+    @model_validator(mode="after")
+    def _has_an_onset(self) -> Asperities:
+        if self.onset is not None and isinstance(law_of(self.model().law), HertzCylinder):
+            raise fault_at("onset", "must not be given with cylinders: a line load moves far points without limit")
+        return self
 
     @property
     def step(self) -> Literal["approach"]:

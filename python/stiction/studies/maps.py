@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
-from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
+from stiction.mechanics.quantities import ONSET, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import threads
 from stiction.studies.store import Stored, pieces
@@ -206,7 +206,8 @@ def ensemble_map(
     result : xarray.Dataset or Stored
     loads, mu0, tau0
         As for `friction_map`.
-    what : {"friction_coefficient", "contact_area", "normal_stiffness"}
+    what : {"friction_coefficient", "contact_area", "normal_stiffness"} or one of `ONSET`
+        Creep and what slips are means that weigh members by the load that they carry.
     change : callable, optional
         Applied to each piece of the result, as to put directions together.
     """
@@ -320,7 +321,7 @@ class _Asked:
                 there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
                 for name, figure in vars(Validity.of(Sums(**there))).items():
                     validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), self.shape)
-        if self.what == "friction_coefficient":
+        if self.what in ("friction_coefficient", *_WEIGHED):
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {
@@ -356,8 +357,13 @@ _NEEDED = {
     "friction_coefficient": (*_LOADS, "tangential_elastic", "tangential_frictional", "tangential_adhesive"),
     "contact_area": (*_LOADS, "contact_area"),
     "normal_stiffness": _LOADS,
+    **{name: (*_LOADS, name) for name in ONSET},
 }
 """Sums that a quantity is made of."""
+
+
+_WEIGHED = ONSET[1:]
+"""What each member has its own of, so that their mean weighs them by load."""
 
 
 def _of_step(what: str, step: str) -> tuple[str, ...]:
@@ -387,6 +393,10 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
     columns = {name: values_of(name) for name in SUMS}
     sums = Sums.of(columns)
+    if what == "tangential_stiffness":
+        return sums, Sums.of(columns | {"contact_area": values_of(what)})
+    if what in _WEIGHED:
+        return sums, Sums.of(columns | {name: columns[name] * values_of(what) for name in _LOADS[1:]})
     if what != "normal_stiffness":
         return sums, sums
 
@@ -398,13 +408,10 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
 
 def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
-    match what:
-        case "contact_area":
-            return sums.contact_area
-        case "normal_stiffness":
-            return friction.normal_load(sums, mu0, tau0)
-        case _:
-            return friction.tangential_load(sums, mu0, tau0)
+    if what in ("contact_area", "tangential_stiffness"):
+        return sums.contact_area
+    load = friction.tangential_load if what == "friction_coefficient" else friction.normal_load
+    return load(sums, mu0, tau0)
 
 
 def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import DISTRIBUTIONS, VALIDITY, attributes_of
+from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, VALIDITY, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.crossing import Crossing
 from stiction.studies.maps import cells_of, head_of, material_of
@@ -116,7 +116,7 @@ def _piece_at(piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, r
         with np.errstate(divide="ignore", invalid="ignore"):
             opposing = both[0] / both[1]  # of the sum of F |t·s|, which is the load but for squares of slopes
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
-    for name in (*_OF_STEPS, *STATISTICS, "load_share_at_hardness", "area_share_at_hardness", *_VALIDITY_LOADS):
+    for name in (*_OF_STEPS, *ONSET, *STATISTICS, "load_share_at_hardness", "area_share_at_hardness", *_VALIDITY_LOADS):
         if name in piece and step in piece[name].dims:
             there = off.at(_over(piece[name], (*lead, step)), sums=name in _PROPORTIONAL)
             variables[name] = ((*lead, "load"), there, piece[name].attrs)
@@ -146,7 +146,7 @@ _OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "approach")
 _VALIDITY_LOADS = ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count", "load_overlapping")
 
 
-_PROPORTIONAL = ("contact_count", "contact_area", "normal_elastic", *_VALIDITY_LOADS)
+_PROPORTIONAL = ("tangential_stiffness", "contact_count", "contact_area", "normal_elastic", *_VALIDITY_LOADS)
 """What grows about as the load does."""
 
 

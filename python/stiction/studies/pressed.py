@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,8 @@ from stiction.mechanics.candidates import candidates
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.model import ContactModel
-from stiction.mechanics.quantities import DIRECTED
-from stiction.studies.contact_tables import HalfSpace
+from stiction.mechanics.quantities import DIRECTED, ONSET
+from stiction.studies.contact_tables import Asperities, HalfSpace
 from stiction.studies.members import (
     FAMILY_MEMORY,
     ProfileGenerator,
@@ -63,9 +63,13 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     }
 
 
-COSTS = {"profile": 1.1e-8, "asperities": 3e-8, "half-space": 1e-6, "line": 2e-4}
-"""Seconds of one core, roughly: of a point of a generated and pressed profile, of a point of an area pressed as
-asperities, of a point and load of a half-space, and of a load on a line. They decide how many members are a block."""
+HALF = 0.5
+"""Of the sliding load, at which a result says what slips."""
+
+COSTS = {"onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "half-space": 1e-6, "line": 2e-4}
+"""Seconds of one core, roughly: of an onset of sliding, of a point of a generated and pressed profile, of a point of an
+area pressed as asperities, of a point and load of a half-space, and of a load on a line. They decide how many members
+are a block."""
 
 
 def cost_of_member(study: Study) -> float:
@@ -82,7 +86,8 @@ def cost_of_member(study: Study) -> float:
     points = profiles(study).points if on_profiles else math.prod(areas(study).shape)
     if study.contact.mechanics == "half-space":
         return cells * points * loads * COSTS["half-space"]
-    return cells * points * COSTS["profile" if on_profiles else "asperities"] + 1e-4
+    onsets = cells * loads * COSTS["onset"] if set(ONSET) & set(study.sums()) else 0.0
+    return cells * points * COSTS["profile" if on_profiles else "asperities"] + onsets + 1e-4
 
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -90,7 +95,8 @@ def cost_of_member(study: Study) -> float:
 
 def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
     """Parts of a repetition with their places among the cells."""
-    if study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+    together = study.surfaces.kind == "profile" and study.contact.mechanics == "asperities"
+    if together and not set(ONSET) & set(study.sums()):
         for place, uppers, lowers, scratch in _families(study, repetition):
             yield place, pressed_families(study, uppers, lowers, scratch)
         return
@@ -107,7 +113,8 @@ def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) ->
     names, contact = study.sums(), study.contact
     if contact.mechanics == "asperities":
         curves: list[Any] = list(_asperity_curves(study, upper, lower))
-        return _table(names, curves)
+        table = _table([name for name in names if name not in ONSET], curves)
+        return table | _onset(study, curves[0]) if set(ONSET) & set(names) else table
     steps = _steps(contact)
     result: Arrays = {}
     for at, curve in solved(functools.partial(_half_space, study, upper, lower), steps):
@@ -123,7 +130,24 @@ def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) ->
     return result
 
 
-def _table(names: tuple[str, ...], curves: list[Any]) -> Arrays:
+def _onset(study: Study, curve: LoadCurve) -> Arrays:
+    """How a pair begins to slide at every approach, pushed along the first direction; 0 where nothing touches."""
+    contact = study.contact
+    assert isinstance(contact, Asperities)
+    assert contact.onset is not None
+    found = {name: np.zeros(curve.approach.size) for name in ONSET}
+    for place in np.flatnonzero(curve.normal_elastic > 0).tolist():
+        onset = curve.onset(
+            place, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.ways()[0], steps=[HALF],
+            poisson=contact.onset.poisson_ratio,
+        )  # fmt: skip
+        values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
+        for name, value in zip(ONSET, values, strict=True):
+            found[name][place] = value
+    return found
+
+
+def _table(names: Sequence[str], curves: list[Any]) -> Arrays:
     return {
         name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
         for name in names

@@ -15,7 +15,7 @@ from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exactly, quantity, shortened
 from stiction.mechanics.model import THICKNESS
-from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
+from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import Asperities, ByAsperities, Contact, HalfSpace
 from stiction.studies.generated_surfaces import Profiles
 from stiction.studies.ladder import ladder
@@ -129,10 +129,12 @@ class Study(Table):
                 raise ValueError(f'contact.direction: must be "+x" or "-x" on profiles, got {words}')
             area = float(surfaces.extent) * THICKNESS
         else:
-            if drawn := [name for name in self.figures.draw if name not in ("friction", "area")]:
+            if drawn := [name for name in self.figures.draw if name in ("profiles", "length-scales")]:
                 raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')
             self._check_areal_contact()
             area = math.prod(surfaces.extents())
+        if "onset" in self.figures.draw and not set(ONSET) & set(self.sums()):
+            raise ValueError('figures.draw: "onset" needs contact.onset, which says at which strengths')
         if isinstance(contact, HalfSpace) and contact.hardness is not None:
             most = float(contact.hardness) * area
             if not contact.steps()[-1] < most:
@@ -188,7 +190,8 @@ class Study(Table):
             return HALF_SPACE_SUMS
         lines = isinstance(self.surfaces, (Profiles, MeasuredLines))
         approach = ("approach",) if self.step == "load" else ()
-        return SUMS + (() if lines else AREAL_SUMS) + approach
+        onset = ONSET if getattr(self.contact, "onset", None) is not None else ()
+        return SUMS + (() if lines else AREAL_SUMS) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
         """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""

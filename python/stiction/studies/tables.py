@@ -70,7 +70,7 @@ class Ensemble(Table):
     )
 
 
-FigureName = Literal["profiles", "length-scales", "friction", "area"]
+FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 
 
 def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import QUANTITIES
+from stiction.mechanics.quantities import ONSET, QUANTITIES
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
@@ -240,6 +240,7 @@ def _doubt(doubt: Doubt, more: str = "") -> str:
 
 _SHOWN = (
     "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "approach",
+    *ONSET,
 )  # fmt: skip
 """Quantities that every table has, where a result has them."""
 

@@ -76,7 +76,7 @@ def motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
         yield "".join(f"_{name}" for name in names), one
 
 
-def _headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
+def headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
     """Above a figure: how the bodies move, unless they are profiles as the paper has them; and what is missing."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
@@ -91,12 +91,13 @@ def _headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
     return lines
 
 
-def _head(figure: Figure, lines: list[str]) -> None:
+def head(figure: Figure, lines: list[str]) -> None:
+    """Lines above all panels."""
     if lines:
         figure.suptitle("\n".join(lines), fontsize=8, y=1 - MILLIMETRE / figure.get_figheight(), va="top")
 
 
-def _letter(axes: Axes, number: int) -> None:
+def letter(axes: Axes, number: int) -> None:
     """The letter of a panel, above its left upper corner."""
     axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
 
@@ -120,7 +121,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0)
     maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
     amplitudes = dataset["amplitude"].values
-    lines = _headlines(dataset, study)
+    lines = headlines(dataset, study)
     meanings = _meanings(maps, asperities=study.contact.mechanics == "asperities")
     above, below = 15.0 + HEADLINE * len(lines), 16.0 + (3.0 if len(meanings) > MOST_IN_ROW else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
@@ -145,8 +146,8 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
                 ax.yaxis.set_visible(False)
             if row == 0:
                 ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
-                _letter(ax, column)
-            _dimension_axis(ax, dataset, last=last)
+                letter(ax, column)
+            dimension_axis(ax, dataset, last=last)
             if amplitudes.size > 1:
                 _corner(ax, f"$a$ = {1000 * amplitude:g} nm")
         ax = axes_at(127, row, 40)
@@ -155,10 +156,10 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
             ax.set_ylabel(label("friction_coefficient"))
         if row == 0:
             ax.set_title(f"at $F_N$ = {with_unit(load, 'mN')}", pad=2)
-            _letter(ax, len(strengths))
-        _dimension_axis(ax, dataset, last=last)
+            letter(ax, len(strengths))
+        dimension_axis(ax, dataset, last=last)
     _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total, 99 / 170, 2.2 / total), norm, mu0)
-    _head(figure, lines)
+    head(figure, lines)
     figure.legend(
         handles=meanings, loc="lower center", ncols=len(meanings) if len(meanings) <= MOST_IN_ROW else 3,
         handlelength=1.6, columnspacing=1.4, borderaxespad=0.3,
@@ -185,7 +186,8 @@ def _corner(axes: Axes, text: str) -> None:
     corner.set(horizontalalignment="right", verticalalignment="top")
 
 
-def _dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
+def dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
+    """Fractal dimension along x, with its name below the last row of panels."""
     axes.xaxis.set_major_locator(_few_numbers())
     if last:
         classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
@@ -220,9 +222,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
     span = float(np.ptp(dimension)) or 1.0
     axes.set_xlim(dimension[0] - 0.02 * span, dimension[-1] + 0.02 * span)
     axes.axhline(mu0, color="0.6", linewidth=0.5, linestyle="--", zorder=0)
-    axes.text(
-        axes.get_xlim()[1] - 0.01 * span, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right"
-    )  # fmt: skip
+    axes.text(axes.get_xlim()[1] - 0.01 * span, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right")
     for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
         starts = np.flatnonzero(np.isfinite(value[:, index]))
         if starts.size:
@@ -384,7 +384,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=tau0)
     areas = areas.isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
-    lines = _headlines(dataset, study)
+    lines = headlines(dataset, study)
     above, below, between = 4.0 + HEADLINE * len(lines), 15.0, 4.0
     height = 50.0 if amplitudes.size == 1 else 38.0
     total = above + below + amplitudes.size * (height + between) - between
@@ -396,7 +396,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
         _area_curves(pair, areas.isel(amplitude=row), exact=exact, apart=LINE_HEIGHT / height)
         for number, ax in enumerate(pair):
             if row == 0:
-                _letter(ax, number)
+                letter(ax, number)
             if row < amplitudes.size - 1:
                 ax.tick_params(labelbottom=False)
             else:
@@ -405,7 +405,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
         pair[1].set_ylabel(label("area_over_load"))
         if amplitudes.size > 1:
             pair[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=pair[0].transAxes, va="top")
-    _head(figure, lines)
+    head(figure, lines)
     beyond = "" if exact else "; dotted: model not valid, most load on overlaps $> R/10$"
     figure.text(
         0.5, 1.5 / total, f"at {friction_parameters_text(mu0, tau0)}; bands: 95 %{beyond}", ha="center", va="bottom",

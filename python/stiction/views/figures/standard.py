@@ -22,6 +22,7 @@ from stiction.surfaces.profile import Profile
 from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
 from stiction.views.figures.contact import contact_figure
 from stiction.views.figures.contacts import contacts_figure
+from stiction.views.figures.dimension_onset import dimension_onset_figure
 from stiction.views.figures.distributions import positions_figure, sizes_figure
 from stiction.views.figures.ensemble import area_figure, friction_figure, motions
 from stiction.views.figures.loads import cut_off_figure, load_figure
@@ -46,8 +47,8 @@ def drawn(
     """Draw the figures of a result into a directory and return their paths.
 
     Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
-    (a figure for each mu0) and ``area``; of several sliding rules or directions each has figures of its own, as in
-    ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
+    (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
+    as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
     ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of maps), as far as the
     result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
 
@@ -125,6 +126,8 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
             case "area":
                 for suffix, one in motions(dataset):
                     yield f"area{suffix}", _later(area_figure, one)
+            case "onset":  # all contacts rub, and one direction is kept
+                yield "onset", _later(dimension_onset_figure, next(motions(dataset))[1])
 
 
 def _later(figure: Callable[..., Figure], *arguments: Any, **more: Any) -> Callable[[], Figure]:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.mechanics.quantities import AREAL_VALIDITY, QUANTITIES, VALIDITY
+from stiction.mechanics.quantities import AREAL_VALIDITY, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.at_load import reached_loads
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.report.example import Example
+from stiction.views.report.onset import dimension_panel
 from stiction.views.report.page import ReportError, counted, packed
 from stiction.views.report.page_result import BYTES, CELLS, PageResult, motions_of, way
 from stiction.views.report.sums import MOTIONS, RATIOS, means_of_solved, sums_of_ensemble
@@ -68,8 +69,15 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
     version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
-        version=str(version), there=_count(result),
+        version=str(version), there=_count(result), pictures=_pictures(result, study, facts),
     )  # fmt: skip
+
+
+def _pictures(result: xarray.Dataset | Stored, study: Study, facts: dict[str, Any]) -> str:
+    """How pairs begin to slide, where the study asks for it and something touches."""
+    if not facts["loads"] or not set(ONSET) & set(study.sums()):
+        return ""
+    return dimension_panel(result.dataset() if isinstance(result, Stored) else result)
 
 
 _CELLS = ("fractal_dimension", "amplitude")
