@@ -19,6 +19,7 @@ def main() -> None:
         "memory",
         "million",
         "report",
+        "app",
     ):
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| | |", "|---|---|"]

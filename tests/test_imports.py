@@ -11,7 +11,7 @@ import typer
 from stiction.cli import application
 
 PACKAGE = Path(stiction.__file__).parent
-ROOMS = ("surfaces", "mechanics", "studies", "views", "cli")
+ROOMS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
 """Each may import from itself and from those before it."""
 
 LOADED = {

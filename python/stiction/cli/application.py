@@ -80,6 +80,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "pair": ("pair", "Static friction of two measured surfaces at given loads."),
         "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
         "materials": ("materials", "Elasticity and hardness of materials, with sources."),
+        "app": ("app", "All of it in a browser: drop two scans on a page."),
     },
     "Studies": {
         "run": ("studies", "Compute a study, or what is missing of it, and draw it."),

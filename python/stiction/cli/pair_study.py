@@ -322,7 +322,7 @@ def _file(values: dict[str, Any], side: str, index: int) -> MeasuredFile:
     parts = {name: of_each(values[name], index, _option(name)) for name in ("unit", "spacing", "channel", "columns")}
     table: dict[str, Any] = {"file": str(values[side]), "missing": values["missing"]}
     for name, text in parts.items():
-        if text is not None:
+        if text:
             table[name] = listed(text) if "," in text and name != "channel" else text
     return validated(MeasuredFile, table, f"pair: {side}")
 

@@ -1,0 +1,75 @@
+"""How soon is `stiction app` there, and its first answer? With the pictures of docs/app.md on the way."""
+
+import base64
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+import browser  # noqa: E402
+
+IMAGES = HERE.parent / "docs/images"
+
+
+def shot(driver, name: str, height: int = 720) -> None:
+    """The window as it is."""
+    size(driver, 1280, height)
+    driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
+    time.sleep(0.5)
+    done = driver.execute_cdp_cmd("Page.captureScreenshot", {})
+    (IMAGES / f"app_{name}.png").write_bytes(base64.b64decode(done["data"]))
+
+
+def size(driver, width: int, height: int) -> None:
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+
+def until(driver, script: str) -> float:
+    """Seconds until it is true."""
+    start = time.perf_counter()
+    browser.wait(driver, lambda driver: driver.execute_script(f"return {script}"))
+    return time.perf_counter() - start
+
+
+def rows() -> list[tuple[str, str]]:
+    with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
+        start = time.perf_counter()
+        server = subprocess.Popen(
+            [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,
+            env=os.environ | {"BROWSER": "true", "TMPDIR": folder},
+        )  # fmt: skip
+        try:
+            address = re.search(r"http:\S+", server.stderr.readline())[0]
+            begun = time.perf_counter() - start
+            size(driver, 1280, 720)
+            driver.get(address)
+            paint = driver.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
+            seen = until(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
+            shot(driver, "scans")
+            time.sleep(5)  # as somebody who reads takes
+            driver.execute_script("document.querySelector('#pair .go').click()")
+            first = until(driver, "document.querySelector('#answer .value') !== null")
+            until(driver, "framed !== '' && document.getElementById('progress').value > 0")
+            browser.wait(driver, lambda driver: driver.execute_script("return paged().readyState") == "complete")
+            shot(driver, "first")
+            whole = first + until(driver, "document.getElementById('job').dataset.state === 'done'")
+            until(driver, "paged().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+            shot(driver, "answer", 1000)
+            memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
+        finally:
+            server.send_signal(signal.SIGINT)
+            server.wait()
+    return [
+        ("until the server answers, and until the first paint of its page", f"{begun:.1f} s, {paint / 1000:.2f} s"),
+        ("until two maps of 128 x 128 points are seen, with their roughness", f"{seen:.1f} s"),
+        ("from the click to a first answer by asperities, and to the exact one", f"{first:.1f} s, {whole:.0f} s"),
+        ("memory of the server by then", f"{memory / 1e6:.0f} MB"),
+    ]  # fmt: skip

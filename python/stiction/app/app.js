@@ -1,0 +1,348 @@
+// The page of the server: what is asked for, and what is told. What is told of numbers, `numbers.js` before this writes.
+
+const byId = (id) => document.getElementById(id);
+const AT_REST = 400; // ms without a change, after which the words follow
+const sides = ["upper", "lower"];
+const scans = {upper: null, lower: null};
+let jobs = [];
+let current = null; // number of the job that is shown
+let framed = ""; // its page
+let told = null; // what its page has picked, if that is not what was asked for
+
+const node = (tag, set = {}, ...children) => {
+  const made = Object.assign(document.createElement(tag), set);
+  made.append(...children);
+  return made;
+};
+
+/** What the server answers; its refusal is an error with its sentence. */
+async function fetched(address, options = {}) {
+  const response = await fetch(address, options).catch(() => { throw new Error("the server does not answer"); });
+  if (!response.ok) throw new Error(await response.text());
+  return response.json();
+}
+const posted = (address, body = {}) => fetched(address, {method: "POST", body: JSON.stringify(body)});
+
+// ---- Words of errors, where they belong -----------------------------------------------------------------------------
+
+function complain(place, text) {
+  place.hidden = !text;
+  place.textContent = text;
+}
+
+const FIELDS = {young: "upper-young", poisson: "upper-poisson", unit: "", spacing: ""};
+
+/** A command's own sentence: at the scan that it names, or at the field of the option that it begins with. */
+function complainOf(job) {
+  for (const marked of document.querySelectorAll("[aria-invalid]")) marked.removeAttribute("aria-invalid");
+  const text = job.error;
+  const side = sides.find((each) => scans[each] && (text.startsWith(`${scans[each].name}:`) || text.includes(`pair: ${each}`)));
+  const option = text.match(/^--([a-z0-9-]+)/)?.[1];
+  const input = option && byId(FIELDS[option] ?? option);
+  for (const each of sides) if (text && each === side) complain(byId(`${each}-drop`).querySelector(".wrong"), text);
+  complain(byId(job.command.startsWith("stiction run") ? "run-wrong" : "pair-wrong"), side ? "" : text);
+  complain(byId("job-wrong"), text);
+  if (!input) return;
+  input.setAttribute("aria-invalid", "true");
+  input.focus();
+}
+
+// ---- Scans ----------------------------------------------------------------------------------------------------------
+
+function connectDrop(side) {
+  const place = byId(`${side}-drop`);
+  place.append(byId("drop").content.cloneNode(true));
+  place.querySelector("b").textContent = side === "upper" ? "Upper, the slider" : "Lower";
+  const input = place.querySelector("input[type=file]");
+  input.id = `${side}-file`;
+  input.addEventListener("change", () => input.files.length && take(side, input.files[0]));
+  for (const name of ["dragenter", "dragover", "dragleave", "drop"])
+    place.addEventListener(name, (event) => {
+      event.preventDefault();
+      place.classList.toggle("aim", name.startsWith("dragen") || name === "dragover");
+    });
+  place.addEventListener("drop", (event) => event.dataTransfer.files.length && take(side, event.dataTransfer.files[0]));
+  for (const each of place.querySelectorAll("[data-of]")) each.addEventListener("change", () => look(side));
+}
+
+const readingOf = (side) => Object.fromEntries([...byId(`${side}-drop`).querySelectorAll("[data-of]")].map(
+  (each) => [each.dataset.of, each.type === "checkbox" ? (each.checked ? "interpolate" : "") : each.value.trim()]));
+
+async function take(side, file) {
+  const place = byId(`${side}-drop`);
+  place.querySelector(".hint").textContent = `${file.name} …`;
+  complain(place.querySelector(".wrong"), "");
+  try {
+    if (file.size > document.body.dataset.most) throw new Error(`A scan may have ${document.body.dataset.most / 1e6} MB here.`);
+    const {scan} = await fetched(`/scans?name=${encodeURIComponent(file.name)}`, {method: "PUT", body: file});
+    scans[side] = {scan, name: file.name};
+    await look(side);
+  } catch (error) {
+    scans[side] = null;
+    place.querySelector(".hint").textContent = file.name;
+    complain(place.querySelector(".wrong"), error.message);
+  }
+}
+
+async function look(side) {
+  const [place, own] = [byId(`${side}-drop`), scans[side]];
+  if (!own) return;
+  const [hint, wrong, image] = [".hint", ".wrong", "img"].map((each) => place.querySelector(each));
+  hint.textContent = `${own.name} …`;
+  const said = await fetched(`/scans/${own.scan}?${new URLSearchParams(readingOf(side))}`).catch(({message}) => ({error: message}));
+  if (scans[side] !== own) return;
+  own.holds = said.holds;
+  hint.textContent = said.error ? own.name : `${own.name}: ${said.words}`;
+  complain(wrong, said.error ?? said.warning);
+  if (said.error) place.querySelector("details").open = true;
+  Object.assign(image, {hidden: Boolean(said.error), src: said.picture ?? "data:,", alt: `Heights of ${own.name}`});
+  remember();
+}
+
+// ---- Asking ---------------------------------------------------------------------------------------------------------
+
+const value = (id) => byId(id).value.trim().replace(",", ".");
+
+/** The options of `stiction pair` that the form stands for. */
+function optionsOfPair() {
+  const options = [];
+  const add = (name, text, unit = "") => text && options.push([name, text + unit]);
+  for (const name of ["unit", "spacing"]) {
+    const both = sides.map((side) => readingOf(side)[name]);
+    if (both[0] === both[1]) add(name, both[0]);
+    else both.forEach((text) => options.push([name, text]));
+  }
+  add("missing", sides.map((side) => readingOf(side).missing).find(Boolean));
+  if (sides.some((side) => value(side) === "numbers"))
+    for (const [name, unit] of [["young", " GPa"], ["poisson", ""]]) add(name, sides.map((side) => value(`${side}-${name}`) + unit).join(","));
+  else sides.forEach((side) => add(side, byId(side).value));
+  for (const [name, unit] of [["hardness", " GPa"], ["mu0", ""], ["tau0", " MPa"], ["load", ""], ["level", ""], ["rotate", ""], ["shifts", ""]])
+    add(name, value(name), value(name) && unit);
+  return options;
+}
+
+async function press(event) {
+  event.preventDefault();
+  const lacking = [...sides.filter((side) => !scans[side]?.holds).map((side) => [byId(`${side}-file`), `the ${side} scan is missing`]),
+    ...[...byId("pair").querySelectorAll("[required]")].filter((each) => !each.value.trim())
+      .map((each) => [each, `${each.closest("label").firstChild.textContent.trim()} is missing`])];
+  complain(byId("pair-wrong"), lacking.length ? `Not yet: ${lacking.map(([, words]) => words).join(", ")}.` : "");
+  if (lacking.length) return lacking[0][0].focus();
+  const maps = sides.every((side) => scans[side].holds === "surface");
+  await ask("pair-wrong", {command: "pair", maps, upper: scans.upper.scan, lower: scans.lower.scan, options: optionsOfPair()});
+}
+
+async function ask(wrong, body) {
+  complain(byId(wrong), "");
+  try {
+    show((await posted("/jobs", body)).job);
+  } catch (error) {
+    complain(byId(wrong), error.message);
+  }
+}
+
+function show(job) {
+  [current, framed, told] = [job, "", null];
+  byId("page").hidden = true;
+  remember();
+  render();
+}
+
+// ---- Being told -----------------------------------------------------------------------------------------------------
+
+function render() {
+  const job = jobs.find(({number}) => number === current);
+  byId("start").hidden = Boolean(job);
+  byId("job").hidden = !job;
+  if (!job) return;
+  const isGoing = ["waiting", "running"].includes(job.state);
+  byId("title").textContent = job.title;
+  byId("job").dataset.state = job.state;
+  byId("going").hidden = !isGoing;
+  byId("words").textContent = job.words + (job.total && isGoing ? ` – ${job.finished} of ${job.total}` : "");
+  byId("progress").max = job.total || 1;
+  if (job.total) byId("progress").value = job.finished;
+  else byId("progress").removeAttribute("value");
+  if (byId("job").dataset.error !== job.error) complainOf(job);
+  byId("job").dataset.error = job.error;
+  if (!told) say(job.answer, job.state === "stopped" ? `stopped: ${job.finished} of ${job.total} are finished and kept` : job.by, !job.by && job.page > 0);
+  byId("command").textContent = commandOf(job);
+  byId("share").hidden = !job.page || isGoing;
+  for (const link of byId("share").querySelectorAll("a")) link.href = `/jobs/${job.number}/${link.textContent}?save`;
+  const page = `/jobs/${job.number}/page.html?${job.page}`;
+  if (!job.page || page === framed) return;
+  const frame = byId("page");
+  const before = framed && frame.contentWindow.location.hash;
+  framed = page;
+  frame.hidden = false;
+  frame.contentWindow.location.replace(page + (before || (job.command.startsWith("stiction run") ? `#d=${dimension()}` : "")));
+}
+
+const WORDS = {all: "all contacts rub", opposing: "only contacts that oppose the motion rub (the paper)"};
+const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
+
+/** Values where the page does not have them, and the sentence; not of a first answer, which is no last word. */
+function say(answer, by, hasPage) {
+  const place = byId("answer");
+  const text = JSON.stringify([answer, by, hasPage]);
+  if (place.dataset.text === text) return;
+  place.dataset.text = text;
+  place.replaceChildren(...(by ? [node("p", {className: "hint"}, by)] : []));
+  if (!answer) return;
+  for (const {rule, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
+    const line = node("p", {className: "value", hidden: hasPage}, node("i", {}, "μ"), node("sub", {}, "s"),
+      ` = ${twoDigits(mean, lower ?? NaN, upper ?? NaN)} `, node("small", {className: "hint"}, WORDS[rule]));
+    Object.assign(line.dataset, {rule, value: mean, lower, upper});
+    place.append(line);
+  }
+  if (!by.startsWith("a first")) place.append(node("p", {className: `verdict ${KIND[answer.verdict]}`}, answer.verdict),
+    node("p", {className: "sentence", id: "sentence"}, answer.sentence));
+}
+
+/** The line that gives the same numbers. */
+function commandOf({command}) {
+  if (!told) return command;
+  const changed = command.replace(/--mu0=\S+/, `--mu0=${told.mu0}`).replace(/'--tau0=[^']*'/, `'--tau0=${told.tau0} MPa'`);
+  if (command.startsWith("stiction pair") && told.isAskedLoad) return changed;
+  const folder = command.startsWith("stiction info") ? command.split(" ").slice(2).join(" ") : command.startsWith("stiction run") ? "quick" : "pair";
+  const d = told.d ? ` --d=${told.d}` : "";
+  return `${command.startsWith("stiction info") ? "" : `${command} && `}stiction at ${folder} --load='${told.load} mN' --mu0=${told.mu0} --tau0='${told.tau0} MPa'${d}`;
+}
+
+// ---- The page of the result -----------------------------------------------------------------------------------------
+
+let resting = 0;
+const paged = () => byId("page").contentDocument;
+
+function connectPage() {
+  const inside = paged();
+  if (!inside?.getElementById("readout")) return;
+  inside.head.append(Object.assign(inside.createElement("style"), {textContent:
+    "body { padding: 0; max-width: none } header .over, header h1 { display: none } #controls { top: 0 }"}));
+  for (const name of ["input", "click", "keyup"]) inside.addEventListener(name, () => { clearTimeout(resting); resting = setTimeout(follow, AT_REST); });
+  const fit = () => { byId("page").style.height = matchMedia("(min-width: 60rem)").matches ? "" : `${inside.documentElement.scrollHeight}px`; };
+  new ResizeObserver(fit).observe(inside.documentElement);
+}
+
+/** The words of what is picked on the page. */
+async function follow() {
+  const job = jobs.find(({number}) => number === current);
+  const {load, mu0, tau0, dimension: d} = paged()?.getElementById("readout")?.dataset ?? {};
+  if (!job?.answer || load === undefined) return;
+  const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.abs(other);
+  const {at} = job.answer;
+  const wanted = {load, mu0, tau0: Number((1000 * tau0).toPrecision(12)), d: job.command.startsWith("stiction pair") ? "" : d, isAskedLoad: isNear(load, at.load)};
+  for (const name of ["mu0", "tau0"]) if (Number(value(name)) !== Number(wanted[name])) byId(name).value = wanted[name];
+  const isAsked = wanted.isAskedLoad && isNear(mu0, at.mu0) && Math.abs(tau0 - at.tau0) < 1e-12 && !wanted.d;
+  if (isAsked) told = null;
+  else if (JSON.stringify(wanted) !== JSON.stringify(told)) {
+    told = wanted;
+    const asked = new URLSearchParams({load: `${load} mN`, mu0, tau0: `${tau0} GPa`, ...(wanted.d ? {d} : {})});
+    const {answers} = await fetched(`/jobs/${job.number}/at?${asked}`).catch(() => ({answers: []}));
+    if (told === wanted) say(answers[0] ?? null, "", true);
+  }
+  render();
+}
+
+/** What is typed into the form moves the page. */
+function move(name) {
+  const input = paged()?.getElementById(`${name}-number`);
+  if (!input || byId("page").hidden || !value(name) || !(Number(value(name)) >= 0)) return;
+  input.value = value(name);
+  input.dispatchEvent(new Event("input", {bubbles: true}));
+}
+
+// ---- Generated profiles, and results that are there -----------------------------------------------------------------
+
+const dimension = () => (1 + 0.05 * Number(byId("d").value)).toFixed(2);
+const length = (id) => `${Number((10 ** Number(byId(id).value)).toPrecision(2))} um`;
+const changesOfRun = () => ({"surfaces.amplitude": [length("height")], "surfaces.length_scale": length("length"),
+  "surfaces.convention": byId("measure").value, "ensemble.seed": Number(byId("seed").value)});
+let sketching = 0;
+
+function sketch() {
+  byId("d-text").textContent = byId("measure").value === "paper" ? `D = ${dimension()}` : `H = ${(2 - dimension()).toFixed(2)}`;
+  for (const id of ["height", "length"]) byId(`${id}-text`).textContent = length(id).replace("um", "µm");
+  byId("seed-text").textContent = byId("seed").value;
+  clearTimeout(sketching);
+  sketching = setTimeout(() => {
+    byId("profile").src = `/profiles?${new URLSearchParams({set: JSON.stringify({...changesOfRun(), "surfaces.fractal_dimension": [Number(dimension())]})})}`;
+  }, AT_REST / 2);
+}
+
+async function listResults() {
+  if (!byId("there").open) return;
+  const list = await fetched("/results").catch(() => []);
+  const text = JSON.stringify(list);
+  if (byId("results").dataset.text !== text) byId("results").replaceChildren(...list.map(({name, finished, total, kind, error}) => {
+    const words = error ?? `${kind === "measured" ? "a pair" : "a study"}, ${finished} of ${total}`;
+    const button = node("button", {type: "button", disabled: Boolean(error) || !finished}, name);
+    button.addEventListener("click", () => ask("open-wrong", {command: "open", name}));
+    return node("li", {}, button, ` ${words}`);
+  }), ...(list.length ? [] : [node("li", {}, "There are none: stiction was begun elsewhere.")]));
+  byId("results").dataset.text = text;
+  setTimeout(listResults, 2000);
+}
+
+// ---- Beginning ------------------------------------------------------------------------------------------------------
+
+const remembered = () => [...document.querySelectorAll("#pair input[id]:not([type=file]), #pair select[id]")];
+function remember() {
+  sessionStorage.setItem("state", JSON.stringify({scans, current, fields: remembered().map((each) => each.value),
+    reading: sides.map(readingOf)}));
+}
+
+function recall() {
+  const state = JSON.parse(sessionStorage.getItem("state") ?? "null");
+  if (!state) return;
+  current = state.current;
+  remembered().forEach((each, i) => { each.value = state.fields[i] ?? each.value; });
+  sides.forEach((side, i) => {
+    for (const each of byId(`${side}-drop`).querySelectorAll("[data-of]"))
+      each.type === "checkbox" ? each.checked = Boolean(state.reading[i].missing) : each.value = state.reading[i][each.dataset.of];
+    scans[side] = state.scans[side];
+    look(side);
+  });
+}
+
+function showNumbers() {
+  const isByNumbers = sides.some((side) => value(side) === "numbers");
+  for (const each of document.querySelectorAll(".numbers")) each.hidden = !isByNumbers;
+  for (const side of sides) for (const name of ["young", "poisson"])
+    byId(`${side}-${name}`).value = byId(side).selectedOptions[0].dataset[name] ?? byId(`${side}-${name}`).value;
+}
+
+async function demo() {
+  const made = await posted("/demo");
+  sides.forEach((side, i) => { scans[side] = made[i]; if (!byId(side).value) byId(side).value = "mild steel"; });
+  await Promise.all(sides.map(look));
+}
+
+async function copy(button, text) {
+  const before = button.textContent;
+  await navigator.clipboard.writeText(text).then(() => { button.textContent = "Copied"; }, () => { button.textContent = "Press Ctrl-C"; });
+  setTimeout(() => { button.textContent = before; }, 2000);
+}
+
+sides.forEach(connectDrop);
+recall();
+showNumbers();
+sketch();
+byId("pair").addEventListener("submit", press);
+byId("pair").addEventListener("change", () => { showNumbers(); remember(); });
+for (const name of ["mu0", "tau0"]) byId(name).addEventListener("input", () => move(name));
+byId("demo").addEventListener("click", demo);
+byId("stop").addEventListener("click", () => posted(`/jobs/${current}/stop`));
+byId("quote").addEventListener("click", () => copy(byId("quote"), byId("sentence").textContent));
+byId("copy").addEventListener("click", () => copy(byId("copy"), byId("command").textContent));
+byId("page").addEventListener("load", connectPage);
+byId("run").addEventListener("input", sketch);
+byId("run").addEventListener("submit", (event) => {
+  event.preventDefault();
+  ask("run-wrong", {command: "run", options: Object.entries(changesOfRun()).map(([key, each]) => ["set", `${key}=${Array.isArray(each) ? JSON.stringify(each) : each}`])});
+});
+byId("there").addEventListener("toggle", listResults);
+if (document.body.dataset.demo && !scans.upper) demo();
+const events = new EventSource("/events");
+events.addEventListener("message", ({data}) => { jobs = JSON.parse(data); byId("gone").hidden = true; render(); });
+events.addEventListener("error", () => { byId("gone").hidden = false; });

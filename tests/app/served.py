@@ -1,0 +1,129 @@
+"""A server of `stiction app` as people begin it, and requests to it as anybody may write them."""
+
+import contextlib
+import http.client
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from urllib.parse import quote
+
+import numpy as np
+from stiction import Surface, self_affine_surface, write_surface
+
+PATIENCE = 60.0
+
+
+class Served:
+    """A process, and what one needs to ask it."""
+
+    def __init__(self, process, folder):
+        self.process, self.folder, self.cookie = process, folder, ""
+        said = process.stderr.readline() + process.stderr.readline()
+        self.port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)", said).groups()
+        self.origin = f"http://127.0.0.1:{self.port}"
+        self.address = f"{self.origin}/?token={self.token}"
+
+    def ask(self, method, path, body=None, *, cookie=None, **headers):
+        """Status, headers and body of a request; those of our own page unless others are given (None: left out)."""
+        own = {"Host": f"127.0.0.1:{self.port}", "Cookie": self.cookie if cookie is None else cookie}
+        own |= {} if method == "GET" else {"Origin": self.origin}
+        own |= {name.replace("_", "-"): value for name, value in headers.items()}
+        connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=PATIENCE)
+        with contextlib.closing(connection):
+            connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+            for name, value in own.items():
+                if value is not None:
+                    connection.putheader(name, value)
+            if body is not None and "Content-Length" not in own:
+                connection.putheader("Content-Length", str(len(body)))
+            connection.endheaders(body)
+            answer = connection.getresponse()
+            return answer.status, answer.headers, answer.read()
+
+    def enter(self):
+        """Open the address as a browser would."""
+        status, headers, _ = self.ask("GET", f"/?token={self.token}")
+        assert status == 303
+        self.cookie = headers["Set-Cookie"].split(";")[0]
+        return headers["Set-Cookie"]
+
+    def post(self, path, asked):
+        status, _, body = self.ask("POST", path, json.dumps(asked).encode())
+        assert status == 200, body
+        return json.loads(body)
+
+    def take(self, path):
+        """Drop a file."""
+        status, _, body = self.ask("PUT", f"/scans?name={quote(path.name)}", path.read_bytes())
+        assert status == 200, body
+        return json.loads(body)["scan"]
+
+    def jobs(self):
+        """What the page is told."""
+        connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=PATIENCE)
+        with contextlib.closing(connection):
+            connection.request("GET", "/events", headers={"Cookie": self.cookie})
+            return json.loads(connection.getresponse().readline().removeprefix(b"data: "))
+
+    def memory(self):
+        """Resident memory of the server alone, bytes."""
+        with open(f"/proc/{self.process.pid}/statm", encoding="utf-8") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    def is_alive(self):
+        return self.process.poll() is None and self.ask("GET", "/")[0] == 200
+
+    def private(self):
+        """Folders of servers."""
+        return sorted((self.folder / "tmp").glob("stiction-app-*"))
+
+
+def until(value, holds):
+    """The value, as soon as it holds."""
+    end = time.monotonic() + 10 * PATIENCE
+    while not holds(found := value()):
+        assert time.monotonic() < end, found
+        time.sleep(0.1)
+    return found
+
+
+@contextlib.contextmanager
+def served(folder, *options, code=""):
+    """A server that was begun in a folder, by the command or by other code; its temporary folder is there too."""
+    (folder / "tmp").mkdir(exist_ok=True)
+    what = ["-c", code] if code else ["-m", "stiction", "app", *options]
+    process = subprocess.Popen(
+        [sys.executable, *what], cwd=folder, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"TMPDIR": str(folder / "tmp"), "BROWSER": "true"},
+    )  # fmt: skip
+    try:
+        yield Served(process, folder)
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(PATIENCE)
+        finally:
+            process.kill()
+            process.stderr.close()
+
+
+def write_maps(folder, size=24):
+    """Two small rough maps."""
+    paths = []
+    for side in ("upper", "lower"):
+        face = self_affine_surface(5, hurst_exponent=0.8, rms=0.02, shape=(size, size), spacing=0.1, side=side)
+        paths.append(folder / f"{side}_face.csv")
+        write_surface(face, paths[-1])
+    return paths
+
+
+def write_other_grid(folder):
+    """A map on another grid."""
+    rng = np.random.default_rng(3)
+    write_surface(Surface(0.01 * rng.standard_normal((20, 30)), spacing=(0.15, 0.12)), folder / "coarse.csv")
+    return folder / "coarse.csv"

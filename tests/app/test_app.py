@@ -1,0 +1,375 @@
+"""The page as people use it, in a browser: what it shows is what the command says."""
+
+import contextlib
+import json
+import shlex
+import shutil
+import time
+
+import browser
+import numpy as np
+import pytest
+
+pytest.importorskip("starlette", reason="the extra app is not installed")
+pytest.importorskip("selenium", reason="selenium is not installed")
+
+from app.served import PATIENCE, served, until, write_maps, write_other_grid
+from command import stiction_command
+from stiction import Profile, Study, run, write_profile
+from stiction.cli import showing
+from stiction.views.digits import with_unit
+
+pytestmark = pytest.mark.skipif(
+    not (browser.CHROMIUM and browser.DRIVER), reason="Debian's chromium and chromium-driver are not installed"
+)
+
+CHANGED = "field.dispatchEvent(new Event('input', {bubbles: true}))"
+
+AGREEMENT = 1e-8
+"""The page has the sums of every member in full."""
+
+HARD = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "shifts": "4"}
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory):
+    with served(tmp_path_factory.mktemp("app"), "--keep") as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def driver(app, tmp_path_factory):
+    """A browser that has been let in."""
+    with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
+        driver.set_page_load_timeout(PATIENCE)
+        size(driver)
+        driver.get(app.address)
+        cookie = driver.get_cookies()[0]
+        assert cookie["httpOnly"]
+        assert cookie["sameSite"] == "Strict"
+        app.cookie = f"{cookie['name']}={cookie['value']}"
+        yield driver
+
+
+@pytest.fixture
+def fresh(driver, app):
+    """A page on which nobody has done anything, and which had nothing to complain of."""
+    driver.execute_script("sessionStorage.clear()")
+    driver.get(app.origin)
+    driver.execute_script("sessionStorage.clear()")
+    driver.refresh()
+    driver.get_log("browser")
+    yield driver
+    complaints = [entry["message"] for entry in driver.get_log("browser") if entry["level"] != "INFO"]
+    assert [each for each in complaints if "status of 400" not in each and "status of 413" not in each] == []
+
+
+@pytest.fixture(scope="module")
+def maps(tmp_path_factory):
+    return write_maps(tmp_path_factory.mktemp("maps"))
+
+
+def size(driver, width=1280, height=720, scheme="light"):
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    features = [{"name": "prefers-color-scheme", "value": scheme}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+
+
+def choose(driver, side, path):
+    driver.find_element("id", f"{side}-file").send_keys(str(path))
+    return until(lambda: seen(driver, side), lambda said: said["wrong"] or "…" not in said["hint"])
+
+
+def drop(driver, side, path):
+    """As with the mouse."""
+    driver.execute_script(
+        "const files = new DataTransfer(); files.items.add(new File([arguments[1]], arguments[2]));"
+        "const dropped = new DragEvent('drop', {dataTransfer: files, bubbles: true});"
+        "document.getElementById(`${arguments[0]}-drop`).dispatchEvent(dropped)",
+        side, path.read_text("utf-8"), path.name,
+    )  # fmt: skip
+    return until(lambda: seen(driver, side), lambda said: said["wrong"] or "Sq" in said["hint"])
+
+
+def seen(driver, side):
+    return {
+        name: driver.execute_script(f"return document.querySelector('#{side}-drop .{name}').textContent")
+        for name in ("hint", "wrong")
+    }
+
+
+def fill(driver, values):
+    for name, value in values.items():
+        driver.execute_script(
+            "const field = document.getElementById(arguments[0]); field.value = arguments[1];"
+            "for (const kind of ['input', 'change']) field.dispatchEvent(new Event(kind, {bubbles: true}))",
+            name, value,
+        )  # fmt: skip
+
+
+def press(driver, form="pair"):
+    driver.find_element("css selector", f"#{form} .go").send_keys("\n")
+
+
+def state(driver):
+    return driver.execute_script("return document.getElementById('job').dataset.state")
+
+
+def finished(driver):
+    """How the job has ended, and what it is said to have failed of."""
+    until(lambda: state(driver), lambda now: now not in (None, "waiting", "running"))
+    return " ".join([state(driver), driver.find_element("id", "job-wrong").text]).strip()
+
+
+def answer(driver):
+    """Of each rule the numbers that the page shows, in full, and the sentence."""
+    lines = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
+    rules = driver.execute_script(lines)
+    shown = {each["rule"]: [float(each[name]) for name in ("value", "lower", "upper")] for each in rules}
+    return shown, driver.execute_script("return document.getElementById('sentence')?.textContent")
+
+
+def same_as(driver, folder, monkeypatch):
+    """What the line says that the page shows, of the same files: its numbers and sentence."""
+    line = driver.find_element("id", "command").text
+    monkeypatch.setattr(showing, "draw_result", lambda *_, **__: None)
+    shutil.rmtree(folder / "pair", ignore_errors=True)
+    done = stiction_command(*shlex.split(line)[1:], "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return of_record(json.loads(done.stdout))
+
+
+def of_record(record):
+    first = record["answers"][0]
+    return {each["rule"]: [each["value"], each["lower"], each["upper"]] for each in first["rules"]}, first["sentence"]
+
+
+def inside(driver, script):
+    """In the page of the result, which `inside` is."""
+    return driver.execute_script(f"const inside = document.getElementById('page').contentDocument; {script}")
+
+
+def wait_for_page(driver):
+    busy = "return inside?.getElementById('main')?.getAttribute('aria-busy')"
+    browser.wait(driver, lambda _: inside(driver, busy) == "false")
+
+
+def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monkeypatch):
+    """Drop, answer, another mu0, share, reload: always what the command says."""
+    roughness = json.loads(stiction_command("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
+    height = with_unit(next(each["value"] for each in roughness if each["name"] == "Sq"), "um")
+    assert f"Sq {height}," in drop(fresh, "upper", maps[0])["hint"]
+    assert "Sq" in choose(fresh, "lower", maps[1])["hint"]
+    fill(fresh, HARD)
+    press(fresh)
+    until(lambda: answer(fresh)[0] or state(fresh) == "failed", bool)
+    assert finished(fresh) == "done"
+    wait_for_page(fresh)
+    expected = same_as(fresh, maps[0].parent, monkeypatch)
+    assert answer(fresh) == expected
+    on_page = inside(fresh, "return {...inside.getElementById('readout').dataset}")
+    np.testing.assert_allclose(
+        [float(on_page[name]) for name in ("value", "lower", "upper")], expected[0]["all"], rtol=AGREEMENT
+    )
+
+    # The slider of the page, and then the field of the form: the other follows, and so do words and line.
+    for move in (
+        lambda: inside(fresh, "const field = inside.getElementById('mu0'); field.value = 0.3;" + CHANGED),
+        lambda: fill(fresh, {"mu0": "0.35"}),
+    ):
+        before = answer(fresh)[1]
+        move()
+        until(lambda: answer(fresh)[1], lambda sentence, before=before: sentence != before)
+        mu0 = inside(fresh, "return inside.getElementById('mu0-number').value")
+        assert fresh.find_element("id", "mu0").get_property("value") == mu0
+        assert f"--mu0={mu0}" in fresh.find_element("id", "command").text
+        assert f"μ0 = {mu0}," in answer(fresh)[1]
+    shown, said = answer(fresh)
+    numbers, sentence = same_as(fresh, maps[0].parent, monkeypatch)
+    assert said == sentence
+    assert shown == {rule: pytest.approx(values, rel=1e-12) for rule, values in numbers.items()}
+
+    job = fresh.execute_script("return current")
+    for name, begins in (
+        ("page.html", "<!doctype html>"), ("result.csv", "load"), ("result.json", "{"), ("study.toml", "# Written by"),
+    ):  # fmt: skip
+        status, headers, body = app.ask("GET", f"/jobs/{job}/{name}?save")
+        assert status == 200
+        assert headers["Content-Disposition"] == f'attachment; filename="{name}"'
+        assert body.decode().lower().startswith(begins.lower()) or begins in body.decode().splitlines()[0]
+        assert str(app.folder) not in body.decode(), name
+    assert of_record(json.loads(app.ask("GET", f"/jobs/{job}/result.json")[2])) == expected
+
+    fresh.refresh()
+    assert finished(fresh) == "done"
+    until(lambda: answer(fresh), lambda now: now == expected)
+    until(lambda: seen(fresh, "upper")["hint"], lambda hint: height in hint)
+
+    # Without the page's own private names it is the study of these files, wherever they are.
+    (maps[0].parent / "study.toml").write_bytes(app.ask("GET", f"/jobs/{job}/study.toml")[2])
+    assert stiction_command("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent).returncode == 0
+
+
+def test_what_is_stopped_is_kept_and_goes_on(fresh, tmp_path, app):
+    for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
+        choose(fresh, side, path)
+    fill(fresh, HARD | {"shifts": "400"})
+    press(fresh)
+    browser.wait(fresh, lambda _: "of 400" in fresh.find_element("id", "words").text)
+    until(lambda: app.jobs()[-1]["finished"], lambda count: count >= 2)
+    fresh.find_element("id", "stop").click()
+    assert finished(fresh) == "stopped"
+    told = until(lambda: app.jobs()[-1], lambda job: job["words"] == "")
+    assert 2 <= told["finished"] < 400
+    kept = f"{told['finished']} of 400 are finished"
+    until(lambda: fresh.find_element("id", "answer").text, lambda text: kept in text)
+    studies = app.private()[0].glob("results/*/pair/study.toml")
+    (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
+    said = stiction_command("info", folder, "--json", cwd=app.folder)
+    assert answer(fresh) == of_record(json.loads(said.stdout))
+    press(fresh)
+    until(lambda: app.jobs()[-1]["finished"], lambda count: count > told["finished"])
+    fresh.find_element("id", "stop").click()
+    assert finished(fresh) == "stopped"
+
+
+def test_two_windows_have_a_job_each_and_one_waits(fresh, maps, app):
+    first = fresh.current_window_handle
+    for side, path in zip(("upper", "lower"), maps, strict=True):
+        choose(fresh, side, path)
+    fill(fresh, HARD | {"shifts": "5"})
+    press(fresh)
+    until(lambda: state(fresh), lambda now: now == "running")
+    fresh.switch_to.new_window("tab")
+    try:
+        fresh.get(app.origin)
+        fresh.find_element("css selector", "#made > summary").click()
+        press(fresh, "run")
+        until(lambda: state(fresh), bool)
+        assert [job["state"] for job in app.jobs()[-2:]] == ["running", "waiting"]
+        assert fresh.find_element("id", "title").text == "Generated profiles"
+        fresh.find_element("id", "stop").click()
+        assert finished(fresh) == "stopped"
+    finally:
+        fresh.close()
+        fresh.switch_to.window(first)
+    assert finished(fresh) == "done"
+    assert fresh.find_element("id", "title").text == "upper_face.csv on lower_face.csv"
+
+
+def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_path, monkeypatch):
+    broken, plain = tmp_path / "broken.x3p", tmp_path / "plain.txt"
+    broken.write_bytes(b"PK\3\4" + bytes(100))
+    np.savetxt(plain, np.random.default_rng(0).standard_normal((24, 24)))
+
+    def told(path, *options):
+        return (
+            stiction_command("characterise", path.name, *options, cwd=tmp_path)
+            .stderr.removeprefix("stiction: ")
+            .strip()
+        )
+
+    def mend(name, value):
+        fresh.execute_script(
+            "const field = document.querySelector(`#upper-drop [data-of=${arguments[0]}]`); field.value = arguments[1];"
+            "field.dispatchEvent(new Event('change', {bubbles: true}))",
+            name, value,
+        )  # fmt: skip
+
+    assert choose(fresh, "upper", broken)["wrong"] == told(broken)
+    assert choose(fresh, "upper", plain)["wrong"] == told(plain)
+    mend("unit", "nm")
+    expected = told(plain, "--unit", "nm")
+    until(lambda: seen(fresh, "upper")["wrong"], lambda wrong: wrong == expected)
+    mend("spacing", "0.1 um")
+    until(lambda: seen(fresh, "upper")["hint"], lambda hint: "2.4 µm" in hint)
+    press(fresh)
+    assert "the lower scan is missing" in fresh.find_element("id", "pair-wrong").text
+    # A map whose file says its unit, and another grid, beside one whose file does not.
+    other = write_other_grid(tmp_path)
+    choose(fresh, "lower", other)
+    fill(fresh, HARD | {"load": "5 apples"})
+    press(fresh)
+    assert finished(fresh).startswith("failed")
+    assert "'5 apples'" in fresh.find_element("id", "pair-wrong").text
+    assert fresh.find_element("id", "load").get_attribute("aria-invalid") == "true"
+    fill(fresh, {"load": "5 MPa"})
+    press(fresh)
+    until(lambda: state(fresh), lambda now: now == "running")
+    assert finished(fresh) == "done"
+    assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
+
+
+def test_profiles_are_pressed_by_asperities_at_once(fresh, tmp_path, monkeypatch, rough_pair):
+    for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=4000), strict=True):
+        write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
+        assert "Pq" in choose(fresh, side, tmp_path / f"{side}.csv")["hint"]
+    by_numbers = {"upper": "numbers", "lower": "numbers", "upper-young": "200", "lower-young": "70"}
+    fill(fresh, by_numbers | {"upper-poisson": "0.3", "lower-poisson": "0.33", "load": "1 mN", "tau0": "5"})
+    press(fresh)
+    assert finished(fresh) == "done"
+    assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
+
+
+def test_generated_profiles_move_with_sliders_and_their_place_is_on_the_map(fresh):
+    fresh.find_element("css selector", "#made > summary").click()
+    lines = "return document.getElementById('profile').src"
+    before = until(lambda: fresh.execute_script(lines), bool)
+    fill(fresh, {"d": "2", "seed": "5"})
+    until(lambda: fresh.execute_script(lines), lambda now: now != before)
+    press(fresh, "run")
+    assert finished(fresh) == "done"
+    wait_for_page(fresh)
+    assert float(inside(fresh, "return inside.getElementById('readout').dataset.dimension")) == pytest.approx(1.1)
+    assert inside(fresh, "return inside.getElementById('map-panel').hidden") is False
+
+
+def test_results_of_the_folder_are_listed_and_opened(fresh, app):
+    few = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    run(Study.named("quick").with_changes(few), store=app.folder / "mine")
+    (app.folder / "broken").mkdir()
+    (app.folder / "broken" / "study.toml").write_text("surfaces = 3\n")
+    (app.folder / "broken" / "blocks").mkdir()
+    fresh.find_element("css selector", "#there > summary").click()
+    button = until(lambda: fresh.find_elements("css selector", "#results li:last-child button"), bool)[0]
+    assert "a study, 2 of 2" in fresh.find_element("id", "results").text
+    button.click()
+    assert finished(fresh) == "done"
+    assert fresh.find_element("id", "title").text == "mine"
+    until(lambda: fresh.find_element("id", "page").is_displayed(), bool)
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
+def test_it_is_for_everybody(fresh, maps, width, scheme):
+    """No finding of axe, without and with an answer; nothing is cut off; keys alone reach and do everything."""
+    try:
+        size(fresh, width, 720, scheme)
+        script = browser.axe()
+        fresh.find_element("css selector", "#there > summary").send_keys("\n")
+        assert browser.serious_faults(fresh, script) == []
+        fresh.find_element("css selector", "#pair").get_property("hidden")
+        fresh.find_element("css selector", "details[name=what] > summary").send_keys("\n")
+        for side, path in zip(("upper", "lower"), maps, strict=True):
+            choose(fresh, side, path)
+        fill(fresh, HARD)
+        press(fresh)
+        assert finished(fresh) == "done"
+        until(lambda: fresh.find_element("id", "page").is_displayed(), bool)
+        assert browser.serious_faults(fresh, script) == []
+        assert fresh.execute_script("return document.documentElement.scrollWidth <= innerWidth")
+    finally:
+        size(fresh)
+
+
+def test_it_ends_when_its_last_window_is_closed(tmp_path, tmp_path_factory):
+    code = "from stiction.app import run; run.ALONE = 1.0; from stiction.cli.application import say; run.run(say=say)"
+    with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
+        driver.get(server.address)
+        time.sleep(3)
+        assert server.process.poll() is None
+        driver.get("about:blank")
+        assert server.process.wait(PATIENCE) == 0
+        assert server.private() == []
+        with contextlib.suppress(OSError):
+            assert server.ask("GET", "/")[0] is None

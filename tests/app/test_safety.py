@@ -1,0 +1,258 @@
+"""Who may ask the server for what, and how much: by requests as nobody's browser would write them."""
+
+import json
+import os
+import signal
+import socket
+import stat
+import subprocess
+import time
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from urllib.parse import quote
+
+import pytest
+
+pytest.importorskip("starlette", reason="the extra app is not installed")
+
+from app.served import Served, served, until, write_maps
+
+MOST_MEMORY = 400e6
+"""Bytes: it reads no scans itself, and has xarray and its own pages."""
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory):
+    with served(tmp_path_factory.mktemp("app"), "--keep") as server:
+        server.cookie_line = server.enter()
+        yield server
+
+
+def test_the_token_opens_once_and_the_cookie_is_no_page_s(app):
+    assert "HttpOnly" in app.cookie_line
+    assert "samesite=strict" in app.cookie_line.lower()
+    assert app.ask("GET", f"/?token={app.token}", cookie="")[0] == 403
+
+
+@pytest.mark.parametrize("path", ["/", "/app.js", "/events", "/results", "/jobs/1/page.html", "/?token=x", "/?token="])
+@pytest.mark.parametrize("cookie", ["", "stiction-1=x", "stiction-{port}=wrong"])
+def test_without_the_cookie_nothing_is_said(app, path, cookie):
+    status, _, body = app.ask("GET", path, cookie=cookie.format(port=app.port))
+    assert status == 403
+    assert len(body) < 200
+
+
+@pytest.mark.parametrize("host", ["evil.example", "localhost:{port}", "127.0.0.1", "127.0.0.1:1", "", None])
+def test_other_names_of_this_computer_are_no_names_of_the_server(app, host):
+    """As pages have that let their name mean 127.0.0.1."""
+    status, _, _ = app.ask("GET", "/", Host=host and host.format(port=app.port))
+    assert status in (400, 421)
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1:{port}"])
+def test_pages_of_others_ask_for_nothing(app, origin):
+    for method, path in (("GET", "/"), ("POST", "/demo"), ("POST", "/jobs"), ("PUT", "/scans?name=a.csv")):
+        assert app.ask(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
+
+
+def test_changes_need_an_origin_and_reading_no_other_site(app):
+    assert app.ask("POST", "/demo", b"", Origin=None)[0] == 403
+    assert app.ask("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
+    assert app.ask("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
+    assert app.ask("GET", "/", Sec_Fetch_Site="same-origin")[0] == 200
+
+
+def test_the_page_may_load_its_own_alone(app):
+    _, headers, _ = app.ask("GET", "/")
+    assert "default-src 'none'" in headers["content-security-policy"]
+    assert "unsafe" not in headers["content-security-policy"]
+    assert headers["cache-control"] == "no-store"
+    assert headers["x-content-type-options"] == "nosniff"
+
+
+def test_it_listens_on_this_computer_alone(app):
+    with socket.socket() as client:
+        client.settimeout(2)
+        assert client.connect_ex(("127.0.0.1", int(app.port))) == 0
+    with socket.socket() as client:
+        client.settimeout(2)
+        assert client.connect_ex((_own_address(), int(app.port))) != 0
+
+
+def _own_address():
+    """Of this computer on whatever network it is; one that is not, if there is none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as some:
+        try:
+            some.connect(("198.51.100.1", 9))
+        except OSError:
+            return "198.51.100.1"
+        return some.getsockname()[0]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"],
+)
+def test_names_are_no_paths(app, name):
+    before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
+    status, _, body = app.ask("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
+    assert status == 200
+    (root,) = app.private()
+    (kept,) = (root / "files" / json.loads(body)["scan"]).iterdir()
+    assert len(kept.name) <= 60
+    assert {path for path in app.folder.rglob("*") if "files" not in path.parts} == before
+
+
+@pytest.mark.parametrize(
+    "path", ["/jobs/1/../../etc/passwd", "/jobs/999/page.html", "/jobs/x/page.html", "/app.py",
+             "/app.%2e%2e%2fserver.py", "/scans/../lock", "/scans/999", "/results/../../x"]
+)  # fmt: skip
+def test_paths_are_no_files(app, path):
+    assert app.ask("GET", path)[0] in (403, 404)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"command": "claims", "options": []},
+        {"command": "pair", "options": [["output", "/tmp/x"]], "upper": "1", "lower": "1"},
+        {"command": "pair", "options": [["mu0", 3]], "upper": "1", "lower": "1"},
+        {"command": "pair", "options": [], "upper": "../x", "lower": {}},
+        {"command": "open", "name": "../.."},
+        {"command": "run", "options": [["set", "x" * 300]]},
+        [],
+    ],
+    ids=str,
+)
+def test_only_what_the_page_offers_is_begun(app, asked):
+    assert app.ask("POST", "/jobs", json.dumps(asked).encode())[0] in (400, 404)
+    assert app.jobs() == []
+
+
+def test_three_gigabytes_are_refused_before_they_come(app):
+    size = 3_000_000_000
+    assert app.ask("PUT", "/scans?name=x.npy", b"", Content_Length=str(size))[0] == 413
+    sent = 0
+    with socket.create_connection(("127.0.0.1", int(app.port)), timeout=60) as client:
+        own = {
+            "Host": f"127.0.0.1:{app.port}",
+            "Origin": app.origin,
+            "Cookie": app.cookie,
+            "Transfer-Encoding": "chunked",
+        }
+        head = "".join(f"{name}: {value}\r\n" for name, value in own.items())
+        client.sendall(f"PUT /scans?name=x.npy HTTP/1.1\r\n{head}\r\n".encode())
+        piece = b"1000000\r\n" + bytes(2**24) + b"\r\n"
+        try:
+            while sent < size:
+                client.sendall(piece)
+                sent += 2**24
+        except OSError:
+            pass
+    assert sent < size / 5
+    assert app.memory() < MOST_MEMORY
+    assert until(lambda: list(app.private()[0].glob("*.partial")), lambda left: not left) == []
+    assert app.is_alive()
+
+
+def test_bodies_of_questions_are_short(app):
+    assert app.ask("POST", "/jobs", b"[" * 10**6)[0] == 413
+
+
+@pytest.mark.parametrize("name", ["bomb.x3p", "bomb.xlsx"])
+def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
+    path = tmp_path / name
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        inside = "main.xml" if name.endswith("x3p") else "xl/worksheets/sheet1.xml"
+        with archive.open(inside, "w", force_zip64=True) as file:
+            for _ in range(80):
+                file.write(bytes(4_000_000))
+    status, _, body = app.ask("GET", f"/scans/{app.take(path)}")
+    assert status == 200
+    assert json.loads(body)["error"].startswith(f"{name}: ")
+    assert app.memory() < MOST_MEMORY
+    assert app.is_alive()
+
+
+def test_who_does_not_finish_a_request_is_let_go(app):
+    """A request whose head comes letter by letter, and one that never begins."""
+    slow = socket.create_connection(("127.0.0.1", int(app.port)))
+    silent = socket.create_connection(("127.0.0.1", int(app.port)))
+    begun = time.monotonic()
+    with slow, silent:
+        slow.sendall(b"GET / HTTP/1.1\r\n")
+        for client in (slow, silent):
+            client.settimeout(0.2)
+        open_ones = {slow, silent}
+        while open_ones and time.monotonic() - begun < 40:
+            for client in tuple(open_ones):
+                try:
+                    if client is slow:
+                        client.sendall(b"x")
+                    if client.recv(100) == b"":
+                        open_ones.discard(client)
+                except TimeoutError:
+                    pass
+                except OSError:
+                    open_ones.discard(client)
+    assert not open_ones
+
+
+def test_a_thousand_at_once_are_answered_or_refused(app):
+    def ask(_):
+        try:
+            return app.ask("GET", "/")[0]
+        except OSError:
+            return "refused"
+
+    with ThreadPoolExecutor(250) as pool:
+        found = list(pool.map(ask, range(1000)))
+    assert set(found) <= {200, "refused"}
+    assert found.count(200) > 50
+    assert app.memory() < MOST_MEMORY
+    assert until(app.is_alive, bool)
+
+
+def test_the_folder_is_private_and_goes(tmp_path):
+    with served(tmp_path) as server:
+        server.enter()
+        (root,) = server.private()
+        assert stat.S_IMODE(root.stat().st_mode) == 0o700
+        server.post("/demo", {})
+        server.process.send_signal(signal.SIGINT)
+        assert server.process.wait(60) == 0
+        assert server.private() == []
+
+
+def test_what_a_killed_server_leaves_the_next_one_removes(tmp_path):
+    """Its command ends by itself; a server that lives keeps its folder."""
+    with served(tmp_path, "--keep") as living, served(tmp_path, "--keep") as killed:
+        killed.enter()
+        upper, lower = (killed.take(path) for path in write_maps(tmp_path, 64))
+        options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"], ["shifts", "2000"]]
+        killed.post("/jobs", {"command": "pair", "maps": False, "upper": upper, "lower": lower, "options": options})
+        until(killed.jobs, lambda jobs: jobs[0]["finished"] > 0)
+        children = _children(killed.process.pid)
+        assert children
+        killed.process.kill()
+        killed.process.wait(60)
+        assert len(living.private()) == 2
+        until(lambda: [child for child in children if _is_alive(child)], lambda left: not left)
+        with served(tmp_path, "--keep") as later:
+            assert len(later.private()) == 2
+            assert isinstance(later, Served)
+            assert living.process.poll() is None
+
+
+def _children(parent):
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(parent)], check=False, capture_output=True, text=True)
+    return [int(line) for line in found.stdout.split()]
+
+
+def _is_alive(pid):
+    try:
+        os.kill(pid, 0)
+    except OSError:
+        return False
+    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+        return file.read().split()[2] != "Z"
