@@ -69,7 +69,7 @@ PAGES = [
 RUN_HERE = {"python", "sh"}
 RUN_BY_THE_DOCS = {"{code-cell} ipython3"}
 """`./dev docs` runs them, and ends where one fails."""
-NO_CODE = {"text", "{eval-rst}", "{figure}", "{image}", "{include}", "{literalinclude}", "{toctree}"}
+NO_CODE = {"text", "{eval-rst}", "{figure}", "{image}", "{include}", "{literalinclude}", "{toctree}", "{glossary}"}
 """What a page of another file shows is that file's business; text is a diagram."""
 
 

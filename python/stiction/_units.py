@@ -63,7 +63,9 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {shortened(text)}')
     digits, unit = match.groups()
     if unit not in units:
-        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {shortened(text)}")
+        near = [each for each in units if each.lower() == unit.lower()]
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {shortened(text)}{hint}")
     # In decimal, so that "100 nm" and "0.1 um" are the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     lowest, highest = _SANE[kind]

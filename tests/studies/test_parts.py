@@ -78,16 +78,16 @@ def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, un
             module, "put", lambda path, first, *rest: sent.append(first) or store.put(path, first, *rest)
         )
     monkeypatch.setattr(runner, "block_task", lambda *args: done.append(tasks.block_task(*args)) or done[-1])
-    for executor, who in ((Inline(), "the workers write them"), (Elsewhere(), "this process writes them")):
+    for executor, who in ((Inline(), "in 6 files"), (Elsewhere(), "this process writes them")):
         del sent[:], done[:]
         said = []
         fill(TINY, tmp_path / who, executor=executor, say=said.append)
         assert len(said) == 1
-        assert said[0].startswith("to compute: 22 repetitions, ")
+        assert said[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in said[0]
         assert said[0].endswith(who)
         assert sent == list(range(0, 22, 4))
-        assert [content is None for _, content in done] == [who == "the workers write them"] * 6
+        assert [content is None for _, content in done] == [who == "in 6 files"] * 6
         assert_same_bits(store.read(tmp_path / who), undisturbed)
 
 

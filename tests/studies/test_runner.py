@@ -216,5 +216,5 @@ def test_what_lies_ahead_is_said_once(tmp_path):
     for _ in range(2):
         runner.fill(SMALL, tmp_path, say=said.append)
     (line,) = said
-    assert line.startswith("to compute: 5 repetitions, 23 kB in 5 files (")
-    assert line.endswith(" of one core; the workers write them")
+    assert line.startswith("computing 5 repetitions: about ")
+    assert line.endswith(" of one core, 23 kB in 5 files")

@@ -187,7 +187,7 @@ def test_a_spacing_said_in_words_that_disagrees_is_reported_with_both_numbers(fi
         profile = read_profile(file("Spacing,0.2 um\n" + data))
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[1] == "spacing 0.1 µm from its positions, where it says 0.2 µm"
-    assert "as it says" in read_profile(file("Resolution,0.10 um/sample\n" + data)).history[1]
+    assert "header and positions agree" in read_profile(file("Resolution,0.10 um/sample\n" + data)).history[1]
     assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]  # of heights, perhaps
 
 
@@ -268,7 +268,7 @@ def test_the_size_above_a_matrix_of_gwyddion_gives_its_spacing(file):
     surface = read_surface(path)
     assert surface.spacing == pytest.approx((0.12, 0.15), rel=1e-15)
     assert surface.heights[0].tolist() == [0.001, 0.002, 0.003, 0]
-    assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y, as it says"
+    assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
     # 0.600 may be 0.6004, and a given spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
     assert "that its spacing is 0.15 µm, but spacing says 0.16 um" in refusal(

@@ -210,7 +210,10 @@ def _started() -> int:
         else:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
-            say(f"{error.format_message()}\ntry {command} --help")  # type: ignore[attr-defined]
+            said = error.format_message()  # type: ignore[attr-defined]
+            # A number out of its range is said in the words of the library that looks at it.
+            said = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", said)
+            say(f"{said}\ntry {command} --help")
     except MemoryError:
         say("there is not enough memory for this")
     except RecursionError:

@@ -67,7 +67,7 @@ _columns = _reading(
 
 Json = Annotated[bool, _output("--json", None, "Print JSON alone on standard output; messages go elsewhere.")]
 
-Verbose = Annotated[bool, _output("--verbose -v", None, "Say what was pressed, and every quantity.")]
+Verbose = Annotated[bool, _output("--verbose -v", None, "Show all: inputs, directions, cut-offs, onset, quantities.")]
 
 Unit = Annotated[str | None, _unit]
 Spacing = Annotated[str | None, _spacing]

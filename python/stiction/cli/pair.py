@@ -24,10 +24,13 @@ if TYPE_CHECKING:
 
 @command(
     "pair",
-    "stiction pair upper.csv lower.csv --young '210 GPa' --poisson 0.3 --mu0 0.2 --tau0 '50 MPa' --load '10 mN'",
-    "stiction pair map.npy map.npy --unit nm --spacing '1 um' --effective-modulus '9 GPa' --mu0 0.3 --load '9 MPa'",
-    "stiction pair scan.csv scan.csv --surrogates both --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
-    "stiction run pair --set ensemble.repetitions=200     # more positions of what was pressed before",
+    "stiction pair upper.csv lower.csv --upper steel --lower brass \\",
+    "    --mu0 0.2 --tau0 '50 MPa' --load '10 mN'",
+    "stiction pair map.npy map.npy --unit nm --spacing '1 um' \\",
+    "    --effective-modulus '9 GPa' --mu0 0.3 --load '9 MPa'",
+    "stiction pair scan.csv scan.csv --surrogates both \\",
+    "    --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
+    "stiction run pair --set ensemble.repetitions=200   # more positions",
 )
 def pair(
     context: typer.Context,
@@ -76,18 +79,17 @@ def pair(
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, with intervals.
 
-    Heights of both files point out of the material. A profile is carried over the other; maps are pressed as areas, or
-    as pairs of lines with --lines. What describes a file is given once for both, or twice, for one after the other.
-    The result is a study in DIR, which run, at, plot, report, info and export take.
+    Heights of both files point out of the material. Of two profiles the upper one is carried along the lower; maps are
+    pressed as areas, or as pairs of lines with --lines. Options that describe a file apply to both; give them twice to
+    set UPPER and LOWER separately. The result is a study in DIR, which run, at, plot, report, info and export take.
     """
     _press(Asked.of(context), context)
 
 
 def _press(asked: Asked, context: typer.Context) -> None:
     """Compute what is asked for, show it, and write it."""
-    from stiction.cli.showing import draw_result, said_by, show_result
+    from stiction.cli.showing import said_by, show_result, write_views
     from stiction.studies.members import about
-    from stiction.views.files import write_table
     from stiction.views.inputs import doubts_of_inputs
 
     values = asked.values
@@ -118,12 +120,10 @@ def _press(asked: Asked, context: typer.Context) -> None:
     for other in others if not as_json else ():
         tell(f"\nBy {other.study.contact.mechanics}:\n")
         show_result(other, command="pair", verbose=values["verbose"], beside=doubts)
-    for result in results:
-        write_table(result, result.path / "result.csv", beside=doubts)
-        said(f"wrote {result.path / 'result.csv'}")
-        draw_result(result, result.path, said)
     for remark in asked.remarks():
         say(remark)
+    for result in results:
+        write_views(result, beside=doubts, said=said)
 
 
 def announce_first(study: Study | None, executor: Executor) -> None:

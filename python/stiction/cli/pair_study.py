@@ -38,10 +38,13 @@ HARDNESS = 2.84
 MECHANICS = ("half-space", "asperities")
 
 SPHERES = (
-    "Spheres on a strip 1 µm thick, for which there is nothing beside the line; --lay grooves (cylinders) or --lay "
-    "isotropic (areas of their spectra) says what the surfaces are like across them."
+    "A profile says nothing about the third direction, so contacts were taken as spheres on a strip 1 µm thick. For "
+    "grooves across the scan add --lay grooves; for surfaces alike in all directions, --lay isotropic."
 )
-HALF_PLANES = "Half-planes are the same all along their third direction, as grooves are; --lay isotropic: areas."
+HALF_PLANES = (
+    "A profile says nothing about the third direction, so the surfaces were taken as grooved across the scan. For "
+    "surfaces alike in all directions add --lay isotropic."
+)
 
 
 @dataclass(frozen=True)

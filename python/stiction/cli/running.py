@@ -136,7 +136,7 @@ def fill_folder(
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{directory} holds this study already{by}")
     if beside and part is None:
-        fill_beside(stored, executor, said, onset, progress=progress)
+        fill_beside(stored, executor, onset, progress=progress)
     return stored
 
 
@@ -158,22 +158,13 @@ def write_picture(stored: Stored, *, anew: bool) -> None:
         export(picture, stored.path / FILE, replace=(stored.path / FILE).exists())
 
 
-def fill_beside(
-    stored: Stored,
-    executor: Executor,
-    said: Callable[[str], None],
-    onset: int | None = None,
-    *,
-    progress: bool = True,
-) -> None:
+def fill_beside(stored: Stored, executor: Executor, onset: int | None = None, *, progress: bool = True) -> None:
     """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset of sliding.
 
     Parameters
     ----------
     stored : Stored
     executor : concurrent.futures.Executor
-    said : callable
-        What tells of files that were written.
     onset : int, optional
         Members whose onset is computed, 0 for none; a few by default.
     progress : bool
@@ -192,7 +183,7 @@ def fill_beside(
             if (folder / STUDY).exists() and computed_otherwise(open_stored(folder).study, over):
                 remove_result(folder)  # of another pair, or of other loads
             announce("over cut-offs")
-            fill_folder(over, folder, executor, said=said, beside=False, progress=progress)
+            fill_folder(over, folder, executor, said=lambda _: None, beside=False, progress=progress)
         there = onset_beside(stored)
         if onset == 0 or (there is not None and onset in (None, int(there.attrs["members"]))):
             return
@@ -204,7 +195,6 @@ def fill_beside(
     if curve is not None:
         export(curve, stored.path / FILE, replace=(stored.path / FILE).exists())
         (stored.path / TABLE).write_text(backbone(curve), encoding="utf-8")
-        said(f"wrote {stored.path / TABLE}")
 
 
 def remove_result(directory: Path) -> None:

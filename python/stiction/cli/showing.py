@@ -63,6 +63,20 @@ def show_result(
         tell(text.overview_text(at, study))
 
 
+def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str], None]) -> None:
+    """Write the page, the table and the figures of a measured pair into its folder, and say so in two lines."""
+    from stiction.views.files import write_table
+    from stiction.views.report import save_report
+
+    write_table(stored, stored.path / "result.csv", beside=beside)
+    drawings: list[str] = []
+    draw_result(stored, stored.path, drawings.append)
+    page = stored.path / "report.html"
+    save_report([stored], page, names=[stored.path.resolve().name])
+    said(f"wrote {page}: everything, to look at and to share")
+    said(f"wrote {stored.path / 'result.csv'} and {len(drawings)} figures")
+
+
 def draw_result(
     stored: Stored, directory: Path, said: Callable[[str], None] = tell, *, formats: Sequence[str] = ("png",)
 ) -> None:

@@ -207,7 +207,7 @@ PARTS = (
     Part("1a", "smallest R² over D of a line A = c F_N", 0.95, math.inf, _linearity),
     Part("1b", "exponent of A ∝ F_N^p, at the D where it is farthest from 1", 0.9, 1.1, _exponent),
     Part("2a", "friction at D = 1.4 to 1.5 over that at D = 1 to 1.2", 1.0, math.inf, _growth),
-    Part("2b", "d ln mu_s/dD above D = 1.5, less that below", 0.0, math.inf, _steepening),
+    Part("2b", "slope of ln mu_s against D: above D = 1.5 minus below", 0.0, math.inf, _steepening),
     Part("2c", "rise of mu_s from D up to 1.2 to D = 1.4 to 1.5: mu0 = 1, less 0.1", 0.0, math.inf, _amplification),
     Part("3a", "least friction at 200 MPa over that at 0, of all D and three loads", 1.0, math.inf, _raised),
     Part("3b", "rise of mu_s by 200 MPa: D up to 1.2, less D from 1.6", 0.0, math.inf, _raised_at_low_dimensions),

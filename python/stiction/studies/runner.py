@@ -275,15 +275,16 @@ def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarra
 
 
 def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
-    """What lies ahead: bytes, files, time, and who writes."""
+    """What lies ahead: time, files, and who writes where that is not the workers; how much is free where it matters."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
-    who = "the workers write them" if is_seen else "the workers do not see the folder, so this process writes them"
+    size = missing.count * bytes_of_member(study)
+    room = f", with {bytes_text(free)} free" if size > free / 2 else ""
+    who = "" if is_seen else "; the workers do not see the folder, so this process writes them"
     return (
-        f"to compute: {missing.count} repetitions, {bytes_text(missing.count * bytes_of_member(study))} in {files} "
-        f"{'file' if files == 1 else 'files'} ({bytes_text(free)} are free), about "
-        f"{duration_text(missing.count * cost_of_member(study))} of one core; {who}"
+        f"computing {missing.count} repetitions: about {duration_text(missing.count * cost_of_member(study))} of one "
+        f"core, {bytes_text(size)} in {files} {'file' if files == 1 else 'files'}{room}{who}"
     )
 
 

@@ -15,6 +15,7 @@ from stiction.surfaces.roughness import roughness_parameters, surface_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, power_spectrum, spectral_moments, surface_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.scale_rows import scale_rows
+from stiction.views.text import fitted
 
 
 def characterisation_text(
@@ -170,7 +171,7 @@ def _history(body: Profile | Surface) -> list[tuple[str, str]]:
 
 
 def _table(rows: list[tuple[str, str]]) -> str:
-    return "".join(f"{name:<19} {value}".rstrip() + "\n" for name, value in rows)
+    return "".join(fitted(f"{name:<19} {value}".rstrip(), hang=" " * 20) + "\n" for name, value in rows)
 
 
 _SCATTERED = 2.0

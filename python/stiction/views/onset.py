@@ -30,7 +30,7 @@ def onset_text(onset: xarray.Dataset) -> str:
     parts.append(f"at half of the load {slipped[0]:.2g} % of the contact slips")
     stiffness = _ends(onset["stiffness"])
     if math.isfinite(stiffness[0]):
-        parts.append(f"its tangential stiffness at rest is {stiffness[0]:.3g} mN/µm")
+        parts.append(f"its tangential stiffness at rest is {two_digits(*stiffness)} mN/µm")
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
 

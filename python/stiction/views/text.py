@@ -130,15 +130,17 @@ def result_text(
     first = _first_cell(at)
     point = next(points(first))
     slopes = slopes_text(found[0], point, study)
-    parts = [answers_text(found), doubts_text(found), fitted(slopes) if slopes else ""]
+    parts = [answers_text(found), doubts_text(found), fitted(slopes) if slopes and verbose else ""]
     if any(math.isfinite(one.value) for one in found):
         parts.append(quantities_text(first, study, verbose=verbose))
         parts.append(axes_text(point, verbose=verbose))
+        over = at if over is None and at.sizes.get("cut_off", 0) > 1 else over
         if verbose:
             parts.append(directions_text(point))
-        over = at if over is None and at.sizes.get("cut_off", 0) > 1 else over
-        parts.append(resolution_text(first, study, over))
-        parts.append("" if onset is None else onset_block(onset))
+        if verbose or at.sizes.get("cut_off", 0) > 1:
+            parts.append(resolution_text(first, study, over))
+        if onset is not None:
+            parts.append(onset_block(onset) if verbose else fitted(onset_text(onset)))
     if verbose:
         parts.insert(0, history_text(at, study))
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -238,14 +240,11 @@ def _doubt(doubt: Doubt, more: str = "") -> str:
 
 # ---- Quantities ------------------------------------------------------------------------------------------------------
 
-_SHOWN = (
-    "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "approach",
-    *ONSET,
-)  # fmt: skip
+_SHOWN = ("contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", *ONSET)
 """Quantities that every table has, where a result has them."""
 
 _MORE = (
-    "share_opposing", *FRACTIONS, "load_share_at_hardness", "area_share_at_hardness", "relative_overlap",
+    "approach", "share_opposing", *FRACTIONS, "load_share_at_hardness", "area_share_at_hardness", "relative_overlap",
     "share_beyond_hertz", "share_below_grid", "share_crossed", "share_overlapping", "share_unanswered", "error",
 )  # fmt: skip
 """Those that a verbose one has besides."""
@@ -307,7 +306,7 @@ def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
     rules = [rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values)]
     lay = lay_text(table.sel(sliding=rules[0]) if "sliding" in table.dims else table)
     if lay.startswith("No") and not verbose:
-        return fitted(lay)
+        return ""
     rows = [["μ_s along an axis", *(RULE_TITLES[rule] for rule in rules)]]
     for axis in point["axis"].values:
         along = table.sel(axis=axis)

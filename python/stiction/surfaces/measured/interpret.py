@@ -174,7 +174,7 @@ def _heights(raw: Raw, unit: str | None) -> Floats:
     if wild.any():
         value = heights[wild].flat[0]
         raise FormatError(
-            f"holds a height of {value:.3g} µm, which is none of a surface ({int(wild.sum())} such values); "
+            f"holds a height of {value:.3g} µm, which no surface has ({int(wild.sum())} such values); "
             "if it marks missing points, write them as nan"
         )
     return heights
@@ -192,7 +192,7 @@ def _of_size(
             raise FormatError(f"says by its size that its spacing is {length:.7g} µm, but spacing says {each.text}")
         spacings.append(length if each is None else float(each))
     height, width = (f"{own.length:g} {own.unit}" for own in size)
-    return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y, as it says"]
+    return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 
 def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[str]]:
@@ -224,9 +224,9 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                 raise FormatError(
                     f"says by its positions that the spacing is {abs(measured):.7g} µm, but spacing says {given.text}"
                 )
-            return direction * given, [f"spacing {given:.7g} µm as given, which fits its positions"], []
+            return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if stated is not None and _worst(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
-            return direction * stated[0], [f"spacing {stated[0]:.7g} µm as it says, which fits its positions"], []
+            return direction * stated[0], [f"spacing {stated[0]:.7g} µm (header and positions agree)"], []
         _refuse_uneven(x, measured, digit)
     doubts = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
