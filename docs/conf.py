@@ -48,11 +48,14 @@ nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
+nb_merge_streams = True
+nb_output_stderr = "remove"  # how far a command is, and how long it took
 # IPython hands on what a `%%sh` cell prints in pieces of 100 bytes; without this each would be set on lines of its own.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
 # Cells run commands, those of the environment that builds the pages, and have no terminal to draw bars on.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 os.environ["TTY_COMPATIBLE"] = "0"
+os.environ["COLUMNS"] = "88"  # what a box of code holds on a wide screen
 
 
 def write_reference(app: Sphinx) -> None:
@@ -84,10 +87,37 @@ def make_reachable(app: Sphinx, exception: Exception | None) -> None:
         page.write_text(text, encoding="utf-8")
 
 
+SCANS = ROOT / "examples/scans"
+LIVE: dict[str, Any] = {
+    "maps": {"mechanics": "half-space", "load": ["5 MPa", "10 MPa", "20 MPa"], "shifts": 6},
+    "lines": {"mechanics": "half-space", "load": ["3 mN", "10 mN", "30 mN"], "lay": "grooves"},
+}
+"""How the sample scans are pressed for the pages of results that a reader may play with."""
+
+
+def make_live(app: Sphinx, exception: Exception | None) -> None:
+    """A page of each kind of result, as `stiction report` makes it."""
+    if exception is not None or app.builder.format != "html" or app.config.nb_execution_mode == "off":
+        return
+    from stiction import Study, pair, run
+    from stiction.views.report import save_report
+
+    folder = Path(app.outdir) / "live"
+    folder.mkdir(exist_ok=True)
+    given = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa"}
+    with tempfile.TemporaryDirectory() as place:
+        for name, files in (("maps", "ground_{}.x3p"), ("lines", "lapped_{}.csv")):
+            scans = (SCANS / files.format(side) for side in ("upper", "lower"))
+            pair(*scans, **given, **LIVE[name], directory=Path(place) / name).report(folder / f"{name}.html")
+    save_report(run(Study.named("quick")), folder / "study.html", names=["quick"])
+    for page in folder.glob("*.html"):  # the study of a pair says where its files are
+        page.write_text(page.read_text("utf-8").replace(f"{ROOT}{os.sep}", ""), encoding="utf-8")
+
+
 def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
     """End the build if what a cell printed tells where it was built."""
     folders = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
-    for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
+    for page in sorted(Path(app.outdir).rglob("*.html")) if exception is None else ():
         if found := re.search(rf"(?<![\w.])(?:{folders})", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} holds the path {found[0]}")
 
@@ -122,6 +152,25 @@ class LinkNames(SphinxPostTransform):
             )  # fmt: skip
             literal.replace_self(link)
             link += literal
+
+
+class CellsAsTyped(SphinxPostTransform):
+    """A cell that runs a command is shown as one types it, and one that writes a file under the name of the file."""
+
+    default_priority = 4
+
+    def run(self, **_: Any) -> None:
+        for literal in list(self.document.findall(nodes.literal_block)):
+            magic, _newline, text = literal.astext().partition("\n")
+            if magic == "%%sh":
+                shown = re.sub(r"^(?=\S)(?<!\\\n)", "$ ", text, flags=re.MULTILINE)
+                language = "console"
+            elif magic.startswith("%%writefile "):
+                shown, language = f"# {magic.split()[1]}\n{text}", "toml"
+            else:
+                continue
+            new = nodes.literal_block(shown, shown, language=language, classes=literal["classes"])
+            literal.replace_self(new)
 
 
 def describe(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:
@@ -183,9 +232,11 @@ def put_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block
 def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (put_formula, None), (put_formula, None))
     app.add_post_transform(LinkNames)
+    app.add_post_transform(CellsAsTyped)
     app.connect("builder-inited", write_reference)
     app.connect("builder-inited", ship_font)
     app.connect("html-page-context", describe)
+    app.connect("build-finished", make_live)
     app.connect("build-finished", make_reachable)
     app.connect("build-finished", refuse_paths)
     app.connect("build-finished", refuse_broken_emphasis)

@@ -32,7 +32,23 @@ def pages(docs: Path) -> dict[str, str]:
         "study_keys.md": study_keys(),
         "commands.md": commands(),
         "built_in.md": built_in(),
+        "claims.md": verdicts(docs / "generated/claims.md", [0, 1, 2]),
+        "columns.md": verdicts(docs / "generated/columns.md", [0, 1, 2, 5, 7, 9]),
     }
+
+
+def verdicts(table: Path, columns: Sequence[int]) -> str:
+    """Of a table of claims and their numbers the claims alone, and these columns."""
+    head, rule, *rows = (
+        [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
+    )
+    head = [cell.split(", and its")[0] or "claim" for cell in head]
+    claims = [row for row in rows if row[0].startswith("**")]
+    return "\n".join(_row(*(_verdict(row[column]) for column in columns)) for row in (head, rule, *claims)) + "\n"
+
+
+def _verdict(cell: str) -> str:
+    return re.sub(r"^\*\*(true|false|undecided|undefined)\*\*$", r'<span class="verdict verdict-\1">\1</span>', cell)
 
 
 # ---- Names ----------------------------------------------------------------------------------------------------------

@@ -1,0 +1,107 @@
+"""Draws docs/images/first.png and first_dark.png: two lapped faces of examples/scans, their contacts and friction.
+
+It takes half a minute on one core.
+"""
+
+import tempfile
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from stiction import half_space, levelled, pair, read_profile, turned_over
+from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, STYLE, UPPER, label, save_picture
+
+ROOT = Path(__file__).resolve().parents[2]
+SCANS = ROOT / "examples/scans"
+GIVEN = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
+LOADS = np.geomspace(1.0, 100.0, 9)
+HALF_WIDTH = 20.0
+"""µm."""
+ASKED = 10.0
+WIDTH, HEIGHT = 124.0, 56.0
+"""mm, at 96 dots an inch the 470 px that the page has for it."""
+REACH = 150.0
+"""µm from the middle, within which the picture lies."""
+DARK = {
+    "text.color": "0.9",
+    "axes.edgecolor": "0.6",
+    "axes.labelcolor": "0.9",
+    "xtick.color": "0.8",
+    "ytick.color": "0.8",
+}
+
+
+def friction_against_load():
+    """Loads, and by rule the mean and its ends, of the two scans as `stiction pair` presses them."""
+    with tempfile.TemporaryDirectory() as folder:
+        result = pair(
+            SCANS / "lapped_upper.csv",
+            SCANS / "lapped_lower.csv",
+            load=LOADS.tolist(),
+            onset=0,
+            directory=folder,
+            **GIVEN,
+        )
+        at = result.at(LOADS.tolist())["friction_coefficient"].mean("direction").squeeze()
+        print(result.at([ASKED])["friction_coefficient"].mean("direction").squeeze().to_pandas())
+        return {rule: at.sel(sliding=rule).load() for rule in RULES}
+
+
+def faces():
+    """The two faces at one position under the load that is asked for: where they stand, and their contact."""
+    upper, lower = (levelled(read_profile(SCANS / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
+    curve = half_space(turned_over(upper), lower, [ASKED], effective_modulus=78.7, hardness=0.625, boundary="free")
+    return lower.x, lower.heights, curve.contact(0)
+
+
+def draw(curves, dark):
+    figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE), facecolor="none" if dark else "white")
+    left = figure.add_axes((0.125, 0.2, 0.37, 0.66))
+    right = figure.add_axes((0.62, 0.2, 0.36, 0.66))
+    for ax in (left, right):
+        ax.set_facecolor("none")
+
+    x, lower, contact = faces()
+    touching = contact.pressure > 0
+    # Where a contact that opposes and one that does not are nearest to each other.
+    climbing, leaning = (
+        x[touching & which & (np.abs(x - x.mean()) < REACH)] for which in (contact.opposing, ~contact.opposing)
+    )
+    apart = np.abs(np.subtract.outer(climbing, leaning))
+    middle = climbing[np.unravel_index(apart.argmin(), apart.shape)[0]]
+    left.fill_between(x, 1000 * lower, -1e4, color=LOWER, linewidth=0)
+    left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER, linewidth=0)
+    for which, colour in ((contact.opposing, OPPOSING), (~contact.opposing, LEANING)):
+        here = touching & which
+        left.plot(x[here], 1000 * lower[here], "o", markersize=2.5, color=colour)
+    inside = np.abs(x - middle) < HALF_WIDTH
+    heights = 1000 * lower[inside]
+    left.set(xlim=(middle - HALF_WIDTH, middle + HALF_WIDTH), ylim=(heights.min() - 10, heights.max() + 130))
+    left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
+
+    for rule, words in (("all", "all contacts rub"), ("opposing", "only climbing ones")):
+        table, colour = curves[rule], RULES[rule] if not dark or rule != "all" else "#a99cf0"
+        mean, low, high = (table.sel(statistic=each).values for each in ("mean", "lower", "upper"))
+        right.fill_between(LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
+        right.semilogx(LOADS, mean, color=colour)
+        at = float(np.interp(np.log(ASKED), np.log(LOADS), mean))
+        right.plot(ASKED, at, "o", color=colour, markersize=4)
+        right.annotate(
+            f"{at:.2f}", (ASKED, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
+        )
+        right.annotate(words, (LOADS[0], at), (2, -11), textcoords="offset points", color=colour)
+    right.set(ylim=(0, 0.4), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="what starts them sliding")
+    right.set(ylabel=label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
+    return figure
+
+
+def main():
+    curves = friction_against_load()
+    for dark, name in ((False, "first.png"), (True, "first_dark.png")):
+        with mpl.rc_context(STYLE | {"font.size": 7.5} | (DARK if dark else {})):
+            save_picture(draw(curves, dark), ROOT / "docs/images" / name)
+
+
+if __name__ == "__main__":
+    main()
