@@ -104,6 +104,40 @@ def test_signatures_are_those_that_are_taken(upper, lower):
         )
 
 
+OF_A_UNIT = {
+    **dict.fromkeys(("tau0", "effective_modulus", "hardness", "pressure"), "GPa"),
+    **dict.fromkeys(("loads", "normal_load", "sliding_load", "force"), "mN"),
+    **dict.fromkeys(
+        ("approach", "approaches", "spacing", "heights", "extent", "longest_wavelength", "shortest_wavelength", "rms",
+         "cut_offs", "overlap", "radius", "offsets", "displacement", "deepest"), "µm",
+    ),
+    **dict.fromkeys(("contact_area", "area"), "µm²"), "stiffness": "mN/µm", "angles": "degrees",
+}  # fmt: skip
+"""Names that mean one kind of quantity wherever they are a number or an array."""
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
+def test_numbers_with_a_unit_say_it(name):
+    lines = re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", inspect.getdoc(getattr(stiction, name)) or "", re.MULTILINE)
+    for names, kind in lines:
+        for each in names.split(", "):
+            if each in OF_A_UNIT and re.search(r"\b(float|ndarray|array_like)\b", kind):
+                assert re.search(rf"\b{OF_A_UNIT[each]}(\W|$)", kind), f"{each} : {kind}"
+
+
+AS_WRITTEN = {"ContactModel", "HertzCylinder", "HertzSphere", "JacksonGreen", "Material"}
+"""Shown as the call that makes them, or with the sources of their values."""
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isclass(getattr(stiction, name))])
+def test_no_class_shows_itself_as_python_makes_it(name):
+    kind = getattr(stiction, name)
+    made = getattr(kind, "__dataclass_params__", None)
+    generated = made is not None and made.repr and kind.__repr__.__doc__ is None  # all of ours have words
+    assert kind.__repr__ is not object.__repr__ or name in ERRORS
+    assert not generated or name in AS_WRITTEN
+
+
 def test_the_package_shows_what_is_public_alone():
     assert set(dir(stiction)) >= set(stiction.__all__)
     assert [name for name in dir(stiction) if name not in stiction.__all__ and not name.startswith("__")] == []

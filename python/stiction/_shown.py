@@ -108,6 +108,8 @@ def _said(shown: Any) -> Iterator[tuple[str, str]]:
             yield name, str(value)
         elif isinstance(value, (int, float)):
             yield name, with_unit(value, unit) if isinstance(value, float) else f"{value} {unit}".strip()
+        elif isinstance(value, tuple) and value and all(isinstance(each, str) for each in value):
+            yield name, ", ".join(value)
         elif isinstance(value, tuple) and all(isinstance(each, (int, float)) for each in value) and value:
             yield name, ", ".join(with_unit(each, unit) for each in value)
 

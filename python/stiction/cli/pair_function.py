@@ -86,17 +86,18 @@ def pair(
         The slider and what it is carried over, as files or as bodies; heights of both point out of the material, as
         they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them. Of a spectrum random
         surfaces are pressed, and another scan beside it is taken by its own spectrum.
-    load : str or float, or several
+    load : str or float, or several, mN
         Normal load, "10 mN" or per nominal area "10 MPa"; numbers are mN.
     mu0 : float, or several
         Molecular friction coefficient.
-    tau0 : str or float, or several
+    tau0 : str or float, or several, GPa
         Adhesive shear strength, "50 MPa"; numbers are GPa.
     upper, lower : str
         Materials by their names, see `materials`; one name is that of both.
-    effective_modulus, young, poisson, hardness : str or float
-        In place of materials, or beside them the hardness; numbers are GPa. One of effective_modulus, young with
-        poisson, or materials is needed: nothing is assumed of a measured body.
+    effective_modulus, young, hardness : str or float, GPa
+    poisson : float, or two
+        In place of materials, or beside them the hardness. One of effective_modulus, young with poisson, or materials
+        is needed: nothing is assumed of a measured body.
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps and asperities of lines.
     law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \

@@ -196,7 +196,7 @@ class HalfSpaceCurve(Curve):
 
         Parameters
         ----------
-        direction : {"+x", "-x"}, float or a sequence of them
+        direction : {"+x", "-x"}, float or a sequence of them, degrees
             As for `half_space`.
 
         Raises

@@ -108,8 +108,10 @@ class Onset(Shown):
         How far they creep before they slide.
     stiffness : float, mN/µm
         At rest, while all contacts stick.
-    mu0, tau0 : float
-        Molecular friction coefficient and adhesive shear strength (GPa).
+    mu0 : float
+        Molecular friction coefficient.
+    tau0 : float, GPa
+        Adhesive shear strength.
     direction : float, degrees
         From +x towards +y, where the upper body is pushed.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, truth
+from stiction._shown import Tabled
 from stiction.surfaces.power_law import PowerLaw
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -19,8 +20,8 @@ WIDE = 0.5
 """Width of a 95 % interval of H from which on it says little."""
 
 
-@dataclass(frozen=True)
-class HurstEstimate:
+@dataclass(frozen=True, repr=False)
+class HurstEstimate(Tabled):
     """Hurst exponent of a profile or a surface, with its uncertainty and the band of wavelengths that it holds for.
 
     Attributes

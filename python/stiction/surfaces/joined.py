@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stiction._checks import Floats, number, read_only, whole_number
+from stiction._shown import Readable
 from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import MOST_POINTS, Profile, Side
@@ -28,8 +29,8 @@ _WAVES_OF_ONE = 4.0
 """Waves of a scan that make one independent value: opposite ones are the same, and a window joins neighbours."""
 
 
-@dataclass(frozen=True, eq=False)
-class JoinedSpectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class JoinedSpectrum(Readable):
     """Spectrum of an isotropic surface over all wavelengths that several scans resolve.
 
     Attributes

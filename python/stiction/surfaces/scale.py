@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, number, read_only, truth
-from stiction._shown import Readable
+from stiction._shown import Readable, Tabled
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -222,8 +222,8 @@ def _between(wavelength: Floats, values: Floats, wanted: ArrayLike) -> Floats:
     return np.asarray(np.where(at > wavelength[0] * (1 + 1e-9), 0.0, found))
 
 
-@dataclass(frozen=True)
-class InstrumentLimit:
+@dataclass(frozen=True, repr=False)
+class InstrumentLimit(Tabled):
     """The wavelength below which a scan is of the instrument rather than of the surface.
 
     Attributes

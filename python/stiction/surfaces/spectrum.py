@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, read_only, truth, whole_number
-from stiction._shown import Readable, Shown, axes_for
+from stiction._shown import Readable, Shown, Tabled, axes_for
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, refuse_flat
 
@@ -159,8 +159,8 @@ def spectrum_of(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpec
     )
 
 
-@dataclass(frozen=True)
-class ProfileMoments:
+@dataclass(frozen=True, repr=False)
+class ProfileMoments(Tabled):
     """Variances of a profile and its derivatives: its spectral moments m0, m2, m4.
 
     Attributes
