@@ -19,7 +19,10 @@ from stiction import (
     write_spectrum,
     write_surface,
 )
+from stiction.studies.resolution import resolution_at
+from stiction.studies.store import open_stored
 from stiction.surfaces.spectral_pairs import SpectrumPairs
+from stiction.views.resolution import limits
 
 SPACING, POINTS = 0.02, 256
 MATERIAL = {"effective_modulus": "100 GPa", "hardness": "4 GPa", "mu0": 0.2, "tau0": "200 MPa", "load": "20 MPa"}
@@ -116,6 +119,10 @@ def test_is_a_study_as_any_other(where):
     at = stiction_command("at", "pair", "--load", "30 MPa", cwd=where)
     assert at.returncode == 0, at.stderr
     assert stiction_command("report", "pair", cwd=where).returncode == 0
+    at_cut_offs = resolution_at(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
+    closed = limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
+    assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
+    assert float(closed.wavelength.max()) > 1.0
     over = [each["cut_off"] for each in record["resolution"]["cut_offs"]]
     assert over[1] == pytest.approx(read_spectrum(where / "upper.csv").shortest, rel=1e-3)
 

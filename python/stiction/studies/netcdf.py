@@ -217,7 +217,7 @@ def decoded_beside(
             if not _is_exact(file, name, Array((name,), (len(words),), np.dtype("U1"), {}), np.array(words)):
                 raise DamageError(f"has another {name}")
         for name in numbers:
-            _numbers_of(file, name)
+            _numbers_of(file, name, unknown=True)  # surrogates are not moved over each other
         # Neither units nor scales are taken from the file.
         whole = xarray.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_cf=False)
         return whole[[name for name in wanted if name not in whole.dims]]
@@ -323,12 +323,12 @@ def _about(file: h5py.File) -> About:
     return About(nominal_area=area, attributes=said)
 
 
-def _numbers_of(file: h5py.File, name: str) -> NDArray[Any]:
-    """An attribute that is a number, or two."""
-    numbers = np.atleast_1d(file.attrs.get(name, np.nan))
+def _numbers_of(file: h5py.File, name: str, *, unknown: bool = False) -> NDArray[Any]:
+    """An attribute that is a number, or two; NaN where it may be unknown."""
+    numbers = np.atleast_1d(file.attrs.get(name, ""))
     if numbers.dtype.kind not in "if" or numbers.shape not in ((1,), (2,)):
         raise DamageError(f"has no {name} of its bodies")
-    if not (np.abs(numbers) < LARGEST).all():
+    if not ((np.abs(numbers) < LARGEST) | (np.isnan(numbers) & unknown)).all():
         raise DamageError(f"has a {name} of {numbers.tolist()}")
     return numbers
 

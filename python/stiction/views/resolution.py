@@ -9,7 +9,10 @@ import numpy as np
 
 from stiction.mechanics.continuation import friction_stretch, interface_stretch
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES
+from stiction.mechanics.spectral_resolution import spectral_resolution
 from stiction.studies.resolution import Seen, seen
+from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.spectral_pairs import spectrum_of
 from stiction.views.digits import finite, percent, two_digits, with_unit
 from stiction.views.point import modulus_of, points, pressure_of, rules_of, value_of
 
@@ -217,12 +220,14 @@ def limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
     dict
         friction and area_fraction, the plastic limit (None without a hardness); shortest (µm), below which nothing was
         seen (None where the files are gone); wavelength (µm), finer_area_fraction and finer_friction ("all"), each
-        (n, 3) value, lower, upper, of the elastic answer continued by the Hurst exponent (empty with a hardness).
+        (n, 3) value, lower, upper, of the elastic answer continued by the Hurst exponent (empty with a hardness);
+        spectral, what `spectral_resolution` says of spectra that several scans have (None of single scans).
     """
     limit, found = plastic_limit(at, study), seen(study)
     table: dict[str, Any] = {
         "friction": limit, "area_fraction": None, "shortest": None if found is None else found.shortest,
         "wavelength": np.empty(0), "finer_area_fraction": np.empty((0, 3)), "finer_friction": np.empty((0, 3)),
+        "spectral": _spectral(at, study),
     }  # fmt: skip
     area, load = float(at["nominal_area"]), float(at["load"])
     if limit is not None:
@@ -236,6 +241,23 @@ def limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
     friction = float(at["mu0"]) + float(at["tau0"]) * fractions / interface_stretch(steepness) * area / load
     friction *= friction_stretch(steepness, found.roughness.dimensions)
     return table | {"wavelength": waves, "finer_area_fraction": fractions, "finer_friction": friction}
+
+
+def _spectral(at: xarray.Dataset, study: Study) -> xarray.Dataset | None:
+    """The closed form of two spectra of which at least one is of several scans."""
+    files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
+    try:
+        bodies = [file.read() for file in files if file is not None]
+    except (ValueError, OSError):
+        return None
+    pressure, hardness = float(at["load"]) / float(at["nominal_area"]), hardness_of(study)
+    if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
+        return None
+    upper, lower = (spectrum_of(body).roughness() for body in bodies)
+    return spectral_resolution(
+        upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(at["mu0"]),
+        tau0=float(at["tau0"]), effective_modulus=modulus_of(at, study),
+    )  # fmt: skip
 
 
 def _scan(at: xarray.Dataset) -> xarray.Dataset:

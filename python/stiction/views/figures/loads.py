@@ -88,6 +88,9 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
 FINER_THAN_FIRST = 1.5
 """Times that the scan itself is drawn to the left of the first cut-off, where its shortest wave is not known."""
 
+LONGEST = 8.0
+"""Times the longest cut-off, as far as the closed form of spectra is drawn."""
+
 FINEST = 1 / 16
 """Of the first cut-off: as far as what is continued is drawn."""
 
@@ -110,6 +113,14 @@ def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats)
         axes.plot(waves[there], mean, "--", color=colour, linewidth=0.8, label=CONTINUED if axes is upper else None)
         if axes is upper:
             axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
+    spectral = limits.get("spectral")
+    if spectral is not None:
+        spectral = spectral.isel(wavelength=spectral.wavelength <= LONGEST * x.max())
+        for rule in spectral.sliding.values:
+            label = CLOSED if rule == "all" else None
+            values = spectral.friction_coefficient.sel(sliding=rule)
+            upper.plot(spectral.wavelength, values, "-.", color=RULES[str(rule)], linewidth=0.8, label=label)
+        lower.plot(spectral.wavelength, 100 * spectral.contact_area_fraction, "-.", color=AREA, linewidth=0.8)
     if limits.get("shortest"):
         for axes in (upper, lower):
             axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label=UNSEEN)
@@ -117,6 +128,7 @@ def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats)
 
 PLASTIC = "plastic limit"
 CONTINUED = "by the Hurst exponent"
+CLOSED = "by the spectra alone"
 UNSEEN = "not seen"
 """What a legend says."""
 
@@ -148,7 +160,7 @@ def _against(
     if limits:
         left = min([*x, *(each for each in limits["wavelength"] if each >= FINEST * x.min())])
         _draw_limits(upper, lower, limits, x)
-        lower.set_xlim(left / 1.2, 1.2 * x.max())
+        lower.set_xlim(left / 1.2, (1.2 if limits.get("spectral") is None else LONGEST) * x.max())
     upper.set_ylabel(label("friction_coefficient"))
     lower.set_ylabel(label("contact_area_fraction" if "contact_area_fraction" in points else "contact_area"))
     for ax in (upper, lower):
