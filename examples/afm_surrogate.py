@@ -16,6 +16,9 @@ from stiction import (
     turned_over,
 )
 from stiction.studies.pressed_maps import overlap_area
+from stiction.views.style import STYLE
+
+plt.rcParams.update(STYLE)
 
 # Rough, its peaks then worn to a plateau with a finer roughness of its own.
 rough, fine = (
@@ -31,7 +34,7 @@ load = np.array([0.003, 0.01, 0.03]) * overlap_area(worn, worn)  # GPa
 MATERIAL = {"mu0": 0.3, "tau0": 0.05, "shifts": 8, "directions": [0.0, 90.0, 180.0, 270.0]}
 
 figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), layout="constrained")
-for name, body, colour in (("worn", worn, "C3"), ("surrogate", made, "C0")):
+for name, body, colour in (("worn", worn, "0.0"), ("surrogate", made, "0.55")):
     axes[0].hist(1000 * body.heights.ravel(), 80, histtype="step", density=True, color=colour, label=name)
     found = surface_parameters(body)
     mean = pressed_maps_mean(pressed_maps(turned_over(body), body, load, **MATERIAL))

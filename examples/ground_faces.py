@@ -15,6 +15,9 @@ from stiction import (
     self_affine_surface,
 )
 from stiction.studies.pressed_maps import overlap_area
+from stiction.views.style import AREA, STRENGTHS, STYLE
+
+plt.rcParams.update(STYLE)
 
 ANGLES = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 90.0])
 SIDE = 38.4  # µm
@@ -49,7 +52,7 @@ def over_shifts(values):
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
-for tau0, colour in ((0.0, "C0"), (0.5, "C3")):
+for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
     for ways, style, words in (([0.0, 180.0], "-", "across the lower grooves"), ([90.0, 270.0], "--", "along them")):
         chosen = {"sliding": "opposing", "tau0": tau0, "direction": ways}
         # To and fro together, so that what leans one way does not count.
@@ -59,12 +62,12 @@ for tau0, colour in ((0.0, "C0"), (0.5, "C3")):
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
 area, error = np.transpose([over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
-bottom.fill_between(ANGLES, area - error, area + error, color="C2", alpha=0.2, linewidth=0)
-bottom.plot(ANGLES, area, "o-", markersize=3, color="C2")
+bottom.fill_between(ANGLES, area - error, area + error, color=AREA, alpha=0.2, linewidth=0)
+bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA)
 top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))
 bottom.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
 figure.legend(
-    fontsize=7, frameon=False, loc="outside lower center", ncols=2, handlelength=3, title_fontsize=7,
+    loc="outside lower center", ncols=2, handlelength=3,
     title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: two standard errors",
 )  # fmt: skip
 figure.savefig("ground_faces.png", dpi=200)

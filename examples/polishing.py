@@ -7,6 +7,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from stiction import pressed_maps, self_affine_surface
 from stiction.studies.pressed_maps import overlap_area
+from stiction.views.style import AREA, STRENGTHS, STYLE
+
+plt.rcParams.update(STYLE)
 
 FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face, µm; that of the lower stays 0.1
 MATERIAL = {"mu0": 0.2, "tau0": [0.0, 0.5], "effective_modulus": 115.0, "shifts": 6}
@@ -34,7 +37,7 @@ def over_shifts(values):
 
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
-for tau0, colour in ((0.0, "C0"), (0.5, "C3")):
+for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
     for rule, style, words in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
         # The mean about the compass of each shift, so that what leans one way does not count.
         found = [each["friction_coefficient"].sel(sliding=rule, tau0=tau0).squeeze().mean("direction") for each in rows]
@@ -43,15 +46,15 @@ for tau0, colour in ((0.0, "C0"), (0.5, "C3")):
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         left.plot(FINISHES, middle, style, color=colour, marker="o", markersize=3, label=label)
 area, error = np.transpose([over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
-right.fill_between(FINISHES, area - error, area + error, color="C2", alpha=0.2, linewidth=0)
-right.plot(FINISHES, area, "o-", markersize=3, color="C2")
+right.fill_between(FINISHES, area - error, area + error, color=AREA, alpha=0.2, linewidth=0)
+right.plot(FINISHES, area, "o-", markersize=3, color=AREA)
 left.set(ylabel=r"$\mu_s$, mean about the compass", ylim=(0, None))
 right.set(ylabel="true area (%)", ylim=(0, None))
 for axes in (left, right):
     axes.set(xlabel="Sq of the upper face (µm)", xscale="log", xticks=FINISHES, xticklabels=map(str, FINISHES))
     axes.minorticks_off()
 figure.legend(
-    fontsize=7, frameon=False, loc="outside lower center", ncols=2, handlelength=3, title_fontsize=7,
+    loc="outside lower center", ncols=2, handlelength=3,
     title=r"steel, Sq of the lower face 0.1 µm, $\mu_0$ = 0.2, 20 MPa; shaded: two standard errors",
 )  # fmt: skip
 figure.savefig("polishing.png", dpi=200)
