@@ -17,7 +17,7 @@ from stiction.cli.application import COMMANDS, app
 from stiction.mechanics.law import NAMED
 from stiction.studies import values
 from stiction.studies.contact_tables import LAW_TABLES
-from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.measured_files import MeasuredFile
 from stiction.studies.study import study_names, study_summary
 from stiction.studies.tables import CONTACTS, SURFACES, Ensemble, Figures, Friction, MeasuredFriction
 

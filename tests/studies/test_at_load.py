@@ -29,7 +29,7 @@ def lines(tmp_path_factory):
 
 def test_areas_are_what_pressed_maps_says(areas):
     study, result = areas
-    maker = bodies_of(study).maker(0.0)
+    maker = bodies_of(study).members(0.0).pairs
     assert isinstance(maker, MapPairs)
     other = pressed_maps_mean(
         pressed_maps(
@@ -52,7 +52,7 @@ def test_lines_are_what_a_traverse_says(lines):
     study, result = lines
     members = [bodies_of(study).member(index, 0.0) for index in range(12)]
     slider = members[0].pair[0]
-    track = bodies_of(study).maker(0.0).pair(0)[1]
+    track = bodies_of(study).members(0.0).pairs.pair(0)[1]
     offsets = sorted(member.x for member in members)
     chosen = {"mu0": 0.3, "tau0": 0.05, "offsets": offsets, "effective_modulus": 100.0}
     for load in ("elastic", "normal"):

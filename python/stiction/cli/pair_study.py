@@ -15,7 +15,7 @@ from stiction.cli.elasticity import Elasticity, elasticity_of
 from stiction.cli.options import announce_reader, given, listed, load_of, numbers, of_each, quantity_of
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.ladder import ladder
-from stiction.studies.measured_surfaces import Body, MeasuredFile
+from stiction.studies.measured_files import Body, MeasuredFile
 from stiction.studies.study import Study
 from stiction.studies.text import validated
 from stiction.surfaces.joined import JoinedSpectrum

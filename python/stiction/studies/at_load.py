@@ -289,7 +289,7 @@ class _Members:
     def of(cls, study: Study, members: xarray.Dataset) -> _Members:
         """Neighbours are the lines of maps, side by side, and the positions on one line."""
         count = members.sizes["repetition"]
-        if not is_measured(study) or measured(study).press != "lines":
+        if not is_measured(study) or measured(study).is_areal:
             return cls(np.arange(count), None)
         lines = members["line"].values
         order = np.lexsort((members["x"].values, lines, members["y"].values))

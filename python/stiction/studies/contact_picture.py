@@ -69,7 +69,7 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         If the files that the study names are not there any more.
     """
     study = study_of_result(result)
-    if not is_measured(study) or measured(study).press == "lines":
+    if not is_measured(study) or not measured(study).is_areal:
         return None
     assert isinstance(study.friction, MeasuredFriction)
     load = float(study.friction.load[0]) if load is None else load

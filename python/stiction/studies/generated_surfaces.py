@@ -50,6 +50,9 @@ MOST_HARMONICS = 1_000_000
 class FractalParameters(Table):
     """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
 
+    is_areal: ClassVar[bool] = True
+    """Whether members are pairs of areas, and not of lines."""
+
     fractal_dimension: DimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),
         description="D, in the measure of `convention`; of surfaces that of a section.",
@@ -82,6 +85,7 @@ class Profiles(FractalParameters):
     """Pairs of fractal profiles by Eq. 1 of the paper."""
 
     case: ClassVar[str] = "fractal profiles"
+    is_areal: ClassVar[bool] = False
 
     kind: Literal["profile"] = Field(default="profile", description="What is pressed together: lines or areas.")
     amplitude_measure: AmplitudeMeasure = Field(

@@ -13,12 +13,10 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats, read_only
-from stiction.mechanics.model import THICKNESS
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.measured_surfaces import MeasuredAreas, MeasuredLines
+from stiction.studies.measured_files import Member, Members
 from stiction.studies.result import About, areas, is_measured, measured, profiles
 from stiction.studies.study import Study, study_from_text
-from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.fractal import (
     BandLimit,
     Convention,
@@ -27,17 +25,10 @@ from stiction.surfaces.fractal import (
     random_phases,
     weierstrass_mandelbrot_surface,
 )
-from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.pairing import SIDES, IsotropicPairs, LinePairs, MapPairs, lower_piece, spread
-from stiction.surfaces.preparation import levelled, rotated, turned_over
+from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, scaled_profile
 from stiction.surfaces.self_affine import self_affine_surface
-from stiction.surfaces.spectral_pairs import SpectrumPairs, spectrum_of
 from stiction.surfaces.surface import Surface
-
-Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
-
-Maker = MapPairs | IsotropicPairs | SpectrumPairs | LinePairs
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
@@ -225,144 +216,50 @@ def pair_of(
 # ---- Measured --------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Measured:
-    """One member of measured bodies: the pair, how far its upper body is moved (µm), and what kind of pair it is."""
-
-    pair: Pair
-    x: float
-    y: float
-    line: int = 0
-    surrogate: bool = False
-
-
 class Bodies:
-    """Two measured bodies, read and prepared once, and the members that they make at each cut-off.
+    """Two measured bodies, read once, and the members that they make at each cut-off.
 
     Raises
     ------
     ValueError
-        If a file cannot be read, is another than the study was written for, or does not make what the study asks for.
+        If a file cannot be read, or is another than the study was written for.
     """
 
     def __init__(self, study: Study) -> None:
-        self._study = study
-        self._surfaces = measured(study)
+        self._surfaces, self._seed = measured(study), study.ensemble.seed
         self._scans = self._surfaces.upper.read(), self._surfaces.lower.read()
-        self._check_kinds()
-        self._makers: dict[float, Maker] = {}
+        self._members: dict[float, Members] = {}
 
-    def _check_kinds(self) -> None:
-        press = self._surfaces.press
-        if any(isinstance(scan, JoinedSpectrum) for scan in self._scans):
-            if press != "surrogates":
-                raise ValueError(f'surfaces.press: of a spectrum there are "surrogates" alone, got "{press}"')
-            return
-        are_maps = [isinstance(scan, Surface) for scan in self._scans]
-        if press == "areas" and not all(are_maps):
-            raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
-        if press == "surrogates" and any(are_maps) and not all(are_maps):
-            raise ValueError('surfaces.press: "surrogates" are of two maps or of two profiles, not of one of each')
+    def members(self, wavelength: float) -> Members:
+        """What makes the members at a cut-off (µm, 0 for the scans themselves).
 
-    def maker(self, wavelength: float) -> Maker:
-        """What makes the pairs of bodies from which waves shorter than a cut-off are taken off."""
-        if wavelength not in self._makers:
-            self._makers[wavelength] = self._made(wavelength)
-        return self._makers[wavelength]
+        Raises
+        ------
+        ValueError
+            If the bodies do not make what the study asks for.
+        """
+        if wavelength not in self._members:
+            self._members[wavelength] = self._surfaces.members(self._scans, wavelength, self._seed)
+        return self._members[wavelength]
 
-    def _made(self, wavelength: float) -> Maker:
-        surfaces, seed = self._surfaces, self._study.ensemble.seed
-        one, other = self._scans
-        level: Any = None if surfaces.level == "none" else surfaces.level
-        if isinstance(one, JoinedSpectrum) or isinstance(other, JoinedSpectrum):
-            finest = float(surfaces.cells()["cut_off"][0])
-            return SpectrumPairs(spectrum_of(one), spectrum_of(other), level, seed, wavelength, finest)
-        upper, lower = (cut_off(scan, wavelength) if wavelength > 0 else scan for scan in (one, other))
-        if isinstance(surfaces, MeasuredLines):
-            travel = None if surfaces.travel is None else float(surfaces.travel)
-            several = surfaces.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
-            return LinePairs(upper, lower, travel, level, surfaces.along, surfaces.replace, seed, several=several)
-        if isinstance(upper, Profile) and isinstance(lower, Profile):
-            trend: Any = "line" if level == "plane" else level
-            return IsotropicPairs(turned_over(levelled(upper, trend)), levelled(lower, trend), "plane", seed)
-        assert isinstance(upper, Surface)
-        assert isinstance(lower, Surface)
-        plane: Any = "plane" if level == "line" else level
-        above = levelled(upper, plane)
-        if isinstance(surfaces, MeasuredAreas) and surfaces.rotate:
-            above = rotated(above, surfaces.rotate)
-        return MapPairs(turned_over(above), levelled(lower, plane), plane, seed)
-
-    def member(self, index: int, wavelength: float) -> Measured:
-        """One member at a cut-off (µm, 0 for the scan itself)."""
-        maker, surfaces = self.maker(wavelength), self._surfaces
-        if isinstance(maker, (IsotropicPairs, SpectrumPairs)):
-            return Measured(maker.surrogates(index), np.nan, np.nan, surrogate=True)
-        if isinstance(maker, MapPairs):
-            made = surfaces.surrogates if isinstance(surfaces, MeasuredAreas) else index + 1
-            if index < made:
-                return Measured(maker.surrogates(index), np.nan, np.nan, surrogate=True)
-            shift = index - made
-            if shift >= maker.most():
-                raise ValueError(f"the maps have {maker.most()} relative positions, and member {index} is beyond them")
-            return Measured(maker.pair(shift), *maker.moved(shift))
-        return self._at_offset(maker, index)
-
-    def _at_offset(self, maker: LinePairs, index: int) -> Measured:
-        surfaces = self._surfaces
-        assert isinstance(surfaces, MeasuredLines)
-        line, place = divmod(index, surfaces.offsets) if maker.several else (0, index)
-        most = maker.most()
-        if most is not None and line >= most:
-            raise ValueError(f"the surfaces have {most} pairs of lines, and member {index} is on pair {line + 1}")
-        slider, track = maker.pair(line)
-        room = len(track) - len(slider)
-        if room == 0 and place > 0:
-            raise ValueError("several positions need a travel, for which the slider is shortened")
-        # A line on itself is no pair at 0; several lines are not on themselves.
-        alone = maker.several and surfaces.offsets == 1 and surfaces.travel is None
-        if alone or room == 0:
-            steps = 0
-        elif surfaces.offsets == 1 and surfaces.travel is not None and place == 0:
-            steps = room  # one position: the travel that was asked for
-        else:
-            steps = 1 + min(int(spread(place + 1, 1)[0] * room), room - 1)
-        offset = steps * slider.spacing
-        pair = slider, lower_piece(track, offset, slider)
-        return Measured(pair, offset, maker.place(line), line=line, surrogate=surfaces.replace != "none")
+    def member(self, index: int, wavelength: float) -> Member:
+        """One member at a cut-off (µm, 0 for the scans themselves)."""
+        return self.members(wavelength).member(index)
 
     def about(self) -> About:
         """What a result says of the bodies."""
-        maker = self.maker(float(self._surfaces.cells()["cut_off"][0]))
-        if isinstance(maker, LinePairs):
-            slider, track = maker.pair(0)
-            bodies: tuple[Any, Any] = (slider, track)
-            area, shape, spacing = slider.extent * THICKNESS, [len(slider)], [slider.spacing]
-            used = [len(slider) / len(track)] * 2
-        else:
-            bodies = maker.upper, maker.lower
-            area, shape, spacing, used = maker.area, list(maker.shape), list(maker.spacing), list(maker.used)
-        if isinstance(maker, SpectrumPairs):  # as if two points were the shortest wave
-            scanned = [np.array([max(body.shortest, maker.finest) / 2]) for body in (maker.upper, maker.lower)]
-            extents = [np.array([maker.side])] * 2
-        else:
-            scans = [scan for scan in self._scans if not isinstance(scan, JoinedSpectrum)]
-            scanned = [np.atleast_1d(scan.spacing) for scan in scans]
-            extents = [np.atleast_1d(scan.extent) for scan in scans]
-        attributes = {side: "\n".join(body.history) for side, body in zip(SIDES, bodies, strict=True)}
-        return About(
-            nominal_area=float(area),
-            attributes=attributes
-            | {
-                "shape": np.array(shape, np.int64),
-                "spacing_um": np.array(spacing, np.float64),
-                "fraction_used": np.array(used, np.float64),
-                "upper_spacing_um": scanned[0],
-                "lower_spacing_um": scanned[1],
-                "upper_extent_um": extents[0],
-                "lower_extent_um": extents[1],
-            },
-        )
+        facts = self.members(float(self._surfaces.cells()["cut_off"][0])).facts()
+        attributes: dict[str, Any] = {
+            side: "\n".join(body.history) for side, body in zip(SIDES, (facts.upper, facts.lower), strict=True)
+        }
+        attributes |= {
+            "shape": np.array(facts.shape, np.int64),
+            "spacing_um": np.array(facts.spacing, np.float64),
+            "fraction_used": np.array(facts.used, np.float64),
+        }
+        for side, spacing, extent in zip(SIDES, facts.scanned_spacing, facts.scanned_extent, strict=True):
+            attributes |= {f"{side}_spacing_um": spacing, f"{side}_extent_um": extent}
+        return About(nominal_area=float(facts.area), attributes=attributes)
 
 
 def bodies_of(study: Study) -> Bodies:

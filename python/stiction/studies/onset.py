@@ -94,7 +94,7 @@ def onset_of_result(
         return None
     load = float(study.friction.load[0]) if load is None else load
     surfaces = measured(study)
-    first = surfaces.surrogates if surfaces.press == "areas" else 0
+    first = surfaces.first_scanned
     first = first if first < study.ensemble.repetitions else 0
     few = surfaces.is_areal and study.contact.mechanics == "half-space"
     wanted = (FEW if few else MEMBERS) if members is None else members
@@ -156,7 +156,7 @@ def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str
 
 def _mean_of(study: Study, found: Sequence[dict[str, Any]]) -> Any:
     """What takes mean and interval over members: independent ones, or neighbours on lines."""
-    if measured(study).press != "lines":
+    if measured(study).is_areal:
         return lambda values: np.stack(intervals.of_sample(values), axis=-1)
     lines, places = (np.array([each[name] for each in found]) for name in ("line", "x"))
     order: NDArray[np.intp] = np.lexsort((places, lines))

@@ -77,7 +77,7 @@ def cost_of_member(study: Study) -> float:
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     if is_measured(study):
-        if measured(study).press == "lines":
+        if not measured(study).is_areal:
             each = loads * (COSTS["line"] if study.contact.mechanics == "asperities" else 30 * COSTS["line"])
         else:
             each = COSTS["half-space"] * 400**2 * loads if study.contact.mechanics == "half-space" else 0.3

@@ -84,10 +84,10 @@ def resolution_study(study: Study) -> Study | None:
         "surfaces.cut_off": [exactly(each, "um") for each in lengths],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
-            study.ensemble.repetitions, LINES if measured(study).press == "lines" else MEMBERS
+            study.ensemble.repetitions, MEMBERS if measured(study).is_areal else LINES
         ),
     }  # fmt: skip
-    if measured(study).press == "areas":
+    if measured(study).first_scanned:
         changes["surfaces.surrogates"] = 0
     return study.with_changes(changes)
 
@@ -188,7 +188,7 @@ def _seen(text: str) -> Seen | None:
     surfaces, bodies = measured(study), bodies_of(study)
     wavelength = float(surfaces.cells()["cut_off"][0])
     # Two maps themselves, where there are such members.
-    first = surfaces.surrogates if surfaces.press == "areas" else 0
+    first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
     gap: Profile | Surface

@@ -25,7 +25,8 @@ from stiction.studies.generated_surfaces import (
     SelfAffineSurfaces,
     WeierstrassMandelbrotSurfaces,
 )
-from stiction.studies.measured_surfaces import Measured, MeasuredBodies
+from stiction.studies.measured_files import MeasuredBodies
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:

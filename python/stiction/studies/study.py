@@ -19,7 +19,7 @@ from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS,
 from stiction.studies.contact_tables import Asperities, ByAsperities, Contact, HalfSpace
 from stiction.studies.generated_surfaces import Profiles
 from stiction.studies.ladder import ladder
-from stiction.studies.measured_surfaces import Measured, MeasuredLines
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.tables import (
     Ensemble,
     Figures,
@@ -150,7 +150,8 @@ class Study(Table):
 
     def _check_measured(self) -> None:
         """Loads that are asked for lie on the curve, and there are not too many answers."""
-        if not isinstance(self.surfaces, MeasuredLines):
+        assert isinstance(self.surfaces, Measured)
+        if self.surfaces.is_areal:
             self._check_areal_contact()
         friction = self.friction
         assert isinstance(friction, MeasuredFriction)
@@ -188,7 +189,7 @@ class Study(Table):
         """Names of what a result of the study has of each member at each approach or load."""
         if self.contact.mechanics == "half-space":
             return HALF_SPACE_SUMS
-        lines = isinstance(self.surfaces, (Profiles, MeasuredLines))
+        lines = not self.surfaces.is_areal
         approach = ("approach",) if self.step == "load" else ()
         onset = ONSET if getattr(self.contact, "onset", None) is not None else ()
         return SUMS + (() if lines else AREAL_SUMS) + approach + onset

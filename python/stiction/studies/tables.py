@@ -24,7 +24,7 @@ from stiction.studies.generated_surfaces import (
     SelfAffineSurfaces,
     WeierstrassMandelbrotSurfaces,
 )
-from stiction.studies.measured_surfaces import Measured, MeasuredAreas, MeasuredLines, MeasuredSurrogates
+from stiction.studies.measured_surfaces import MEASURED, Measured
 from stiction.studies.values import Coefficients, LoadsOfInterest, Strengths, Table, as_tuple, fault_at
 
 Surfaces = Generated | Measured
@@ -91,7 +91,7 @@ class Figures(Table):
 # ---- Cases ----------------------------------------------------------------------------------------------------------
 
 SURFACES: tuple[type[Surfaces], ...] = (
-    Profiles, WeierstrassMandelbrotSurfaces, SelfAffineSurfaces, MeasuredAreas, MeasuredLines, MeasuredSurrogates,
+    Profiles, WeierstrassMandelbrotSurfaces, SelfAffineSurfaces, *MEASURED,
 )  # fmt: skip
 """Every case of the table `[surfaces]`."""
 
@@ -99,9 +99,10 @@ _CONTACTS: dict[type[Surfaces], tuple[type[Contact], ...]] = {
     Profiles: (Asperities, HalfSpace),
     WeierstrassMandelbrotSurfaces: (AsperitiesOnSurfaces, HalfSpace),
     SelfAffineSurfaces: (AsperitiesOnSurfaces, HalfSpace),
-    MeasuredAreas: (HalfSpaceOfAreas, AsperitiesOfAreas),
-    MeasuredLines: (AsperitiesOfLines, HalfSpaceOfLines),
-    MeasuredSurrogates: (HalfSpaceOfAreas, AsperitiesOfAreas),
+    **{
+        case: (HalfSpaceOfAreas, AsperitiesOfAreas) if case.is_areal else (AsperitiesOfLines, HalfSpaceOfLines)
+        for case in MEASURED
+    },
 }
 """The cases of the table `[contact]` that go with each kind of surfaces; the first is the default."""
 
@@ -123,7 +124,7 @@ def surfaces_case(given: Mapping[str, Any]) -> type[Surfaces]:
             }  # fmt: skip
             return _chosen("generator", given.get("generator", "weierstrass-mandelbrot"), cases)
         case "measured":
-            cases = {"areas": MeasuredAreas, "lines": MeasuredLines, "surrogates": MeasuredSurrogates}
+            cases = {case.model_fields["press"].default: case for case in MEASURED}
             return _chosen("press", given.get("press", "areas"), cases)
         case other:
             raise fault_at("kind", f'must be "profile", "surface" or "measured", got {shortened(other)}')

@@ -21,7 +21,7 @@ from stiction.views.doubts import Doubt
 from stiction.views.scale_rows import spectra_differ
 
 if TYPE_CHECKING:
-    from stiction.studies.measured_surfaces import Body
+    from stiction.studies.measured_files import Body
     from stiction.studies.study import Study
 
 HIGHEST_MU0 = 2.0

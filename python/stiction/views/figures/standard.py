@@ -182,7 +182,7 @@ def _of_measured(
     if picture is not None:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", _later(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
-    elif surfaces.press == "lines" and study.contact.mechanics == "asperities":
+    elif not surfaces.is_areal and study.contact.mechanics == "asperities":
         yield from _of_profiles(result, study, read)
 
 

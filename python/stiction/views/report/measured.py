@@ -118,7 +118,7 @@ def _facts_of(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         ways.insert(0, {"words": over_text(angles), "directions": list(range(len(angles)))})
     return {
         "reading": "elastic",
-        "interval": "neighbours" if surfaces.press == "lines" else "sample",
+        "interval": "sample" if surfaces.is_areal else "neighbours",
         "hasIntervals": True,
         "cell": CELLS["cut_off"],
         "dimensions": dataset["cut_off"].values.tolist(),
@@ -158,8 +158,7 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     hardness = hardness_of(study)
     how = "the elastic half-space" if study.contact.mechanics == "half-space" else "asperities"
     limited = "" if hardness is None else f", hardness {hardness:g} GPa"
-    pressed = {"areas": "Areas", "lines": "Lines"}.get(surfaces.press, "Surfaces with the spectra of both")
-    return [f"{pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {facts['modulus']:g} GPa{limited}."]
+    return [f"{surfaces.pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {facts['modulus']:g} GPa{limited}."]
 
 
 def _history(side: str, history: str, study: Study) -> str:

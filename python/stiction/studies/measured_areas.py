@@ -1,0 +1,92 @@
+"""The table `[surfaces]` of two measured maps that are pressed as areas, and the members that it makes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from stiction.studies.measured_files import Body, Facts, MeasuredBodies, Member
+from stiction.surfaces.pairing import IsotropicPairs, MapPairs
+from stiction.surfaces.preparation import SurfaceTrend, levelled, rotated, turned_over
+from stiction.surfaces.spectral_pairs import SpectrumPairs
+from stiction.surfaces.surface import Surface
+
+
+class MeasuredAreas(MeasuredBodies):
+    """Areas of two measured maps, pressed at several relative positions."""
+
+    case: ClassVar[str] = "areas of measured maps"
+    pressed: ClassVar[str] = "Areas"
+
+    press: Literal["areas"] = Field(default="areas", description="Areas at several relative positions.")
+    level: Literal["plane", "quadratic", "mean"] = Field(
+        default="plane", description="What is taken off each map and each piece that is pressed."
+    )
+    rotate: float = Field(default=0.0, ge=-360, le=360, description="Degrees by which the upper map is turned.")
+    surrogates: int = Field(
+        default=0,
+        ge=0,
+        le=1_000_000,
+        description="How many members, the first ones, are pairs of surrogates: other surfaces of the same spectra.",
+    )
+
+    @property
+    def first_scanned(self) -> int:
+        """Number of the first member that is a pair of pieces of the maps."""
+        return self.surrogates
+
+    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas:
+        """Pieces of two maps at relative positions, the first ones of their surrogates."""
+        upper, lower = self.filtered(scans, wavelength)
+        if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
+            raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
+        return Areas(pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate), scans, self.surrogates)
+
+
+def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:
+    """Pieces of two maps, both levelled, the upper one turned in its plane by an angle (degrees), and over."""
+    above = levelled(upper, level)
+    return MapPairs(turned_over(rotated(above, turned) if turned else above), levelled(lower, level), level, seed)
+
+
+@dataclass(frozen=True, eq=False)
+class Areas:
+    """Members that are pairs of areas.
+
+    Attributes
+    ----------
+    pairs : MapPairs, IsotropicPairs or SpectrumPairs
+    scans : (Body, Body)
+    surrogates : int, optional
+        How many members, the first ones, are pairs of surrogates; by default all.
+    """
+
+    pairs: MapPairs | IsotropicPairs | SpectrumPairs
+    scans: tuple[Body, Body]
+    surrogates: int | None = None
+
+    def member(self, index: int) -> Member:
+        """A pair of surrogates, or of pieces of maps at a relative position."""
+        pairs, made = self.pairs, self.surrogates
+        if made is None or index < made:
+            return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
+        assert isinstance(pairs, MapPairs)
+        shift = index - made
+        if shift >= pairs.most():
+            raise ValueError(f"the maps have {pairs.most()} relative positions, and member {index} is beyond them")
+        return Member(pairs.pair(shift), *pairs.moved(shift))
+
+    def facts(self) -> Facts:
+        """What is said of all members."""
+        pairs = self.pairs
+        scans: Any = self.scans
+        if isinstance(pairs, SpectrumPairs):  # as if two points were the shortest wave
+            spacings = [np.array([max(body.shortest, pairs.finest) / 2]) for body in (pairs.upper, pairs.lower)]
+            extents = [np.array([pairs.side])] * 2
+        else:
+            spacings = [np.atleast_1d(scan.spacing) for scan in scans]
+            extents = [np.atleast_1d(scan.extent) for scan in scans]
+        return Facts(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, spacings, extents)

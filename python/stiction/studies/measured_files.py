@@ -1,0 +1,247 @@
+"""What every table `[surfaces]` of two measured files has: the files, how they are read, and what it makes of them."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
+
+from pydantic import Field, PlainValidator
+
+from stiction._checks import Floats
+from stiction._text import named
+from stiction._units import Quantity, quantity, shortened
+from stiction.studies.values import CutOffs, Table, array_of, as_written, read_length, written
+from stiction.surfaces.cut_off import cut_off
+from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.measured.raw import LENGTH_UNITS
+from stiction.surfaces.measured.reading import read_measurement
+from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+Column = int | str
+
+Body = Profile | Surface | JoinedSpectrum
+"""What a file may hold."""
+
+LONGEST_PATH = 4096
+"""Characters."""
+
+
+def _unit(value: object) -> str:
+    if not isinstance(value, str) or value not in LENGTH_UNITS:
+        raise ValueError(f"must be a unit of length ({', '.join(LENGTH_UNITS)}) or two, got {shortened(value)}")
+    return value
+
+
+def _column(value: object) -> Column:
+    if isinstance(value, bool) or not isinstance(value, (str, int)) or (isinstance(value, int) and value < 0):
+        raise ValueError(f"must be a name or a number from 0 on, got {shortened(value)}")
+    return value
+
+
+def _one_or_two(read: Callable[[object], Any]) -> PlainValidator:
+    """A value, a list of two, or none."""
+
+    def values(value: object) -> Any:
+        if not isinstance(value, (list, tuple)):
+            return None if value is None else read(value)
+        if len(value) != 2:
+            raise ValueError(f"must be one value or a list of two, got {shortened(value)}")
+        return read(value[0]), read(value[1])
+
+    return PlainValidator(values)
+
+
+class MeasuredFile(Table):
+    """A file that holds a measured profile or surface, and how it is read, or a spectrum of several."""
+
+    file: str = Field(min_length=1, max_length=LONGEST_PATH, description="Name of the file.")
+    sha256: str | None = Field(
+        default=None, pattern="^[0-9a-f]{64}$", description="Checksum; another file of this name is refused."
+    )
+    unit: Annotated[str | tuple[str, str] | None, _one_or_two(_unit)] = Field(
+        default=None, description="Unit of all lengths in the file, or of positions and of heights."
+    )
+    spacing: Annotated[Quantity | tuple[Quantity, Quantity] | None, _one_or_two(read_length), as_written] = Field(
+        default=None, description="Distance of neighbouring points, or of rows and of columns."
+    )
+    channel: Annotated[Column | None, PlainValidator(lambda value: None if value is None else _column(value))] = Field(
+        default=None, description="What to read of a file of several channels or sheets."
+    )
+    columns: Annotated[Column | tuple[Column, Column] | None, _one_or_two(_column)] = Field(
+        default=None, description="Columns of positions and of heights, or of heights, of a table."
+    )
+    missing: Literal["error", "interpolate"] = Field(
+        default="error", description="What to do about points without a height."
+    )
+
+    def read(self) -> Body:
+        """The profile, surface or joined spectrum that the file holds, µm.
+
+        Raises
+        ------
+        ValueError
+            If the file cannot be read, or is not the one whose checksum the study has.
+        """
+        if self.sha256 is not None and self.checksum() != self.sha256:
+            raise ValueError(
+                f"{named(self.file)}: is another file than that which the study was made for: its SHA-256 is not "
+                f"{self.sha256[:12]}...; remove sha256 from the study to begin another one with it"
+            )
+        return _body(self.model_copy(update={"sha256": self.checksum()}))
+
+    def checksum(self) -> str:
+        """SHA-256 of the bytes of the file.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be read.
+        """
+        try:
+            with Path(self.file).open("rb") as file:
+                return hashlib.file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise ValueError(f"{named(self.file)}: cannot be read: {error.strerror}") from None
+
+    def located(self, directory: Path) -> MeasuredFile:
+        """The same with an absolute name; one that is not absolute is relative to the directory."""
+        return self.model_copy(update={"file": str((directory / self.file).absolute())})
+
+    def known(self) -> MeasuredFile:
+        """The same with the checksum of the file as it is."""
+        return self if self.sha256 is not None else self.model_copy(update={"sha256": self.checksum()})
+
+
+@functools.lru_cache(maxsize=2)
+def _body(file: MeasuredFile) -> Body:
+    """The body in a file, known by its checksum, so that the two of a study are taken apart once."""
+    if is_spectrum(Path(file.file)):
+        for name in ("unit", "spacing", "channel", "columns"):
+            if getattr(file, name) is not None:
+                raise ValueError(f"{named(file.file)}: is a spectrum, which has no {name} to be given")
+        return read_spectrum(file.file)
+    return read_measurement(
+        file.file,
+        unit=file.unit,
+        spacing=written(file.spacing),
+        missing=file.missing,
+        channel=file.channel,
+        columns=file.columns,
+    )
+
+
+Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
+
+
+@dataclass(frozen=True)
+class Member:
+    """One member of measured bodies: the pair, how far its upper body is moved (µm), and what kind of pair it is."""
+
+    pair: Pair
+    x: float
+    y: float
+    line: int = 0
+    surrogate: bool = False
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a result says of the bodies that members are made of; lengths in µm, along (y and) x.
+
+    Attributes
+    ----------
+    upper, lower : Profile, Surface or JoinedSpectrum
+        Whose history it is.
+    area : float, µm²
+    shape, spacing : sequence
+        Points of a member, and their distance.
+    used : (float, float)
+        The fraction of either body that a member is.
+    scanned_spacing, scanned_extent : (ndarray, ndarray)
+        Of both files.
+    """
+
+    upper: Body
+    lower: Body
+    area: float
+    shape: Sequence[int]
+    spacing: Sequence[float]
+    used: Sequence[float]
+    scanned_spacing: Sequence[Floats]
+    scanned_extent: Sequence[Floats]
+
+
+class Members(Protocol):
+    """The members that two bodies make, each by its number alone."""
+
+    def member(self, index: int) -> Member:
+        """One of them.
+
+        Raises
+        ------
+        ValueError
+            If there are not so many.
+        """
+
+    def facts(self) -> Facts:
+        """What is said of all."""
+
+
+class MeasuredBodies(Table):
+    """What studies of measured surfaces have in common."""
+
+    is_areal: ClassVar[bool] = True
+    """Whether members are pairs of areas, which are independent of each other, and not of lines."""
+    pressed: ClassVar[str]
+    """What members are, in words."""
+
+    kind: Literal["measured"] = Field(default="measured", description="Two measured files.")
+    upper: MeasuredFile = Field(description="The slider: a table of `file` and how it is read.")
+    lower: MeasuredFile = Field(description="What it is carried over; the same file may be both.")
+    cut_off: CutOffs = Field(
+        default=(quantity("0 um", "length"),),
+        description="Waves shorter than this are taken off both bodies (Gaussian); 0 keeps all. "
+        "A list is a dimension of the result.",
+    )
+
+    def cells(self) -> dict[str, Floats]:
+        """The dimensions of a result that come before its members, and their values."""
+        return {"cut_off": array_of(self.cut_off)}
+
+    def located(self, directory: Path) -> Self:
+        """The same with absolute names of files; those that are not absolute are relative to the directory."""
+        update = {"upper": self.upper.located(directory), "lower": self.lower.located(directory)}
+        return self.model_copy(update=update)
+
+    def known(self) -> Self:
+        """The same with the checksums of the files as they are."""
+        return self.model_copy(update={"upper": self.upper.known(), "lower": self.lower.known()})
+
+    @property
+    def first_scanned(self) -> int:
+        """Number of the first member that is a pair of the scans themselves."""
+        return 0
+
+    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Members:
+        """What makes the members of scans from which waves shorter than this (µm, 0 for none) are taken off.
+
+        Raises
+        ------
+        ValueError
+            If such members cannot be made of them.
+        """
+        raise NotImplementedError
+
+    def filtered(self, scans: tuple[Body, Body], wavelength: float) -> Iterator[Profile | Surface]:
+        """Both scans without waves shorter than this (µm, 0 for none)."""
+        for scan in scans:
+            if isinstance(scan, JoinedSpectrum):
+                press = type(self).model_fields["press"].default
+                raise ValueError(f'surfaces.press: of a spectrum there are "surrogates" alone, got "{press}"')
+            yield cut_off(scan, wavelength) if wavelength > 0 else scan
