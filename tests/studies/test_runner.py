@@ -128,7 +128,9 @@ def test_a_block_is_little_work_and_there_are_many(name):
         assert 1 <= size <= runner.MOST_MEMBERS
         assert size == 1 or size * cost_of_member(study) <= runner.BLOCK_TIME
         assert size == 1 or size * bytes_of_member(study) <= runner.MOST_BYTES
-        assert math.ceil(total / size) >= min(total, runner.FEWEST_BLOCKS)
+        assert math.ceil(total / size) >= min(total, 4)
+        is_worth_its_file = (size - 1) * cost_of_member(study) < runner.LEAST_TIME
+        assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.FEWEST_BLOCKS)
 
 
 def test_a_study_that_cannot_be_computed_is_a_value_error():

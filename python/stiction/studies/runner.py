@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import math
 import queue
 import shutil
 from collections.abc import Callable, Generator, Iterator
@@ -38,6 +39,9 @@ MOST_BYTES = 2**24
 FEWEST_BLOCKS = 16
 """Blocks of a study that has so many members: workers should not wait long for the last one."""
 
+LEAST_TIME = 0.06
+"""Seconds of work below which a block is not worth its file, which takes two milliseconds."""
+
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time, if their results are small."""
 
@@ -55,7 +59,9 @@ def block_size(study: Study) -> int:
     """Members in a block."""
     by_time = int(min(BLOCK_TIME / max(cost_of_member(study), 1e-9), MOST_MEMBERS))
     by_size = MOST_BYTES // bytes_of_member(study)
-    return max(1, min(by_time, by_size, study.ensemble.repetitions // FEWEST_BLOCKS))
+    total = study.ensemble.repetitions
+    worth_it = min(math.ceil(LEAST_TIME / max(cost_of_member(study), 1e-9)), total // 4)
+    return max(1, min(by_time, by_size, max(total // FEWEST_BLOCKS, worth_it)))
 
 
 # ---- Runs -----------------------------------------------------------------------------------------------------------
