@@ -23,7 +23,14 @@ LEAST_COVERAGE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("positions", "correlation"), LEAST_COVERAGE)
+ALWAYS = ((16, 0.8), (64, 0.4), (200, 0.0))
+"""Cases that are no soak."""
+
+
+@pytest.mark.parametrize(
+    ("positions", "correlation"),
+    [*ALWAYS, *(pytest.param(*case, marks=pytest.mark.soak) for case in LEAST_COVERAGE if case not in ALWAYS)],
+)
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
 def test_intervals_cover_and_are_not_much_wider_than_the_best(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])

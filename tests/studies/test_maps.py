@@ -192,7 +192,7 @@ def synthetic(repetitions, ensembles, *, spread, scatter, seed, touching=1.0):
     return xarray.Dataset(fields, coordinates)
 
 
-@pytest.mark.parametrize("repetitions", [5, 10, 24, 100])
+@pytest.mark.parametrize("repetitions", [10, *(pytest.param(count, marks=pytest.mark.soak) for count in (5, 24, 100))])
 @pytest.mark.parametrize(("spread", "scatter"), LEAST_COVERAGE)
 def test_intervals_cover_the_truth_as_often_as_they_say(repetitions, spread, scatter):
     # At a point of the grid of approaches, in the middle, where the true curves are known exactly.

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -17,18 +18,26 @@ from stiction import (
     weierstrass_mandelbrot,
 )
 
+BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
+ALWAYS = ((True, {}, True), (False, BAND, False))
+"""Cases that are no soak: whether periodic, the band, and whether it is given."""
+
 
 class TestOfAProfile:
     # A 95 % interval that holds in 60 cases fails in 3; more than 8 would be a chance of 1 in 500.
     CASES, MOST_MISSES = 60, 8
 
-    @pytest.mark.parametrize("periodic", [True, False])
     @pytest.mark.parametrize(
-        "band",
-        [{}, {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}],
-        ids=["all wavelengths", "roll-off and cut-off"],
+        ("periodic", "band", "given"),
+        [
+            *ALWAYS,
+            *(
+                pytest.param(*case, marks=pytest.mark.soak)
+                for case in product((True, False), ({}, BAND), (True, False))
+                if case not in ALWAYS
+            ),
+        ],
     )
-    @pytest.mark.parametrize("given", [True, False])
     def test_is_within_its_interval(self, periodic, band, given):
         misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
@@ -169,8 +178,16 @@ class TestOfASurface:
     # 95 % of 60; more than 8 misses would be a chance of 1 in 500.
     CASES, MOST_MISSES = 60, 8
 
-    @pytest.mark.parametrize("longest", [math.inf, 20.0], ids=["all wavelengths", "roll-off"])
-    @pytest.mark.parametrize("given", [True, False])
+    @pytest.mark.parametrize(
+        ("longest", "given"),
+        [
+            (20.0, False),
+            *(
+                pytest.param(*case, marks=pytest.mark.soak)
+                for case in ((20.0, True), (math.inf, False), (math.inf, True))
+            ),
+        ],
+    )
     def test_is_within_its_interval(self, longest, given):
         misses = 0
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
