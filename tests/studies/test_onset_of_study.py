@@ -10,6 +10,7 @@ from stiction.studies.at_load import at_load
 from stiction.studies.member_values import member_values
 from stiction.studies.study import StudyError
 from stiction.views.report import report_page
+from stiction.views.text import quantities_text
 
 SMALL = {
     "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.4],
@@ -114,7 +115,11 @@ def test_members_have_their_own(result):
 def test_table_figure_and_page_show_it(study, tmp_path):
     run(study, store=tmp_path / "result")
     result = read_result(tmp_path / "result")
-    assert {"creep before sliding (um)", "creep before sliding (um): lower"} <= set(result.table().columns)
+    creep = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
+    assert {creep, f"{creep}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.table().columns)
+    said = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
+    assert "creep before sliding at μ0 = 0.3, τ0 = 20 MPa (nm)" in said
+    assert "load that slips at half of sliding at μ0 =" in said
     assert result.figures() == ["onset"]
     panels = result.figure("onset").axes
     assert [each.get_ylabel() for each in panels] == [

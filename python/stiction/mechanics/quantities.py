@@ -73,7 +73,7 @@ QUANTITIES: dict[str, Quantity] = (
         "fraction_slipped": Quantity(
             "1",
             "fraction of the normal load on what slips at half of the sliding load",
-            "load that slips at half of it",
+            "load that slips at half of sliding",
         ),
         "contact_area_fraction": Quantity("1", "true over nominal contact area", "true area A/A0"),
         "mean_pressure": Quantity("GPa", "mean pressure in contact"),

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.views.digits import finite, two_digits, with_interval, with_unit
 
 if TYPE_CHECKING:
     import xarray
+
+    from stiction.studies.study import Study
 
 HALF = 0.5
 
@@ -103,6 +106,14 @@ def _ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, f
 
 def _cell(table: xarray.DataArray, factor: float = 1.0) -> str:
     return with_interval(*_ends(table, factor))
+
+
+def words_of(name: str, study: Study) -> str:
+    """What tables call a quantity: creep, and what slips, with the strengths at which the study keeps them."""
+    onset, words = getattr(study.contact, "onset", None), QUANTITIES[name].short
+    if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
+        return words
+    return f"{words} at μ0 = {onset.mu0:g}, τ0 = {_strength(float(onset.tau0))}"
 
 
 def _strength(tau0: float) -> str:

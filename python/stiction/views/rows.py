@@ -19,7 +19,7 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.views.answer import Answer, Doubt, answers
 from stiction.views.digits import finite
-from stiction.views.onset import onset_record
+from stiction.views.onset import onset_record, words_of
 from stiction.views.point import CELLS, rules_of
 from stiction.views.resolution import resolution_record
 
@@ -142,7 +142,7 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
     for name in _of_loads(at):
         own = _over_directions(rows[rows["name"] == name])
         on = [key for key in (*keys, "sliding") if key in own and own[key].notna().all()]
-        words = QUANTITIES[name].short
+        words = words_of(name, study).replace("μ", "mu").replace("τ", "tau")
         unit = "" if own["unit"].iloc[0] == "1" else f" ({own['unit'].iloc[0]})"
         columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
         table = table.merge(own[[*on, *columns]].rename(columns=columns), on=on, how="left")

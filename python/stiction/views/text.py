@@ -17,7 +17,7 @@ from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
 from stiction.views.digits import from_to, two_digits, with_interval, with_unit
-from stiction.views.onset import onset_note, onset_rows, onset_text
+from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import CELLS, RULES, has_nominal_area, is_capped, load_text, points, value_of, way_text
 from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
 
@@ -264,7 +264,7 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     for name in (*_SHOWN, *(_MORE if verbose else ())):
         hidden = {"contact_area": fraction and not verbose, "contact_area_fraction": not fraction}.get(name, False)
         if name in one and not hidden:
-            rows += _row(name, QUANTITIES[name].short, [point[name] for point in loads])
+            rows += _row(name, words_of(name, study), [point[name] for point in loads])
     for name, below in _QUANTILES if verbose else ():
         if name in one:
             words = f"{QUANTITIES[name].short}, {100 * below:.0f} % are below"
