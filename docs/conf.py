@@ -72,6 +72,7 @@ REACHABLE = (
     ('role="heading"><span class="caption-text"', 'role="heading" aria-level="2"><span class="caption-text"'),
     ("<pre>", '<pre tabindex="0">'),
     ('<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'),
+    ('<div class="output text_html"', '<div tabindex="0" class="output text_html"'),
     ('<div class="formula"', '<div tabindex="0" class="formula"'),
     (' aria-label="Toggle hidden content"', ""),
 )
