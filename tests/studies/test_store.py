@@ -616,11 +616,9 @@ def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path
         assert process.stdout.readline() == b"ready\n"
         time.sleep(2.0)
         process.send_signal(signal.SIGINT)
-        began = time.monotonic()
-        assert process.wait(60) == 130
-        assert time.monotonic() - began < 5  # half a second on a machine that does nothing else
+        assert process.wait(300) == 130
     kept = store.open_stored(tmp_path / "r")
-    assert kept.finished.size >= 5
+    assert 5 <= kept.finished.size < 500  # and not all, however busy the machine is
     assert_nothing_is_left(tmp_path)
     computed = run(repetitions(int(kept.finished[-1]) + 1))
     assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))
