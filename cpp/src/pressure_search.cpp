@@ -18,6 +18,9 @@ constexpr double least_change = 0.5;
 constexpr double most_change = 2.0;
 // After a step that leads nowhere.
 constexpr double retreat = 0.25;
+// Of a free point's target over the load of all, beyond which round-off would be a part of that load. Steps that meet
+// bounds are always too short, so that their length would grow for ever.
+constexpr double most_reach = 1e3;
 constexpr int most_newton_steps = 200;
 constexpr std::size_t sums_at_once = 8;
 
@@ -354,10 +357,12 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   for (std::size_t k = 0; k < size; ++k) {
     most_[k] = bound_at(static_cast<std::size_t>(free_[k]));
   }
+  double reach = 0.0;
   const auto aim = [&] {
     const double length = plain_ ? plain_length_ : length_;
     double slope = 0.0;
     double square = 0.0;
+    reach = 0.0;
     clipped_ = false;
     for (std::size_t k = 0; k < size; ++k) {
       const auto i = static_cast<std::size_t>(free_[k]);
@@ -368,6 +373,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
       }
       slope += direction * rest;
       square += rest * rest;
+      reach = std::max(reach, std::abs(length * direction));
       target_[k] = pressure_[i] + length * direction;
       clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > most_[k];
     }
@@ -378,6 +384,10 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   };
   if (!(aim() > 0.0) && beta > 0.0) {
     beta = 0.0;
+    aim();
+  }
+  if (load > 0.0 && reach > most_reach * load) {
+    (plain_ ? plain_length_ : length_) *= most_reach * load / reach;
     aim();
   }
   conjugate_ = beta > 0.0;

@@ -100,6 +100,24 @@ TEST_CASE("load that is all at the bounds, and at wrong points, finds the right 
   CHECK(search.approach() == 1.0);
 }
 
+TEST_CASE("steps that all meet the bounds keep the load") {
+  PressureSearch search(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
+  // The gap calls for one point and then for the other, and hardly yields: steps want to be longer each time.
+  for (int count = 0; count < 100; ++count) {
+    const bool odd = count % 2 == 1;
+    search.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});
+    search.balance();
+    const auto step = search.step(search.residual(), {});
+    std::vector<float> response(step.begin(), step.end());
+    for (float& value : response) {
+      value *= 1e-6F;
+    }
+    search.advance(response);
+  }
+  CHECK(std::accumulate(search.pressure().begin(), search.pressure().end(), 0.0) ==
+        doctest::Approx(1.5).epsilon(1e-12));
+}
+
 TEST_CASE("a start is brought to the bounds and the sum") {
   const PressureSearch search(std::vector<double>{0.0, 5.0, 1.0}, 4.0, std::vector<double>{2.5}, false);
   const auto pressure = search.pressure();
