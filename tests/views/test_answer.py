@@ -226,6 +226,12 @@ def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
     assert answers(measured(), asperities)[0].bracket is None
 
 
+def test_surfaces_that_nobody_scanned_are_said():
+    one = answers(measured(members=16), measured_study(press="surrogates"))[0]
+    assert "95 % intervals over 16 pairs of random surfaces with these spectra" in one.sentence
+    assert "random" not in answers(measured(members=16), measured_study())[0].sentence
+
+
 def test_the_ends_meet_where_slopes_put_the_answer_below_the_limit():
     low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
     assert low == pytest.approx(0.22)

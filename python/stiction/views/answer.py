@@ -298,7 +298,9 @@ def _note(point: xarray.Dataset, study: Study) -> str:
     elif "direction" in point.coords and (study.surfaces.kind == "measured" or point["direction"].size > 1):
         words.append(over_text(np.atleast_1d(point["direction"].values)))
     members = value_of(point, "members")
-    words.append(f"95 % intervals over {members:.0f} members" if members > 1 else "95 % intervals")
+    made = getattr(study.surfaces, "press", "") == "surrogates"
+    of = "pairs of random surfaces with these spectra" if made else "members"
+    words.append(f"95 % intervals over {members:.0f} {of}" if members > 1 else "95 % intervals")
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
         reading = _READINGS.get(str(point.attrs.get("reading")), "the load has one of three meanings")
