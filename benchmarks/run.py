@@ -14,6 +14,7 @@ def main() -> None:
         "against",
         "areal",
         "half_space",
+        "pair_of_maps",
         "growth",
         "cluster",
         "memory",

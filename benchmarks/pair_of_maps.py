@@ -1,0 +1,99 @@
+"""What does `stiction pair` of two maps of 512 x 512 take, and how much of it is the half-space? Processor time."""
+
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from stiction import half_space, self_affine_surface, write_surface
+from stiction.studies.members import bodies_of
+from stiction.studies.onset import FEW, onset_of_member
+from stiction.studies.resolution import FOLDER
+from stiction.studies.store import open_stored
+from stiction.studies.study import Study
+
+TURNS = 3
+COMMAND = [
+    "pair", "upper.npy", "lower.npy", "--effective-modulus", "100 GPa", "--hardness", "5 GPa", "--mu0", "0.2",
+    "--tau0", "50 MPa", "--load", "1 MPa", "--load", "3 MPa", "--load", "10 MPa",
+]  # fmt: skip
+"""16 positions of 384 x 384, three loads and two about them, 12 directions, both rules; cut-offs, onset, pictures."""
+
+
+def scans(folder: Path) -> None:
+    for side in ("upper", "lower"):
+        surface = self_affine_surface(
+            7, hurst_exponent=0.8, rms=0.06, shape=(512, 512), spacing=0.02, longest_wavelength=5.0, side=side
+        )
+        write_surface(surface, folder / f"{side}.npy")
+
+
+def of_command(folder: Path, output: str) -> tuple[float, float]:
+    """Processor time and time by the clock."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    command = Path(sys.executable).with_name("stiction")
+    subprocess.run([command, *COMMAND, "--output", output], cwd=folder, check=True, capture_output=True)
+    by_clock, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, by_clock
+
+
+def solving(study: Study) -> Callable[[], None]:
+    """Solves every load of a study's members in one direction, and nothing else; its bodies are made beforehand."""
+    contact, bodies = study.contact, bodies_of(study)
+    pairs = [
+        bodies.member(member, float(wavelength)).pair
+        for member in range(study.ensemble.repetitions) for wavelength in study.surfaces.cells()["cut_off"]
+    ]  # fmt: skip
+
+    def solve() -> None:
+        for upper, lower in pairs:
+            curve = half_space(
+                upper, lower, contact.steps(), effective_modulus=float(contact.effective_modulus),
+                hardness=float(contact.hardness),
+            )  # fmt: skip
+            assert (curve.error <= 1e-6).all()
+
+    return solve
+
+
+def beginning_to_slide(study: Study) -> None:
+    load, mu0, tau0 = (float(each[0]) for each in (study.friction.load, study.friction.mu0, study.friction.tau0))
+    for member in range(FEW):
+        assert onset_of_member(study, member, load=load, mu0=mu0, tau0=tau0) is not None
+
+
+def seconds(task: Callable[[], None]) -> float:
+    start = time.process_time()
+    task()
+    return time.process_time() - start
+
+
+def rows() -> list[tuple[str, str]]:
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        scans(folder)
+        commands = [of_command(folder, "0")]
+        study, over = (open_stored(folder / "0" / sub).study for sub in ("", FOLDER))
+        tasks = solving(study), solving(over), lambda: beginning_to_slide(study)
+        half_space(*bodies_of(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
+        solved = []
+        for turn in range(TURNS):
+            solved.append([seconds(task) for task in tasks])
+            commands.append(of_command(folder, str(turn + 1)))
+    whole, by_clock = (statistics.median(column) for column in zip(*commands[1:], strict=True))
+    positions, cut_offs, onset = (statistics.median(column) for column in zip(*solved, strict=True))
+    return [
+        ("stiction pair, two maps of 512 x 512, processor time, by the clock", f"{whole:.1f} s, {by_clock:.1f} s"),
+        ("its half-space solutions alone: positions, cut-offs", f"{positions:.1f} s, {cut_offs:.1f} s"),
+        (f"how {FEW} of its members begin to slide", f"{onset:.1f} s"),
+        ("the command over its solutions and what slides", f"{whole / (positions + cut_offs + onset):.2f}"),
+    ]
+
+
+if __name__ == "__main__":
+    for question, answer in rows():
+        print(f"{question:75s} {answer}", flush=True)
