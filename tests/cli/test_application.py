@@ -7,7 +7,9 @@ import threading
 
 import pytest
 from command import assert_refused, stiction_command
+from stiction import read_spectrum
 from stiction.studies import store
+from stiction.surfaces.measured.raw import FormatError
 
 TINY = [
     "--set", "surfaces.fractal_dimension=[1.1]", "--set", "surfaces.points=1000", "--set", "surfaces.extent=1 um",
@@ -117,6 +119,13 @@ def test_a_pipe_or_a_device_is_no_study(tmp_path):
     os.mkfifo(tmp_path / "fifo.toml")
     for name in ("fifo.toml", "/dev/zero"):
         assert_refused(stiction_command("run", name, "-o", "o", cwd=tmp_path), f"{name}: is no regular file")
+
+
+def test_a_pipe_is_no_measurement(tmp_path):
+    os.mkfifo(tmp_path / "fifo.csv")  # which would be waited for
+    assert_refused(stiction_command("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")
+    with pytest.raises(FormatError, match="is no regular file"):
+        read_spectrum(tmp_path / "fifo.csv")
 
 
 def test_names_of_any_length_and_kind_are_shown_on_one_line(tmp_path):

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import read_only
-from stiction._files import new_file
+from stiction._files import NotReadableError, content, new_file
 from stiction._text import named
 from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.measured.raw import FormatError
+from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError
 
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns from which a spectrum is read; one without the last is somebody else's."""
@@ -87,7 +87,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 def is_spectrum(path: Path) -> bool:
     """Whether a file is one of `write_spectrum`, or a table with the same columns of wave numbers and densities."""
-    if path.suffix.lower() != ".csv":
+    if path.suffix.lower() != ".csv" or not path.is_file():  # a pipe would be waited for
         return False
     try:
         with path.open("rb") as file:
@@ -125,10 +125,12 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
 
     path = Path(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig", "replace")
+        text = content(path, MOST_TEXT_BYTES).decode("utf-8-sig", "replace")
         table = pandas.read_csv(io.StringIO(text), comment="#")
     except OSError as error:
         raise FormatError(f"{named(path)}: cannot be read: {error.strerror}") from None
+    except NotReadableError as error:
+        raise FormatError(f"{named(path)}: {error}") from None
     except ValueError:  # of pandas, whatever it is
         raise FormatError(f"{named(path)}: is no table of a spectrum") from None
     scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
