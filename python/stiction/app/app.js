@@ -125,7 +125,7 @@ async function press(event) {
   event.preventDefault();
   const lacking = [...sides.filter((side) => !scans[side]?.holds).map((side) => [byId(`${side}-file`), `the ${side} scan is missing`]),
     ...[...byId("pair").querySelectorAll("[required]")].filter((each) => !each.value.trim())
-      .map((each) => [each, `${each.closest("label").firstChild.textContent.trim()} is missing`])];
+      .map((each) => [each, `${each.dataset.name ?? each.closest("label").textContent.trim()} is missing`])];
   complain(byId("pair-wrong"), lacking.length ? `Not yet: ${lacking.map(([, words]) => words).join(", ")}.` : "");
   if (lacking.length) return lacking[0][0].focus();
   const maps = sides.every((side) => scans[side].holds === "surface");
@@ -146,6 +146,7 @@ function show(job) {
   byId("page").hidden = true;
   remember();
   render();
+  byId("job").scrollIntoView({block: "nearest"}); // on a phone it is below the form
 }
 
 // ---- Being told -----------------------------------------------------------------------------------------------------
@@ -154,6 +155,7 @@ function render() {
   const job = jobs.find(({number}) => number === current);
   byId("start").hidden = Boolean(job);
   byId("job").hidden = !job;
+  if (!job) delete byId("job").dataset.state;
   if (!job) return;
   const isGoing = ["waiting", "running"].includes(job.state);
   byId("title").textContent = job.title;
@@ -165,7 +167,7 @@ function render() {
   else byId("progress").removeAttribute("value");
   if (byId("job").dataset.error !== job.error) complainOf(job);
   byId("job").dataset.error = job.error;
-  if (!told) say(job.answer, job.state === "stopped" ? `stopped: ${job.finished} of ${job.total} are finished and kept` : job.by, !job.by && job.page > 0);
+  if (!told) say(job.answer, job.state === "stopped" ? `stopped${job.total ? `: ${job.finished} of ${job.total} are finished and kept` : ""}` : job.by, !job.by && job.page > 0);
   byId("command").textContent = commandOf(job);
   byId("share").hidden = !job.page || isGoing;
   for (const link of byId("share").querySelectorAll("a")) link.href = `/jobs/${job.number}/${link.textContent}?save`;

@@ -82,7 +82,7 @@ class Jobs:
         self._queue: asyncio.Queue[Job] = asyncio.Queue(MOST_WAITING)
         self._few = asyncio.Semaphore(2)  # of commands beside that of a job
         self._next: asyncio.Task[Process] | None = None
-        self._private = re.compile(rf"(?:{re.escape(str(root))}/)?files/\d+/|{re.escape(str(root))}/")
+        self._private = re.compile(rf"(?:{re.escape(str(root))}/|(?<![\w/+]))files/\d+/|{re.escape(str(root))}/")
 
     def without_paths(self, text: str) -> str:
         """Text in which the scans have the names that they came with."""
