@@ -98,6 +98,9 @@ def test_every_quantity_of_a_verbose_table_is_that_of_the_result():
     count = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
     assert count == with_interval(*interval(123.0))
     assert rows["load on the largest contact (%)"] == with_interval(*interval(4.21))
+    assert "error of the solution" in rows
+    by_asperities = quantities_text(measured(error=np.nan).isel(cut_off=0), measured_study(), verbose=True)
+    assert "error of the solution" not in by_asperities
 
 
 @pytest.mark.parametrize(

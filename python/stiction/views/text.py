@@ -293,7 +293,8 @@ def _cell(table: xarray.DataArray, factor: float) -> str:
         value = float(factor * table.mean())
         return "none" if math.isnan(value) else f"{value:.2g}"
     if table.name == "error":
-        return f"{float(table.sel(statistic='mean').max()):.1g}"
+        worst = float(table.sel(statistic="mean").max())
+        return "none" if math.isnan(worst) else f"{worst:.1g}"
     ends = [factor * float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")]
     return with_interval(*ends)
 
