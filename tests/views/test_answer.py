@@ -8,6 +8,7 @@ from points import generated, generated_study, interval, measured, measured_stud
 from stiction.views.answer import KAPPA, READINGS_DIFFER, answer, answers, slopes_text
 from stiction.views.doubts import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
 from stiction.views.point import RULES, over_text, points
+from stiction.views.text import answers_text
 
 
 def one(at, study):
@@ -129,6 +130,12 @@ def test_where_there_is_no_coefficient_its_status_is_the_reason():
     said = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (said.status, said.verdict) == ("not-reached", "Do not quote")
     assert "no step of the result carries this load" in said.sentence
+
+
+def test_where_no_coefficient_can_be_had_none_is_said():
+    text = answers_text([one(measured(all_rub=np.nan, opposing=np.nan), measured_study())])
+    assert text.startswith("μ_s = none")
+    assert "ok" not in text.splitlines()[0]
 
 
 def test_an_interval_does_not_reach_below_zero():

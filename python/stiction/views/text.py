@@ -165,7 +165,9 @@ def answers_text(found: Sequence[Answer]) -> str:
 
 def _coefficient(one: Answer, index: int) -> str:
     rule = one.rules[index]
-    return two_digits(rule.value, rule.lower, rule.upper) if math.isfinite(rule.value) else one.status
+    if math.isfinite(rule.value):
+        return two_digits(rule.value, rule.lower, rule.upper)
+    return "none" if one.status == friction.STATUS_OK else one.status
 
 
 def _shared(found: Sequence[Answer]) -> str:
