@@ -268,8 +268,9 @@ class Elsewhere:
         self.pip("--group", f"{tests / 'pyproject.toml'}:test")
         self.check_installed()
         self.call(
-            self.bin / "python", "-I", "-m", "pytest", "-q", "-p", "no:cacheprovider", *wanted, cwd=tests, quiet=False
-        )
+            self.bin / "python", "-I", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--numprocesses=2",
+            "--dist=worksteal", *wanted, cwd=tests, quiet=False,
+        )  # fmt: skip
 
 
 def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:

@@ -17,6 +17,8 @@ from prove import PROJECT, ROOT, call, fail
 from wheel import DIST, RECORD, commit
 
 VERSION = PROJECT["version"]
+RELEASE = VERSION.removesuffix(".dev0")
+"""Of which this is a part of the way, if it is not the release itself."""
 LINK = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
 """Of Markdown, to a place beside the page."""
 
@@ -47,19 +49,19 @@ def version_is_final() -> str | None:
 
 @check("the changelog has it, with its date")
 def changelog_is_dated() -> str | None:
-    found = re.search(rf"^## {re.escape(VERSION)}(.*)$", text("CHANGELOG.md"), re.MULTILINE)
+    found = re.search(rf"^## {re.escape(RELEASE)}(.*)$", text("CHANGELOG.md"), re.MULTILINE)
     if found is None:
-        return f"CHANGELOG.md has no ## {VERSION}"
+        return f"CHANGELOG.md has no ## {RELEASE}"
     if not re.fullmatch(r" \(\d{4}-\d{2}-\d{2}\)", found[1]):
-        return f"## {VERSION}{found[1]} should read ## {VERSION} (YYYY-MM-DD)"
+        return f"## {RELEASE}{found[1]} should read ## {RELEASE} (YYYY-MM-DD)"
     return None
 
 
 @check("CITATION.cff has the version, the date and the address")
 def citation_agrees() -> str | None:
     said = text("CITATION.cff")
-    dated = re.search(rf"^## {re.escape(VERSION)} \((.*)\)$", text("CHANGELOG.md"), re.MULTILINE)
-    wanted = [f"version: {VERSION}", f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}", "repository-code: http"]
+    dated = re.search(rf"^## {re.escape(RELEASE)} \((\d.*)\)$", text("CHANGELOG.md"), re.MULTILINE)
+    wanted = [f"version: {RELEASE}", f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}", "repository-code: http"]
     return absent("CITATION.cff has no", (line for line in wanted if line not in said))
 
 
@@ -83,8 +85,8 @@ def recipe_agrees() -> str | None:
 def recipe_lacks() -> Iterator[str]:
     """Lines that the recipe should have."""
     lines = {line.strip() for line in text("packaging/conda/recipe.yaml").splitlines()}
-    if f'version: "{VERSION}"' not in lines:
-        yield f'version: "{VERSION}"'
+    if f'version: "{RELEASE}"' not in lines:
+        yield f'version: "{RELEASE}"'
     python = f"python{PROJECT['requires-python']}"
     for each in (python, *PROJECT["dependencies"]):
         name, bound = re.fullmatch(r"([\w-]+)(>=.+)", each).groups()  # type: ignore[union-attr]

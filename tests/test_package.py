@@ -14,8 +14,9 @@ ROOT = Path(__file__).parents[1]
 def test_the_version_stands_once():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert stiction.__version__ == _core.__version__ == project["version"]
-    assert f"## {project['version']}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert f"version: {project['version']}" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    release = project["version"].removesuffix(".dev0")
+    assert f"## {release} (" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"version: {release}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
 def test_public_names_are_sorted_and_there():

@@ -90,14 +90,14 @@ def test_a_wheel_that_needs_a_newer_glibc_is_refused(release, name, passes, caps
 def test_a_release_is_refused_by_name_of_what_is_open(release, tmp_path, monkeypatch):
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
     monkeypatch.setattr(release, "ROOT", tmp_path)
-    monkeypatch.setattr(release, "VERSION", "1.2.3")
+    monkeypatch.setattr(release, "RELEASE", "1.2.3")
     assert "## 1.2.3 (unreleased) should read" in release.changelog_is_dated()
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (2030-01-02)\n", encoding="utf-8")
     assert release.changelog_is_dated() is None
     (tmp_path / "CITATION.cff").write_text("version: 1.2.3\ndate-released: 2030-01-01\n", encoding="utf-8")
     assert release.citation_agrees() == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
-    monkeypatch.setattr(release, "VERSION", "1.2.3rc1")
-    assert release.version_is_final() == "pyproject.toml says 1.2.3rc1"
+    monkeypatch.setattr(release, "VERSION", "1.2.3.dev0")
+    assert release.version_is_final() == "pyproject.toml says 1.2.3.dev0"
 
 
 def test_the_address_is_written_wherever_it_belongs(release, tmp_path, monkeypatch):
