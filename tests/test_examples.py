@@ -205,6 +205,12 @@ def test_code_of_the_page(page, tmp_path, monkeypatch):
     stiction.write_profile(stiction.Profile(fine.heights[::4], spacing=0.2), tmp_path / "coarse.csv")
     shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
     np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
+    for side in ("upper", "lower"):  # one surface by two instruments
+        fine = stiction.self_affine_surface(
+            1, hurst_exponent=0.8, rms=0.1, shape=(128, 128), spacing=0.2, longest_wavelength=8, side=side
+        )
+        stiction.write_surface(stiction.Surface(fine.heights[::4, ::4], spacing=0.8), tmp_path / f"{side}_scope.csv")
+        stiction.write_surface(stiction.Surface(fine.heights[:48, :48], spacing=0.2), tmp_path / f"{side}_probe.csv")
     if page.name == "pair.md":  # whose cells, which the documents run, leave a result
         run_command(
             "stiction pair upper.csv lower.csv --effective-modulus '115 GPa' --mu0 0.2 --load '10 mN'", tmp_path

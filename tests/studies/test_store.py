@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 import xarray
 from stiction import _files, run
-from stiction.studies import netcdf, runner, store
+from stiction.studies import netcdf, runner, store, tasks
 from stiction.studies import result as results
 from stiction.studies.export import ExportError, export
 from stiction.studies.runner import fill
@@ -117,7 +117,7 @@ def test_every_bit_is_kept(tmp_path, monkeypatch):
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
         for name, x in zip(TINY.sums(), values, strict=False)
     }
-    monkeypatch.setattr(runner, "member_sums", lambda *_: sums)
+    monkeypatch.setattr(tasks, "member_sums", lambda *_: sums)
     result = run(repetitions(1), store=tmp_path)
     for name in sums:
         assert result[name].values.tobytes() == sums[name].tobytes(), name
@@ -540,7 +540,7 @@ def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeyp
         if first == 4:
             path.rename(tmp_path / "moved")
 
-    monkeypatch.setattr(runner, "put", put_and_remove)
+    monkeypatch.setattr(tasks, "put", put_and_remove)
     with pytest.raises(StoreError, match="was removed or replaced"):
         run(TINY, store=path, executor=Inline())
     assert os.listdir(tmp_path) == ["moved"]

@@ -156,7 +156,7 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("x (um),z (um)\n0,1\n0.1,***\n0.2,1\n0.3,\n0.4,1\n", "has 2 missing points of 5, the first at 2"),
         ("x (um),z (um)\n0,1\n,2\n0.2,1\n0.3,4\n0.4,1\n", "no usable position at point 2"),
         ("x (um),z (um)\n0,nan\n1,nan\n2,nan\n3,nan\n", "all points are missing"),
-        ("x (um),z (um)\n0,1\n1,1e999\n2,5\n3,0.5\n", "none of a surface (1 such values)"),
+        ("x (um),z (um)\n0,1\n1,1e999\n2,5\n3,0.5\n", "which no surface has (1 such values)"),
         ("x (m),z (um)\n0,1\n1e300,1\n2e300,5\n3e300,0.5\n", "no usable position"),
         ("x (m),z (um)\n0,1\n100,1\n200,5\n300,0.5\n", "has a spacing of 1e+08 µm"),
     ],

@@ -325,7 +325,7 @@ def _about(file: h5py.File) -> About:
 
 def _numbers_of(file: h5py.File, name: str, *, unknown: bool = False) -> NDArray[Any]:
     """An attribute that is a number, or two; NaN where it may be unknown."""
-    numbers = np.atleast_1d(file.attrs.get(name, ""))
+    numbers: NDArray[Any] = np.atleast_1d(file.attrs.get(name, ""))
     if numbers.dtype.kind not in "if" or numbers.shape not in ((1,), (2,)):
         raise DamageError(f"has no {name} of its bodies")
     if not ((np.abs(numbers) < LARGEST) | (np.isnan(numbers) & unknown)).all():
