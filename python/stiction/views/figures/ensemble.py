@@ -312,7 +312,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> 
         for colour, width in (("black", 1.3), ("white", 0.5)):  # seen on dark and on light colours
             patch = PathPatch(Path(vertices, codes), **_BEYOND | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_patch(patch)
+            axes.add_artist(patch)  # not add_patch, which looks for the limits of thousands of cells
 
 
 _BEYOND: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
