@@ -1,6 +1,7 @@
 """How the command speaks, and that no surrounding makes it end with a traceback."""
 
 import os
+import resource
 import subprocess
 import sys
 import threading
@@ -70,6 +71,23 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
 
     monkeypatch.setattr("stiction.cli.running.fill", fail)
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
+
+
+def test_a_limit_that_leaves_a_library_no_room_is_named(tmp_path, monkeypatch):
+    """Others wrap the sentence of the loader, which names a file that nobody knows."""
+
+    def fail(*_, **__):
+        try:
+            raise ImportError("libz.so: failed to map segment from shared object")
+        except ImportError:
+            raise ValueError("it needs an extra") from None
+
+    monkeypatch.setattr("stiction.cli.running.fill", fail)
+    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "stiction: it needs an extra")
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (500_000_000, resource.RLIM_INFINITY))
+    said = "stiction: memory is limited to 500 MB here, too little for the libraries of this command"
+    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), said)
 
 
 def test_no_threads_are_one_message(tmp_path, monkeypatch):

@@ -222,7 +222,7 @@ def _started() -> int:
         about = f"{named(error.filename)}: " if isinstance(error.filename, str) else ""
         say(f"{about}{reason(error)}")
     except (ValueError, ImportError) as error:
-        say(str(error) or type(error).__name__)
+        say(_too_small_for(error) or str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so
         say(f"{error or type(error).__name__}; perhaps memory or processes are limited here")
     except KeyboardInterrupt:
@@ -246,6 +246,15 @@ def _take_memory() -> None:
     from scipy.linalg.blas import dgemm
 
     dgemm(1.0, [[1.0]], [[1.0]])  # the first product reserves what the later ones use
+
+
+def _too_small_for(error: Exception) -> str:
+    """A sentence where a limit of memory left a library no room; the loader's own, which others wrap, names a file."""
+    causes: list[BaseException | None] = [error, error.__cause__, error.__context__]
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if most == resource.RLIM_INFINITY or not any("failed to map segment" in str(each) for each in causes):
+        return ""
+    return f"memory is limited to {bytes_text(most)} here, too little for the libraries of this command"
 
 
 def _open_streams() -> None:
