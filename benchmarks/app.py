@@ -68,6 +68,7 @@ def rows() -> list[tuple[str, str]]:
             server.send_signal(signal.SIGINT)
             server.wait()
     return [
+        ("load of the machine", f"{os.getloadavg()[0]:.1f}"),
         ("until the server answers, and until the first paint of its page", f"{begun:.1f} s, {paint / 1000:.2f} s"),
         ("until two maps of 128 x 128 points are seen, with their roughness", f"{seen:.1f} s"),
         ("from the click to a first answer by asperities, and to the exact one", f"{first:.1f} s, {whole:.0f} s"),

@@ -64,10 +64,7 @@ class Served:
 
     def jobs(self):
         """What the page is told."""
-        connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=PATIENCE)
-        with contextlib.closing(connection):
-            connection.request("GET", "/events", headers={"Cookie": self.cookie})
-            return json.loads(connection.getresponse().readline().removeprefix(b"data: "))
+        return json.loads(self.ask("GET", "/jobs")[2])
 
     def memory(self):
         """Resident memory of the server alone, bytes."""

@@ -101,9 +101,9 @@ def seen(driver, side):
 def fill(driver, values):
     for name, value in values.items():
         driver.execute_script(
-            "const field = document.getElementById(arguments[0]); field.value = arguments[1];"
+            "const field = document.querySelector(arguments[0]); field.value = arguments[1];"
             "for (const kind of ['input', 'change']) field.dispatchEvent(new Event(kind, {bubbles: true}))",
-            name, value,
+            name if name.startswith("#") else f"[name={name}]", value,
         )  # fmt: skip
 
 
@@ -181,7 +181,7 @@ def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monk
         move()
         until(lambda: answer(fresh)[1], lambda sentence, before=before: sentence != before)
         mu0 = inside(fresh, "return inside.getElementById('mu0-number').value")
-        assert fresh.find_element("id", "mu0").get_property("value") == mu0
+        assert fresh.find_element("name", "mu0").get_property("value") == mu0
         assert f"--mu0={mu0}" in fresh.find_element("id", "command").text
         assert f"μ0 = {mu0}," in answer(fresh)[1]
     shown, said = answer(fresh)
@@ -264,7 +264,7 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
 
     def mend(name, value):
         fresh.execute_script(
-            "const field = document.querySelector(`#upper-drop [data-of=${arguments[0]}]`); field.value = arguments[1];"
+            "const field = document.querySelector(`#upper-drop [name=${arguments[0]}]`); field.value = arguments[1];"
             "field.dispatchEvent(new Event('change', {bubbles: true}))",
             name, value,
         )  # fmt: skip
@@ -285,7 +285,7 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
     press(fresh)
     assert finished(fresh).startswith("failed")
     assert "'5 apples'" in fresh.find_element("id", "pair-wrong").text
-    assert fresh.find_element("id", "load").get_attribute("aria-invalid") == "true"
+    assert fresh.find_element("name", "load").get_attribute("aria-invalid") == "true"
     fill(fresh, {"load": "5 MPa"})
     press(fresh)
     until(lambda: state(fresh), lambda now: now == "running")
@@ -297,8 +297,10 @@ def test_profiles_are_pressed_by_asperities_at_once(fresh, tmp_path, monkeypatch
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=4000), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         assert "Pq" in choose(fresh, side, tmp_path / f"{side}.csv")["hint"]
-    by_numbers = {"upper": "numbers", "lower": "numbers", "upper-young": "200", "lower-young": "70"}
-    fill(fresh, by_numbers | {"upper-poisson": "0.3", "lower-poisson": "0.33", "load": "1 mN", "tau0": "5"})
+    fill(fresh, {"upper": "numbers", "lower": "numbers", "load": "1 mN", "tau0": "5"})
+    for name, values in (("young", (200, 70)), ("poisson", (0.3, 0.33))):
+        for field, value in zip(fresh.find_elements("name", name), values, strict=True):
+            field.send_keys(str(value))
     press(fresh)
     assert finished(fresh) == "done"
     assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
@@ -308,7 +310,7 @@ def test_generated_profiles_move_with_sliders_and_their_place_is_on_the_map(fres
     fresh.find_element("css selector", "#made > summary").click()
     lines = "return document.getElementById('profile').src"
     before = until(lambda: fresh.execute_script(lines), bool)
-    fill(fresh, {"d": "2", "seed": "5"})
+    fill(fresh, {"#d": "2", "#seed": "5"})
     until(lambda: fresh.execute_script(lines), lambda now: now != before)
     press(fresh, "run")
     assert finished(fresh) == "done"
@@ -366,7 +368,8 @@ def faults(driver, script):
 
 
 def test_it_ends_when_its_last_window_is_closed(tmp_path, tmp_path_factory):
-    code = "from stiction.app import run; run.ALONE = 1.0; from stiction.cli.application import say; run.run(say=say)"
+    code = "from stiction.app import run; from stiction.cli.application import say; run.ALONE = 1.5; "
+    code += "run.run(say=say, first_study=None)"
     with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.get(server.address)
         time.sleep(3)

@@ -34,7 +34,10 @@ def test_the_token_opens_once_and_the_cookie_is_no_page_s(app):
     assert app.ask("GET", f"/?token={app.token}", cookie="")[0] == 403
 
 
-@pytest.mark.parametrize("path", ["/", "/app.js", "/events", "/results", "/jobs/1/page.html", "/?token=x", "/?token="])
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/app.js", "/jobs", "/results", "/jobs/1/page.html", "/scans/upper/upper.csv", "/?token=x", "/?token="],
+)
 @pytest.mark.parametrize("cookie", ["", "stiction-1=x", "stiction-{port}=wrong"])
 def test_without_the_cookie_nothing_is_said(app, path, cookie):
     status, _, body = app.ask("GET", path, cookie=cookie.format(port=app.port))
@@ -156,7 +159,9 @@ def test_three_gigabytes_are_refused_before_they_come(app):
 
 
 def test_bodies_of_questions_are_short(app):
-    assert app.ask("POST", "/jobs", b"[" * 10**6)[0] == 413
+    assert app.ask("POST", "/jobs", b"", Content_Length=str(10**6))[0] == 413
+    assert app.ask("POST", "/jobs", b"", Transfer_Encoding="chunked", Content_Length="2")[0] == 411
+    assert app.ask("POST", "/jobs", b"[" * 2**16)[0] == 400
 
 
 @pytest.mark.parametrize("name", ["bomb.x3p", "bomb.xlsx"])
@@ -230,7 +235,7 @@ def test_what_a_killed_server_leaves_the_next_one_removes(tmp_path):
         killed.enter()
         upper, lower = (killed.take(path) for path in write_maps(tmp_path, 64))
         options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"], ["shifts", "2000"]]
-        killed.post("/jobs", {"command": "pair", "maps": False, "upper": upper, "lower": lower, "options": options})
+        killed.post("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
         until(killed.jobs, lambda jobs: jobs[0]["finished"] > 0)
         children = _children(killed.process.pid)
         assert children

@@ -2,8 +2,10 @@
 
 const byId = (id) => document.getElementById(id);
 const AT_REST = 400; // ms without a change, after which the words follow
+const POLL = 500; // ms between two questions of how far jobs have come
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
+const form = byId("pair");
 let jobs = [];
 let current = null; // number of the job that is shown
 let framed = ""; // its page
@@ -23,31 +25,23 @@ async function fetched(address, options = {}) {
 }
 const posted = (address, body = {}) => fetched(address, {method: "POST", body: JSON.stringify(body)});
 
-// ---- Words of errors, where they belong -----------------------------------------------------------------------------
-
 function complain(place, text) {
   place.hidden = !text;
   place.textContent = text;
 }
-
-const FIELDS = {young: "upper-young", poisson: "upper-poisson", unit: "", spacing: ""};
 
 /** A command's own sentence: at the scan that it names, or at the field of the option that it begins with. */
 function complainOf(job) {
   for (const marked of document.querySelectorAll("[aria-invalid]")) marked.removeAttribute("aria-invalid");
   const text = job.error;
   const side = sides.find((each) => scans[each] && (text.startsWith(`${scans[each].name}:`) || text.includes(`pair: ${each}`)));
-  const option = text.match(/^--([a-z0-9-]+)/)?.[1];
-  const input = option && byId(FIELDS[option] ?? option);
-  for (const each of sides) if (text && each === side) complain(byId(`${each}-drop`).querySelector(".wrong"), text);
+  if (side) complain(byId(`${side}-drop`).querySelector(".wrong"), text);
   complain(byId(job.command.startsWith("stiction run") ? "run-wrong" : "pair-wrong"), side ? "" : text);
   complain(byId("job-wrong"), text);
-  if (!input) return;
-  input.setAttribute("aria-invalid", "true");
-  input.focus();
+  const input = form.querySelector(`[name="${text.match(/^--([a-z0-9-]+)/)?.[1]}"]`);
+  input?.setAttribute("aria-invalid", "true");
+  input?.focus();
 }
-
-// ---- Scans ----------------------------------------------------------------------------------------------------------
 
 function connectDrop(side) {
   const place = byId(`${side}-drop`);
@@ -60,13 +54,10 @@ function connectDrop(side) {
     place.addEventListener(name, (event) => {
       event.preventDefault();
       place.classList.toggle("aim", name.startsWith("dragen") || name === "dragover");
+      if (name === "drop" && event.dataTransfer.files.length) take(side, event.dataTransfer.files[0]);
     });
-  place.addEventListener("drop", (event) => event.dataTransfer.files.length && take(side, event.dataTransfer.files[0]));
-  for (const each of place.querySelectorAll("[data-of]")) each.addEventListener("change", () => look(side));
+  for (const each of place.querySelectorAll("[name]")) each.addEventListener("change", () => look(side));
 }
-
-const readingOf = (side) => Object.fromEntries([...byId(`${side}-drop`).querySelectorAll("[data-of]")].map(
-  (each) => [each.dataset.of, each.type === "checkbox" ? (each.checked ? "interpolate" : "") : each.value.trim()]));
 
 async function take(side, file) {
   const place = byId(`${side}-drop`);
@@ -87,72 +78,83 @@ async function take(side, file) {
 async function look(side) {
   const [place, own] = [byId(`${side}-drop`), scans[side]];
   if (!own) return;
-  const [hint, wrong, image] = [".hint", ".wrong", "img"].map((each) => place.querySelector(each));
+  const [hint, wrong, image, save] = [".hint", ".wrong", "img", ".save"].map((each) => place.querySelector(each));
   hint.textContent = `${own.name} …`;
-  const said = await fetched(`/scans/${own.scan}?${new URLSearchParams(readingOf(side))}`).catch(({message}) => ({error: message}));
+  const reading = new URLSearchParams([...place.querySelectorAll("[name]")].map(({name, value}) => [name, value.trim()]));
+  const said = await fetched(`/scans/${own.scan}?${reading}`).catch(({message}) => ({error: message}));
   if (scans[side] !== own) return;
   own.holds = said.holds;
   hint.textContent = said.error ? own.name : `${own.name}: ${said.words}`;
   complain(wrong, said.error ?? said.warning);
   if (said.error) place.querySelector("details").open = true;
   Object.assign(image, {hidden: Boolean(said.error), src: said.picture ?? "data:,", alt: `Heights of ${own.name}`});
+  Object.assign(save, {hidden: !own.isSample, href: `/scans/${own.scan}/${own.name}`});
   remember();
 }
 
-// ---- Asking ---------------------------------------------------------------------------------------------------------
+async function demo() {
+  const made = await posted("/demo");
+  sides.forEach((side, i) => { scans[side] = {...made[i], isSample: true}; form[side].value ||= "mild steel"; });
+  await Promise.all(sides.map(look));
+}
 
-const value = (id) => byId(id).value.trim().replace(",", ".");
+const UNITS = {young: " GPa", hardness: " GPa", tau0: " MPa"};
+const number = (name) => form[name].value.trim().replace(",", ".");
 
-/** The options of `stiction pair` that the form stands for. */
+/** The options of `stiction pair` that the form stands for; its fields have their names, twice if of both bodies. */
 function optionsOfPair() {
-  const options = [];
-  const add = (name, text, unit = "") => text && options.push([name, text + unit]);
-  for (const name of ["unit", "spacing"]) {
-    const both = sides.map((side) => readingOf(side)[name]);
-    if (both[0] === both[1]) add(name, both[0]);
-    else both.forEach((text) => options.push([name, text]));
+  const found = {};
+  for (const [name, text] of new FormData(form)) {
+    const given = name === "spacing" ? text.trim() : text.trim().replace(",", ".");
+    (found[name] ??= []).push(given && given + (UNITS[name] ?? ""));
   }
-  add("missing", sides.map((side) => readingOf(side).missing).find(Boolean));
-  if (sides.some((side) => value(side) === "numbers"))
-    for (const [name, unit] of [["young", " GPa"], ["poisson", ""]]) add(name, sides.map((side) => value(`${side}-${name}`) + unit).join(","));
-  else sides.forEach((side) => add(side, byId(side).value));
-  for (const [name, unit] of [["hardness", " GPa"], ["mu0", ""], ["tau0", " MPa"], ["load", ""], ["level", ""], ["rotate", ""], ["shifts", ""]])
-    add(name, value(name), value(name) && unit);
-  return options;
+  found.missing = [found.missing.find(Boolean)]; // is of both
+  if (found.young) {
+    for (const side of sides) delete found[side];
+    for (const name of ["young", "poisson"]) found[name] = [found[name].join(",")];
+  }
+  return Object.entries(found).filter(([, [one, other]]) => one || other)
+    .flatMap(([name, [one, other = one]]) => (one === other ? [[name, one]] : [[name, one], [name, other]]));
 }
 
 async function press(event) {
   event.preventDefault();
   const lacking = [...sides.filter((side) => !scans[side]?.holds).map((side) => [byId(`${side}-file`), `the ${side} scan is missing`]),
-    ...[...byId("pair").querySelectorAll("[required]")].filter((each) => !each.value.trim())
+    ...[...form.querySelectorAll("[required]:enabled")].filter((each) => !each.value.trim())
       .map((each) => [each, `${each.dataset.name ?? each.closest("label").textContent.trim()} is missing`])];
   complain(byId("pair-wrong"), lacking.length ? `Not yet: ${lacking.map(([, words]) => words).join(", ")}.` : "");
   if (lacking.length) return lacking[0][0].focus();
-  const maps = sides.every((side) => scans[side].holds === "surface");
-  await ask("pair-wrong", {command: "pair", maps, upper: scans.upper.scan, lower: scans.lower.scan, options: optionsOfPair()});
+  await ask("pair-wrong", {command: "pair", upper: scans.upper.scan, lower: scans.lower.scan, options: optionsOfPair()});
 }
 
 async function ask(wrong, body) {
   complain(byId(wrong), "");
   try {
-    show((await posted("/jobs", body)).job);
+    [current, framed, told] = [(await posted("/jobs", body)).job, "", null];
+    byId("page").hidden = true;
+    remember();
+    await poll();
+    byId("job").scrollIntoView({block: "nearest"}); // on a phone it is below the form
   } catch (error) {
     complain(byId(wrong), error.message);
   }
 }
 
-function show(job) {
-  [current, framed, told] = [job, "", null];
-  byId("page").hidden = true;
-  remember();
+let polling = 0;
+
+/** Ask how far jobs have come, and again in a moment: short questions, because a browser has few connections for all its windows. */
+async function poll() {
+  clearTimeout(polling);
+  const found = await fetched("/jobs").catch(() => null);
+  byId("gone").hidden = found !== null;
+  if (found) jobs = found;
   render();
-  byId("job").scrollIntoView({block: "nearest"}); // on a phone it is below the form
+  clearTimeout(polling);
+  polling = setTimeout(poll, POLL);
 }
 
-// ---- Being told -----------------------------------------------------------------------------------------------------
-
 function render() {
-  const job = jobs.find(({number}) => number === current);
+  const job = jobs.find(({number: each}) => each === current);
   byId("start").hidden = Boolean(job);
   byId("job").hidden = !job;
   if (!job) delete byId("job").dataset.state;
@@ -167,12 +169,12 @@ function render() {
   else byId("progress").removeAttribute("value");
   if (byId("job").dataset.error !== job.error) complainOf(job);
   byId("job").dataset.error = job.error;
-  if (!told) say(job.answer, job.state === "stopped" ? `stopped${job.total ? `: ${job.finished} of ${job.total} are finished and kept` : ""}` : job.by, !job.by && job.page > 0);
+  if (!told) say(job.answer, job.state === "stopped" ? `stopped${job.total ? `: ${job.finished} of ${job.total} are finished and kept` : ""}` : job.by, !job.by && job.versions > 0);
   byId("command").textContent = commandOf(job);
-  byId("share").hidden = !job.page || isGoing;
+  byId("share").hidden = !job.versions || isGoing;
   for (const link of byId("share").querySelectorAll("a")) link.href = `/jobs/${job.number}/${link.textContent}?save`;
-  const page = `/jobs/${job.number}/page.html?${job.page}`;
-  if (!job.page || page === framed) return;
+  const page = `/jobs/${job.number}/page.html?${job.versions}`;
+  if (!job.versions || page === framed) return;
   const frame = byId("page");
   const before = framed && frame.contentWindow.location.hash;
   framed = page;
@@ -204,14 +206,12 @@ function say(answer, by, hasPage) {
 /** The line that gives the same numbers. */
 function commandOf({command}) {
   if (!told) return command;
-  const changed = command.replace(/--mu0=\S+/, `--mu0=${told.mu0}`).replace(/'--tau0=[^']*'/, `'--tau0=${told.tau0} MPa'`);
-  if (command.startsWith("stiction pair") && told.isAskedLoad) return changed;
-  const folder = command.startsWith("stiction info") ? command.split(" ").slice(2).join(" ") : command.startsWith("stiction run") ? "quick" : "pair";
-  const d = told.d ? ` --d=${told.d}` : "";
-  return `${command.startsWith("stiction info") ? "" : `${command} && `}stiction at ${folder} --load='${told.load} mN' --mu0=${told.mu0} --tau0='${told.tau0} MPa'${d}`;
+  const [, what, name] = command.split(" ");
+  if (what === "pair" && told.isAskedLoad)
+    return command.replace(/--mu0=\S+/, `--mu0=${told.mu0}`).replace(/'--tau0=[^']*'/, `'--tau0=${told.tau0} MPa'`);
+  const folder = what === "info" ? name : `${command} && stiction at ${what === "run" ? "quick" : "pair"}`;
+  return `${what === "info" ? "stiction at " : ""}${folder} --load='${told.load} mN' --mu0=${told.mu0} --tau0='${told.tau0} MPa'${told.d ? ` --d=${told.d}` : ""}`;
 }
-
-// ---- The page of the result -----------------------------------------------------------------------------------------
 
 let resting = 0;
 const paged = () => byId("page").contentDocument;
@@ -228,19 +228,18 @@ function connectPage() {
 
 /** The words of what is picked on the page. */
 async function follow() {
-  const job = jobs.find(({number}) => number === current);
+  const job = jobs.find(({number: each}) => each === current);
   const {load, mu0, tau0, dimension: d} = paged()?.getElementById("readout")?.dataset ?? {};
   if (!job?.answer || load === undefined) return;
   const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.abs(other);
   const {at} = job.answer;
   const wanted = {load, mu0, tau0: Number((1000 * tau0).toPrecision(12)), d: job.command.startsWith("stiction pair") ? "" : d, isAskedLoad: isNear(load, at.load)};
-  for (const name of ["mu0", "tau0"]) if (Number(value(name)) !== Number(wanted[name])) byId(name).value = wanted[name];
+  for (const name of ["mu0", "tau0"]) if (Number(number(name)) !== Number(wanted[name])) form[name].value = wanted[name];
   const isAsked = wanted.isAskedLoad && isNear(mu0, at.mu0) && Math.abs(tau0 - at.tau0) < 1e-12 && !wanted.d;
   if (isAsked) told = null;
   else if (JSON.stringify(wanted) !== JSON.stringify(told)) {
     told = wanted;
-    const asked = new URLSearchParams({load: `${load} mN`, mu0, tau0: `${tau0} GPa`, ...(wanted.d ? {d} : {})});
-    const {answers} = await fetched(`/jobs/${job.number}/at?${asked}`).catch(() => ({answers: []}));
+    const {answers} = await fetched(`/jobs/${job.number}/at?${new URLSearchParams({load, mu0, tau0, ...(wanted.d ? {d} : {})})}`).catch(() => ({answers: []}));
     if (told === wanted) say(answers[0] ?? null, "", true);
   }
   render();
@@ -249,12 +248,10 @@ async function follow() {
 /** What is typed into the form moves the page. */
 function move(name) {
   const input = paged()?.getElementById(`${name}-number`);
-  if (!input || byId("page").hidden || !value(name) || !(Number(value(name)) >= 0)) return;
-  input.value = value(name);
+  if (!input || byId("page").hidden || !number(name) || !(Number(number(name)) >= 0)) return;
+  input.value = number(name);
   input.dispatchEvent(new Event("input", {bubbles: true}));
 }
-
-// ---- Generated profiles, and results that are there -----------------------------------------------------------------
 
 const dimension = () => (1 + 0.05 * Number(byId("d").value)).toFixed(2);
 const length = (id) => `${Number((10 ** Number(byId(id).value)).toPrecision(2))} um`;
@@ -272,52 +269,45 @@ function sketch() {
   }, AT_REST / 2);
 }
 
+function run(event) {
+  event.preventDefault();
+  const options = Object.entries(changesOfRun()).map(([key, each]) => ["set", `${key}=${Array.isArray(each) ? JSON.stringify(each) : each}`]);
+  ask("run-wrong", {command: "run", options});
+}
+
 async function listResults() {
   if (!byId("there").open) return;
   const list = await fetched("/results").catch(() => []);
   const text = JSON.stringify(list);
   if (byId("results").dataset.text !== text) byId("results").replaceChildren(...list.map(({name, finished, total, kind, error}) => {
     const words = error ?? `${kind === "measured" ? "a pair" : "a study"}, ${finished} of ${total}`;
-    const button = node("button", {type: "button", disabled: Boolean(error) || !finished}, name);
-    button.addEventListener("click", () => ask("open-wrong", {command: "open", name}));
+    const button = node("button", {type: "button", disabled: Boolean(error) || !finished, onclick: () => ask("open-wrong", {command: "open", name})}, name);
     return node("li", {}, button, ` ${words}`);
   }), ...(list.length ? [] : [node("li", {}, "There are none: stiction was begun elsewhere.")]));
   byId("results").dataset.text = text;
   setTimeout(listResults, 2000);
 }
 
-// ---- Beginning ------------------------------------------------------------------------------------------------------
-
-const remembered = () => [...document.querySelectorAll("#pair input[id]:not([type=file]), #pair select[id]")];
+const remembered = () => [...form.querySelectorAll("[name]")];
 function remember() {
-  sessionStorage.setItem("state", JSON.stringify({scans, current, fields: remembered().map((each) => each.value),
-    reading: sides.map(readingOf)}));
+  sessionStorage.setItem("state", JSON.stringify({scans, current, fields: remembered().map(({value}) => value)}));
 }
 
 function recall() {
   const state = JSON.parse(sessionStorage.getItem("state") ?? "null");
   if (!state) return;
   current = state.current;
-  remembered().forEach((each, i) => { each.value = state.fields[i] ?? each.value; });
-  sides.forEach((side, i) => {
-    for (const each of byId(`${side}-drop`).querySelectorAll("[data-of]"))
-      each.type === "checkbox" ? each.checked = Boolean(state.reading[i].missing) : each.value = state.reading[i][each.dataset.of];
-    scans[side] = state.scans[side];
-    look(side);
-  });
+  Object.assign(scans, state.scans);
+  remembered().forEach((each, i) => { each.value = state.fields[i]; });
+  sides.forEach(look);
 }
 
 function showNumbers() {
-  const isByNumbers = sides.some((side) => value(side) === "numbers");
-  for (const each of document.querySelectorAll(".numbers")) each.hidden = !isByNumbers;
-  for (const side of sides) for (const name of ["young", "poisson"])
-    byId(`${side}-${name}`).value = byId(side).selectedOptions[0].dataset[name] ?? byId(`${side}-${name}`).value;
-}
-
-async function demo() {
-  const made = await posted("/demo");
-  sides.forEach((side, i) => { scans[side] = made[i]; if (!byId(side).value) byId(side).value = "mild steel"; });
-  await Promise.all(sides.map(look));
+  const isByNumbers = sides.some((side) => form[side].value === "numbers");
+  Object.assign(byId("numbers"), {hidden: !isByNumbers, disabled: !isByNumbers});
+  sides.forEach((side, i) => {
+    for (const name of ["young", "poisson"]) form[name][i].value = form[side].selectedOptions[0].dataset[name] ?? form[name][i].value;
+  });
 }
 
 async function copy(button, text) {
@@ -330,21 +320,19 @@ sides.forEach(connectDrop);
 recall();
 showNumbers();
 sketch();
-byId("pair").addEventListener("submit", press);
-byId("pair").addEventListener("change", () => { showNumbers(); remember(); });
-for (const name of ["mu0", "tau0"]) byId(name).addEventListener("input", () => move(name));
-byId("demo").addEventListener("click", demo);
-byId("stop").addEventListener("click", () => posted(`/jobs/${current}/stop`));
-byId("quote").addEventListener("click", () => copy(byId("quote"), byId("sentence").textContent));
-byId("copy").addEventListener("click", () => copy(byId("copy"), byId("command").textContent));
-byId("page").addEventListener("load", connectPage);
+form.addEventListener("submit", press);
+form.addEventListener("change", () => { showNumbers(); remember(); });
+for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", () => move(name));
 byId("run").addEventListener("input", sketch);
-byId("run").addEventListener("submit", (event) => {
-  event.preventDefault();
-  ask("run-wrong", {command: "run", options: Object.entries(changesOfRun()).map(([key, each]) => ["set", `${key}=${Array.isArray(each) ? JSON.stringify(each) : each}`])});
-});
+byId("run").addEventListener("submit", run);
+byId("page").addEventListener("load", connectPage);
 byId("there").addEventListener("toggle", listResults);
+for (const [id, action] of Object.entries({
+  demo,
+  stop: () => posted(`/jobs/${current}/stop`),
+  quote: () => copy(byId("quote"), byId("sentence").textContent),
+  copy: () => copy(byId("copy"), byId("command").textContent),
+  menu: () => posted("/menu").then(({file}) => `It is there: ${file}`, ({message}) => message).then((text) => { byId("menu-said").textContent = text; }),
+})) byId(id).addEventListener("click", action);
 if (document.body.dataset.demo && !scans.upper) demo();
-const events = new EventSource("/events");
-events.addEventListener("message", ({data}) => { jobs = JSON.parse(data); byId("gone").hidden = true; render(); });
-events.addEventListener("error", () => { byId("gone").hidden = false; });
+poll();

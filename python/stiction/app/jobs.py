@@ -1,76 +1,82 @@
-"""What the page asks for, as commands of `stiction` in processes of their own: one at a time, the others in a queue.
+"""What the page asks for: the library reads results, and a command in a process of its own computes, one at a time.
 
-Nothing is computed here. A job is what somebody could type, its numbers are the JSON that the command prints, its pages
-are those of `stiction report`, and how far it has come is read from its folder. So a scan that is more than the machine
-can take ends a command and not the server, "stop" is the end of a process, and the same line gives the same numbers.
+A job is what somebody could type: its line gives the same numbers, "stop" is its Ctrl-C, and a scan that is more than
+the machine can take ends the command and not the server.
 """
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
-import json
 import re
 import shlex
+import shutil
+import signal
 import sys
-from asyncio.subprocess import PIPE, Process
-from contextlib import nullcontext, suppress
-from dataclasses import dataclass, field
+from asyncio.subprocess import PIPE
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-LOOK = 0.4
-"""Seconds between two looks at how far a command has come."""
+from stiction.studies.onset import onset_beside
+from stiction.studies.resolution import resolution_at
+from stiction.studies.store import Stored, open_stored
+from stiction.views.answer import answers
+from stiction.views.asked import at_asked_loads
+from stiction.views.report import report_page
+from stiction.views.result import Result, read_result
+from stiction.views.rows import answer_record, csv_text, record_text
 
-BETWEEN_ANSWERS = 3.0
-"""Seconds at least between two answers from what is finished."""
+if TYPE_CHECKING:
+    import xarray
 
-MOST_WAITING = 8
-"""Jobs in the queue."""
-
-MOST_OUTPUT = 2**25
-"""Bytes that a command may print."""
+LOOK = 0.4  # seconds between two looks at how far a command has come
+PATIENCE = 5.0  # seconds that a command has to write what it has computed, once it is to end
+MOST_WAITING = 8  # jobs in the queue
+MOST_OUTPUT = 2**25  # bytes that a command may print
+FAULTS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)  # of what is read or computed here
+TOO = ", here and in the pictures"
+END_OF_RECORD = b"\n}\n"  # what the JSON of a command ends with; all that it does after that is to draw
 
 
 class RefusedError(ValueError):
     """What a command, or the page, refuses: a sentence."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Job:
     """A command, and what is known of its result."""
 
     number: int
     title: str
-    arguments: list[str]
+    arguments: list[str]  # of `stiction`
     folder: Path
-    fast: list[str] | None = None  # a quicker command for a first answer
+    first: Callable[[], Result | None] | None = None  # a first answer, by asperities
     state: str = "waiting"  # running, done, stopped, failed
     words: str = "waits for the one before it"
     by: str = ""
     finished: int = 0
     total: int = 0
-    pages: list[Path] = field(default_factory=list)
-    shown: Path | None = None  # the folder of which the answer is
-    record: dict[str, Any] | None = None
+    versions: int = 0
+    result: Result | None = None  # of which the answer is
+    files: Path | None = None  # what can be saved
+    answer: Any = None
     error: str = ""
-    pipe: asyncio.StreamWriter | None = None  # as long as it is open, its command goes on
+    task: asyncio.Task[None] | None = None
 
     def public(self) -> dict[str, Any]:
         """What the page knows of it."""
-        names = ("number", "title", "state", "words", "by", "finished", "total", "error")
-        answers = (self.record or {}).get("answers", [])
-        line = shlex.join(["stiction", *self.arguments])
-        return {name: getattr(self, name) for name in names} | {
-            "command": line, "page": len(self.pages), "answer": answers[0] if answers else None,
-        }  # fmt: skip
+        names = ("number", "title", "state", "words", "by", "finished", "total", "error", "answer", "versions")
+        return {name: getattr(self, name) for name in names} | {"command": shlex.join(["stiction", *self.arguments])}
 
     def stop(self) -> None:
-        """End its commands; what is finished of it is kept."""
-        if self.state in ("waiting", "running"):
+        """End its command; what is finished of it is kept."""
+        if self.state in ("waiting", "running") and self.task is not None:
             self.state = "stopped"
-            if self.pipe is not None:
-                self.pipe.close()
+            self.task.cancel()
 
 
 class Jobs:
@@ -79,147 +85,153 @@ class Jobs:
     def __init__(self, root: Path) -> None:
         self.root = root
         self.all: dict[int, Job] = {}
-        self._queue: asyncio.Queue[Job] = asyncio.Queue(MOST_WAITING)
-        self._few = asyncio.Semaphore(2)  # of commands beside that of a job
-        self._next: asyncio.Task[Process] | None = None
-        self._private = re.compile(rf"(?:{re.escape(str(root))}/|(?<![\w/+]))files/\d+/|{re.escape(str(root))}/")
+        self._one = asyncio.Lock()
+        self._few = asyncio.Semaphore(2)
+        self._private = re.compile(rf"{re.escape(str(root))}/(?:files/\w+/)?")
 
     def without_paths(self, text: str) -> str:
         """Text in which the scans have the names that they came with."""
         return self._private.sub("", text)
 
-    def add(self, title: str, arguments: list[str], *, fast: list[str] | None = None) -> Job:
-        """Put a command into the queue; it goes on where the same one ended."""
+    def add(self, title: str, arguments: list[str], *, folder: Path | None = None, first: Any = None) -> Job:
+        """Put a command into the queue, which goes on where the same one ended, or a result that is there."""
+        if sum(job.state == "waiting" for job in self.all.values()) >= MOST_WAITING:
+            raise RefusedError(f"{MOST_WAITING} jobs are waiting already: stop one of them")
         same = [each for each in arguments if not re.match("--(mu0|tau0)=", each)]
-        folder = self.root / "results" / hashlib.sha256("\0".join(same).encode()).hexdigest()[:12] / arguments[0]
-        job = Job(len(self.all) + 1, title, arguments, folder, fast)
+        own = self.root / "results" / hashlib.sha256("\0".join(same).encode()).hexdigest()[:12] / arguments[0]
+        job = self.all[len(self.all) + 1] = Job(len(self.all) + 1, title, arguments, folder or own, first)
+        job.task = asyncio.create_task(self._end(job))
+        return job
+
+    async def _end(self, job: Job) -> None:
+        """A job from its beginning to one of its ends."""
         try:
-            self._queue.put_nowait(job)
-        except asyncio.QueueFull:
-            raise RefusedError(f"{MOST_WAITING} jobs are waiting already: stop one of them") from None
-        self.all[job.number] = job
-        return job
-
-    def open(self, folder: Path) -> Job:
-        """Put a result that is there already into the queue."""
-        job = self.add(folder.name, ["info", str(folder)])
-        job.folder = folder
-        return job
-
-    async def work(self) -> None:
-        """Do one job after the other, as long as the server is there."""
-        while True:
-            job = await self._queue.get()
-            if job.state != "waiting":
-                continue
-            job.state = "running"
-            try:
+            async with self._one:
+                job.state = "running"
                 await self._do(job)
-                job.state = "done" if job.state == "running" else job.state
-            except (OSError, ValueError) as error:
-                if job.state == "running":
-                    job.state, job.error = "failed", str(error)
-            if job.state == "stopped":
+            job.state = "done"
+        except asyncio.CancelledError:
+            with suppress(*FAULTS):
                 await self._count(job)
-                with suppress(RefusedError):
-                    if job.finished:
-                        job.record, job.by = await self._record(["info", str(job.folder)]), ""
-                        await self._page(job, job.folder)
-            job.words = ""
+                await self._tell(job, partial(read_result, job.folder))
+        except FAULTS as error:
+            job.state, job.error = "failed", self.without_paths(str(error) or "there is not enough memory for this")
+        job.words = ""
 
     async def _do(self, job: Job) -> None:
-        if job.fast is not None and not job.folder.exists():
-            job.words, job.by = "pressing asperities", "a first answer, by asperities"
-            quick = job.folder.parent / "fast"
-            job.record = await self._record([*job.fast, f"--output={quick}"], job)
-            await self._page(job, quick)
-        job.words = "computing"
-        watch = asyncio.create_task(self._watch(job))
-        try:
-            if job.arguments[0] == "pair":
-                job.record = await self._record([*job.arguments, f"--output={job.folder}"], job)
-            elif job.arguments[0] == "run":
-                await self.call([*job.arguments, "--part=1/1", f"--output={job.folder}"], job)
-        finally:
-            watch.cancel()
-            await asyncio.wait([watch])
+        if job.first is not None and not job.folder.exists():
+            job.words = "pressing asperities"
+            with suppress(*FAULTS):  # what is wrong, the command says
+                first = await asyncio.to_thread(job.first)
+                if first is not None:
+                    by = f"a first answer, by asperities at {first.dataset.sizes['repetition']} positions{TOO}"
+                    await self._tell(job, lambda: first, by)
+        if job.folder.is_relative_to(self.root):
+            job.words = "computing"
+            watch = asyncio.create_task(self._watch(job))
+            try:
+                end = "--json" if job.arguments[0] == "pair" else "--part=1/1"
+                await command(["stiction", *job.arguments, end, f"--output={job.folder}"])
+            finally:
+                watch.cancel()
+                await asyncio.wait([watch])
+        job.words = "drawing"
         await self._count(job)
-        if job.arguments[0] != "pair":
-            job.record = await self._record(["info", str(job.folder)])
-        job.words, job.by = "drawing", ""
-        await self._page(job, job.folder)
-
-    async def _record(self, arguments: list[str], job: Job | None = None) -> Any:
-        """The JSON that a command prints; then it is ended, for all that it does after that is to draw."""
-        return json.loads(await self.call([*arguments, "--json"], job, until=b"\n}\n"))
-
-    async def _page(self, job: Job, folder: Path) -> None:
-        path = self.root / "pages" / f"{job.number}-{len(job.pages) + 1}.html"
-        path.parent.mkdir(exist_ok=True)
-        await self.call(["report", str(folder), f"--output={path}"])
-        job.shown = folder
-        job.pages.append(path)
+        await self._tell(job, partial(read_result, job.folder))
 
     async def _watch(self, job: Job) -> None:
-        """Follow what a command writes, and tell the answer of what is there."""
-        told, loop = 0, asyncio.get_running_loop()
-        last = loop.time()
+        """Follow what a command writes; what is there is told whenever it has doubled."""
+        told = 1
         while True:
             await asyncio.sleep(LOOK)
-            await self._count(job)
-            if job.finished < 2 or job.finished == told or loop.time() - last < BETWEEN_ANSWERS:
-                continue
-            told = job.finished
-            with suppress(RefusedError):
-                job.record = await self._record(["info", str(job.folder)])
-                job.by = f"so far, {told} of {job.total}"
-            last = loop.time()
-            if job.finished == job.total:
+            with suppress(*FAULTS):  # nothing is there yet, or nothing touches
+                await self._count(job)
+                if job.finished >= min(2 * told, job.total) > told:
+                    told = job.finished
+                    by = f"so far, at {told} of {job.total} positions{TOO}"
+                    await self._tell(job, partial(read_result, job.folder), by)
+            if 0 < job.total == job.finished:
                 job.words = "over cut-offs, and how it begins to slide"
 
     async def _count(self, job: Job) -> None:
-        from stiction.studies.store import open_stored
+        stored = await asyncio.to_thread(open_stored, job.folder)
+        job.finished, job.total = int(stored.finished.size), stored.study.ensemble.repetitions
 
-        with suppress(ValueError):  # nothing is there yet
-            stored = await asyncio.to_thread(open_stored, job.folder)
-            job.finished, job.total = int(stored.finished.size), stored.study.ensemble.repetitions
+    async def _tell(self, job: Job, take: Callable[[], Result], by: str = "") -> None:
+        """Take a result as the answer: the numbers, and then its page and what can be saved."""
+        result, at, answer = await asyncio.to_thread(_answered, take)
+        job.answer, job.by, job.result = answer, by, result
+        files = self.root / "shared" / f"{job.number}-{job.versions + 1}"
+        await asyncio.to_thread(self._write, job, result, at, files)
+        job.files, job.versions = files, job.versions + 1
 
-    # ---- Commands ---------------------------------------------------------------------------------------------------
+    def _write(self, job: Job, result: Result, at: xarray.Dataset, files: Path) -> None:
+        """Write what can be saved of a result; of one that is not finished the page alone."""
+        source, study, beside = result.source, result.study, result.beside
+        texts = {"page.html": report_page([source], names=[job.folder.name])}
+        if isinstance(source, Stored) and not job.by:
+            over, onset = resolution_at(source), onset_beside(source)
+            texts |= {
+                "result.json": record_text(job.arguments[0], at, study, beside=beside, over=over, onset=onset),
+                "result.csv": csv_text(at, study, beside=beside),
+                "study.toml": (source.path / "study.toml").read_text("utf-8"),
+            }
+        files.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            (files / name).write_text(self.without_paths(text), "utf-8", "replace")
 
-    def _begun(self) -> asyncio.Task[Process]:
-        return asyncio.create_task(
-            asyncio.create_subprocess_exec(
-                sys.executable, "-P", "-m", "stiction.app.child", cwd=self.root, stdin=PIPE, stdout=PIPE, stderr=PIPE
-            )
-        )
+    async def look(self, arguments: list[str]) -> str:
+        """What `look` says of a scan; a few at a time."""
+        async with self._few:
+            return self.without_paths(await command(["stiction.app.look", *arguments]))
 
-    async def call(self, arguments: list[str], job: Job | None = None, *, until: bytes = b"") -> str:
-        """What a command prints, to its end or until it ends with something; or `RefusedError` with its sentence."""
-        async with self._few if job is None else nullcontext():
-            waiting, self._next = self._next or self._begun(), self._begun()  # the next one is begun at once
-            process = await waiting
-            pipe, printed, said = process.stdin, process.stdout, process.stderr
-            assert pipe is not None and printed is not None and said is not None  # noqa: PT018
-            pipe.write(json.dumps(arguments).encode() + b"\n")
-            if job is not None:
-                job.pipe = pipe
-                if job.state == "stopped":
-                    pipe.close()
-            errors, text = asyncio.create_task(said.read()), b""
-            try:
-                while chunk := await printed.read(2**16):
-                    text += chunk
-                    if len(text) > MOST_OUTPUT:
-                        raise RefusedError("the command says more than a page can hold")
-                    if until and text.endswith(until):
-                        return text.decode()
-                if await process.wait() == 0 and (job is None or job.state != "stopped"):
-                    return text.decode()
-                lines = [
-                    line.removeprefix("stiction: ") for line in (await errors).decode(errors="replace").splitlines()
-                ]
-                told = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
-                raise RefusedError(self.without_paths("\n".join(told[-3:])) or "the command was ended")
-            finally:
-                pipe.close()
-                errors.cancel()
+
+def _answered(take: Callable[[], Result]) -> tuple[Result, xarray.Dataset, Any]:
+    result = take()
+    at = at_asked_loads(result.source)
+    return result, at, answer_record(answers(at, result.study, beside=result.beside)[0])
+
+
+def at(result: Result, numbers: list[float], dimension: float | None) -> str:
+    """The record of a result at a load (mN), mu0 and tau0 (GPa), as `stiction at` gives it."""
+    load, mu0, tau0 = numbers
+    found = result.at([load], mu0=[mu0], tau0=[tau0])
+    if dimension is not None:
+        found = found.sel(fractal_dimension=[dimension], method="nearest").isel(amplitude=[0])
+    return record_text("at", found, result.study, beside=result.beside)
+
+
+async def command(arguments: list[str]) -> str:
+    """What a module prints to its end or that of a record, in a process that ends with the server, however that ends.
+
+    Raises
+    ------
+    RefusedError
+        With the sentence that the process has said.
+    """
+    alone = ["setpriv", "--pdeathsig=KILL"] if shutil.which("setpriv") else []  # Linux has it
+    process = await asyncio.create_subprocess_exec(
+        *alone, sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL, stdout=PIPE, stderr=PIPE,
+        limit=MOST_OUTPUT,
+    )  # fmt: skip
+    printed, said = process.stdout, process.stderr
+    assert printed is not None and said is not None  # noqa: PT018
+    errors = asyncio.create_task(said.read())
+    try:
+        return (await printed.readuntil(END_OF_RECORD)).decode()
+    except asyncio.LimitOverrunError:
+        raise RefusedError("the command says more than a page can hold") from None
+    except asyncio.IncompleteReadError as ended:
+        if await process.wait() == 0:
+            return ended.partial.decode()
+        lines = [line.removeprefix("stiction: ") for line in (await errors).decode(errors="replace").splitlines()]
+        told = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
+        raise RefusedError("\n".join(told[-3:]) or "the command was ended") from None
+    finally:
+        if process.returncode is None:
+            process.send_signal(signal.SIGINT)
+            with suppress(TimeoutError):
+                await asyncio.wait_for(process.wait(), PATIENCE)
+        if process.returncode is None:
+            process.kill()
+        errors.cancel()

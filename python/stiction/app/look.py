@@ -1,31 +1,26 @@
-"""What a scan holds, pictures beside the form, and two surfaces for whoever has none at hand."""
+"""`python -m stiction.app.look FILE UNIT SPACING MISSING`: what a scan holds, as JSON with a small picture."""
 
 from __future__ import annotations
 
 import base64
+import json
 import struct
+import sys
 import warnings
-from pathlib import Path
+import zlib
 from typing import Any
 
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.studies.members import pairs_of
-from stiction.studies.study import Study
 from stiction.surfaces.measured.reading import read_measurement
-from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import roughness_parameters, surface_parameters
-from stiction.surfaces.self_affine import self_affine_surface
 from stiction.views.digits import with_unit
 
-DRAWN = 160
-"""Rows, columns or points of a picture, at most."""
-
-COLOURS = ("#7a8490", "#8a63c7")
-"""Of lower and upper lines; both are seen on light and on dark ground."""
+DRAWN = 160  # rows, columns or points of a picture, at most
+COLOURS = ("#7a8490", "#8a63c7")  # of lower and upper lines; both are seen on light and on dark ground
 
 
 def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
@@ -47,44 +42,13 @@ def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
     if isinstance(level, Profile):
         kind, picture = "svg+xml", svg(level.heights[:: -(-len(level) // (3 * DRAWN))]).encode()
     else:
-        kind, picture = "bmp", bitmap(level.heights, level.extent)
+        kind, picture = "png", png(level.heights, level.extent)
     return {
         "holds": "profile" if is_line else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
-        "warning": "; ".join(str(each.message) for each in caught),
+        "points": int(np.size(body.heights)), "warning": "; ".join(str(each.message) for each in caught),
         "picture": f"data:image/{kind};base64,{base64.b64encode(picture).decode()}",
     }  # fmt: skip
-
-
-def surfaces(folder: Path) -> list[Path]:
-    """Write an upper and a lower ground face of 26 µm, heights 50 nm (Sq)."""
-    made = [folder / f"{side}.csv" for side in ("upper", "lower")]
-    for path in made:
-        face = self_affine_surface(
-            12, hurst_exponent=0.8, rms=0.05, shape=(128, 128), spacing=0.2, longest_wavelength=6.0,
-            shortest_wavelength=1.0, side=path.stem,  # type: ignore[arg-type]
-        )  # fmt: skip
-        path.unlink(missing_ok=True)
-        write_surface(face, path)
-    return made
-
-
-def profiles(changes: Any) -> str:
-    """A picture of the first pair of the study that `quick` is with these changes, around where its profiles touch.
-
-    Raises
-    ------
-    ValueError
-        If the study takes no such change.
-    """
-    study = Study.named("quick").with_changes(changes)
-    surfaces: Any = study.surfaces
-    upper, lower = next(iter(pairs_of(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))
-    touch = int(np.argmin(gap := upper.heights - lower.heights))
-    width = min(len(lower), round(4 * surfaces.longest() / lower.spacing))
-    start = max(0, min(touch - width // 2, len(lower) - width))
-    seen = slice(start, start + width, max(1, width // (3 * DRAWN)))
-    return svg(lower.heights[seen], upper.heights[seen] - gap[touch])
 
 
 def svg(*lines: Floats) -> str:
@@ -98,18 +62,22 @@ def svg(*lines: Floats) -> str:
     return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100">{drawn}</svg>'
 
 
-def bitmap(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """A map in greys as BMP, whose first row is the lowest, as that of a map is; its pixels are square."""
+def png(heights: Floats, extent: tuple[float, float]) -> bytes:
+    """A map in greys, whose first row is the lowest; its pixels are square."""
     sizes = [max(2, round(DRAWN * each / max(extent))) for each in extent]
     rows, columns = (np.linspace(0, n - 1, m).round().astype(int) for n, m in zip(heights.shape, sizes, strict=True))
-    thin = heights[np.ix_(rows, columns)]
+    thin = heights[np.ix_(rows[::-1], columns)]
     grey = np.rint(255 * (thin - thin.min()) / (float(np.ptp(thin)) or 1.0)).astype(np.uint8)
-    pixels = np.pad(grey, ((0, 0), (0, -sizes[1] % 4))).tobytes()
-    palette = np.repeat(np.arange(256, dtype=np.uint8), 4).tobytes()
-    head = (40, sizes[1], sizes[0], 1, 8, 0, len(pixels), 0, 0, 256, 0)
-    return (
-        struct.pack("<2sIII", b"BM", 1078 + len(pixels), 0, 1078)
-        + struct.pack("<IiiHHIIiiII", *head)
-        + palette
-        + pixels
+    parts = (
+        (b"IHDR", struct.pack(">2I5B", sizes[1], sizes[0], 8, 0, 0, 0, 0)),
+        (b"IDAT", zlib.compress(np.pad(grey, ((0, 0), (1, 0))).tobytes())),
+        (b"IEND", b""),
     )
+    chunks = [
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in parts
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+
+if __name__ == "__main__":
+    print(json.dumps(look(*sys.argv[1:])))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import fcntl
+import os
+import resource
 import shutil
 import signal
 import socket
@@ -12,20 +14,34 @@ import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from stiction.app.protocol import PatientProtocol
 from stiction.app.server import Server
 
 PREFIX = "stiction-app-"
 LOCK = "lock"
 
-ALONE = 60.0
-"""Seconds without a window after which the server ends."""
+ALONE = 90.0
+"""Seconds without a question of a window after which the server ends; browsers let a hidden one ask once a minute."""
 
-FIRST = 600.0
-"""Seconds that it waits for the first one."""
+FIRST = 600.0  # seconds that it waits for the first one
+MOST_CONNECTIONS = 100  # at a time
+PATIENCE = 5.0  # seconds for the head of a request
+SHARE = 0.75  # of the memory of the machine, that the server may take, and each of its commands
+
+
+class PatientProtocol(H11Protocol):
+    """HTTP/1.1 on a bounded number of connections, each of which asks for one thing, and soon."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Take a connection, or refuse it where there are too many."""
+        super().connection_made(transport)
+        if len(self.connections) > MOST_CONNECTIONS:
+            transport.abort()
+        self.loop.call_later(PATIENCE, lambda: None if self.cycle else transport.abort())
 
 
 @contextmanager
@@ -47,10 +63,22 @@ def private_folder() -> Iterator[Path]:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for a minute, or somebody interrupts."""
+def run(*, say: Callable[[str], None], first_study: Callable[..., Any], keep: bool = False, demo: bool = False) -> None:
+    """Serve the page until its last window has been closed for a while, or somebody interrupts.
+
+    Parameters
+    ----------
+    say : callable
+        What tells the person who began it.
+    first_study : callable
+        Of two files and the options of `pair` for them the study whose first members are a first answer, or None.
+    keep : bool
+        Whether it goes on without a window.
+    demo : bool
+        Whether the page begins with two surfaces of its own.
+    """
     with private_folder() as root, socket.create_server(("127.0.0.1", 0)) as listening:
-        server = Server(root, Path.cwd(), listening.getsockname()[1], has_demo=demo)
+        server = Server(root, Path.cwd(), listening.getsockname()[1], first_study=first_study, has_demo=demo)
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
             server, http=PatientProtocol, ws="none", lifespan="on", log_config=None, access_log=False,
@@ -66,19 +94,20 @@ async def _serve(serving: uvicorn.Server, server: Server, listening: socket.sock
     loop = asyncio.get_running_loop()
 
     def end() -> None:
-        server.closed.set()
         serving.should_exit = True
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, end)
     # Our own handlers: uvicorn would raise a signal once more, and the folder would stay.
     serving.capture_signals = suppress  # type: ignore[method-assign,assignment]
+    server.asked, patience = loop.time(), FIRST
     task = asyncio.create_task(serving.serve(sockets=[listening]))
     await asyncio.to_thread(webbrowser.open, address)
-    seen, patience = loop.time(), FIRST
+    memory = int(SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))  # not of the browser
+    resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
-        if server.windows:
-            seen, patience = loop.time(), ALONE
-        elif not keep and loop.time() - seen > patience:
+        if server.has_window:
+            patience = ALONE
+        if not keep and loop.time() - server.asked > patience:
             end()

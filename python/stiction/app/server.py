@@ -1,12 +1,14 @@
-"""The page's server: who may ask, what may be asked for, and when it ends."""
+"""The page's server: who may ask, and what may be asked for."""
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
 import json
+import os
 import re
 import secrets
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from importlib import resources
@@ -15,30 +17,27 @@ from string import Template
 from typing import Any
 
 from starlette.applications import Starlette
+from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response, StreamingResponse
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from stiction.app import jobs, made
 from stiction.app.jobs import Job, Jobs, RefusedError
+from stiction.mechanics.materials import materials
+from stiction.studies.store import open_stored
+from stiction.views.first import first_result
+from stiction.views.result import Result
 
-MOST_BYTES = 300_000_000
-"""Of a scan; as much text as the readers take."""
-
-MOST_IN_ALL = 2_000_000_000
-"""Of all scans."""
-
-MOST_ASKED = 2**16
-"""Bytes of any other request."""
-
-SLOWEST = 120.0
-"""Seconds for the body of a request."""
-
-LONGEST = 60
-"""Characters of the name of a scan."""
-
-MOST_LISTED = 100
-"""Results in the list."""
+MOST_BYTES = 300_000_000  # of a scan; as much text as the readers take
+MOST_IN_ALL = 2_000_000_000  # of all scans
+MOST_ASKED = 2**16  # bytes of any other request
+SLOWEST = 120.0  # seconds for a request and its answer
+LONGEST = 60  # characters of the name of a scan
+MOST_LISTED = 100  # results in the list
+MOST_POINTS = 2**21
+"""Of a scan, for a first answer: it is computed here, of scans that a command has read without fault."""
 
 OPTIONS = {
     "pair": ("unit", "spacing", "missing", "upper", "lower", "young", "poisson", "hardness", "mu0", "tau0", "load",
@@ -47,98 +46,82 @@ OPTIONS = {
 }  # fmt: skip
 """What the page may ask of each command."""
 
-ONLY_EXACT = ("hardness",)
-"""Options that asperities do not have."""
-
 PAGE = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "frame-ancestors 'self'"
 )
-APP = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-    "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
 HEADERS = {
+    "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "cache-control": "no-store", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
+    "connection": "close",  # what else somebody sends is not read
 }  # fmt: skip
+FOREIGN = PlainTextResponse("Pages of others have nothing to ask for here.\n", 403)
 
 
 class Server:
-    """What the page asks for, and its answers.
+    """What the page asks for, and its answers; scans and results are in `root`, results to open are listed of `here`.
 
-    Attributes
-    ----------
-    root : Path
-        A folder of its own, for scans and results.
-    here : Path
-        Where results are listed.
-    origin : str
-        Its own address, the only one that it answers to.
-    token : str
-        What the address has to say once.
+    It answers to `origin` alone, which has to say `token` once. When a window has `asked` last is by the loop's clock.
     """
 
-    def __init__(self, root: Path, here: Path, port: int, *, has_demo: bool = False) -> None:
-        self.root, self.here, self.has_demo = root, here, has_demo
+    def __init__(self, root: Path, here: Path, port: int, *, first_study: Any, has_demo: bool = False) -> None:
+        self.root, self.here, self.has_demo, self._first_study = root, here, has_demo, first_study
         self.host = f"127.0.0.1:{port}"
         self.origin = f"http://{self.host}"
         self.token: str | None = secrets.token_urlsafe(24)
         self._secret, self._cookie = secrets.token_urlsafe(24), f"stiction-{port}"
         self.jobs = Jobs(root)
-        self.scans: dict[str, tuple[Path, str]] = {}  # number, as text: the file and its checksum
-        self.windows = 0
-        self.closed = asyncio.Event()  # set when it is to end
+        self.scans: dict[str, Path] = {}
+        self.points: dict[str, int] = {}
+        self.asked, self.has_window = 0.0, False
         routes: list[tuple[str, str, Any]] = [
-            ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part), ("GET", "/events", self.events),
+            ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part),
             ("PUT", "/scans", self.take), ("GET", "/scans/{scan}", self.look), ("POST", "/demo", self.demo),
-            ("POST", "/jobs", self.ask), ("POST", "/jobs/{job:int}/stop", self.stop),
-            ("GET", "/jobs/{job:int}/at", self.at), ("GET", "/jobs/{job:int}/{what}", self.share),
-            ("GET", "/results", self.results), ("GET", "/profiles", self.profiles),
+            ("GET", "/scans/{scan}/{name}", self.scan), ("GET", "/jobs", self.list_jobs), ("POST", "/jobs", self.ask),
+            ("POST", "/jobs/{job:int}/stop", self.stop), ("GET", "/jobs/{job:int}/at", self.at),
+            ("GET", "/jobs/{job:int}/{what}", self.share), ("GET", "/results", self.results),
+            ("GET", "/profiles", self.profiles), ("POST", "/menu", self.menu),
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
-            exception_handlers={RefusedError: _refusal, ClientDisconnect: _refusal}, lifespan=self._life,
+            exception_handlers=dict.fromkeys((ValueError, RecursionError, ClientDisconnect), _refusal),
+            lifespan=self._life,
         )  # fmt: skip
 
     @asynccontextmanager
     async def _life(self, _: Starlette) -> AsyncIterator[None]:
-        working = asyncio.create_task(self.jobs.work())
         yield
-        self.closed.set()
-        working.cancel()
         for job in self.jobs.all.values():
             job.stop()
+        await asyncio.gather(*(job.task for job in self.jobs.all.values() if job.task), return_exceptions=True)
 
     # ---- Who may ask ------------------------------------------------------------------------------------------------
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         """Answer a request of our own page, and no other."""
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
-        request = Request(scope)
-        refusal = self._refused(request)
 
         async def sent(message: Any) -> None:
             if message["type"] == "http.response.start":
-                names = {name for name, _ in message["headers"]}
-                more = HEADERS | ({} if b"content-security-policy" in names else {"content-security-policy": APP})
-                if message["status"] >= 400:  # what else somebody sends is not read
-                    more = more | {"connection": "close"}
-                message["headers"] = [*message["headers"], *((k.encode(), v.encode()) for k, v in more.items())]
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers.setdefault(name, value)
             await send(message)
 
-        await (refusal or self._app)(scope, receive, sent)
+        if scope["type"] != "http":
+            return await self._app(scope, receive, send)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(SLOWEST):
+                await (self._refused(Request(scope)) or self._app)(scope, receive, sent)
 
     def _refused(self, request: Request) -> Response | None:
         headers = request.headers
         if headers.getlist("host") != [self.host]:
             return PlainTextResponse(f"This server answers to {self.origin} alone.\n", 421)
         origin = headers.getlist("origin")
-        foreign = headers.get("sec-fetch-site", "none") not in ("same-origin", "none")
         if any(each != self.origin for each in origin) or (request.method != "GET" and not origin):
-            return PlainTextResponse("Pages of others have nothing to ask for here.\n", 403)
+            return FOREIGN
         token = request.query_params.get("token", "")
         if request.url.path == "/" and request.method == "GET" and token:
             if self.token is not None and _same(token, self.token):
@@ -146,8 +129,8 @@ class Server:
                 response = RedirectResponse("/", 303)
                 response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
                 return response
-        elif foreign:
-            return PlainTextResponse("Pages of others have nothing to ask for here.\n", 403)
+        elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
+            return FOREIGN
         if not _same(request.cookies.get(self._cookie, ""), self._secret):
             return PlainTextResponse("Open the address that `stiction app` has printed: it opens one browser.\n", 403)
         return None
@@ -156,137 +139,123 @@ class Server:
 
     async def page(self, _: Request) -> Response:
         """The page itself."""
-        from stiction.mechanics.materials import materials
-
         words = "".join(
             f'<option value="{each.name}" data-young="{float(each.young_modulus):.4g}" '
             f'data-poisson="{float(each.poisson_ratio):.3g}">{each.name}</option>'
             for each in sorted(materials(), key=lambda each: each.name)
         )
-        text = Template(_file("app.html")).substitute(
-            materials=words, demo="demo" if self.has_demo else "", most=MOST_BYTES
-        )
+        demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
+        text = Template(_file("app.html")).substitute(materials=words, demo=demo, menu=menu, most=MOST_BYTES)
         return Response(text, media_type="text/html")
 
     async def part(self, request: Request) -> Response:
         """Its script and its style, behind those of the report that it shares."""
         kinds = {"js": ("text/javascript", "numbers.js"), "css": ("text/css", "page.css")}
-        if (kind := request.path_params["kind"]) not in kinds:
-            raise HTTPException(404)
-        media, shared = kinds[kind]
+        media, shared = kinds.get(kind := request.path_params["kind"]) or _missing()
         return Response(_file(shared, "stiction.views.report") + _file(f"app.{kind}"), media_type=media)
 
-    async def events(self, _: Request) -> Response:
-        """All jobs whenever something about them is new, as long as a window is open."""
-
-        async def told() -> AsyncIterator[str]:
-            self.windows += 1
-            last, quiet = "", 0
-            try:
-                while not self.closed.is_set():
-                    now = self.jobs.without_paths(json.dumps([job.public() for job in self.jobs.all.values()]))
-                    quiet += 1
-                    if now != last or quiet > 50:  # also so that a window that is gone is noticed
-                        yield f"data: {now}\n\n"
-                        last, quiet = now, 0
-                    with suppress(TimeoutError):
-                        await asyncio.wait_for(self.closed.wait(), 0.2)
-            finally:
-                self.windows -= 1
-
-        return StreamingResponse(told(), media_type="text/event-stream")
+    async def menu(self, _: Request) -> Response:
+        """Put the server into the applications menu of this person's desktop, to be begun without a terminal."""
+        if re.search(r'["`$\\%\n]', f"{sys.executable}{self.here}"):
+            raise RefusedError(f"{sys.executable}: a menu cannot hold this name")
+        data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
+        data.mkdir(parents=True, exist_ok=True)
+        (data / "stiction.desktop").write_text(
+            "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
+            f'Exec="{sys.executable}" -P -m stiction app\nPath={self.here}\nCategories=Science;\n',
+            "utf-8",
+        )
+        return JSONResponse({"file": str(data / "stiction.desktop")})
 
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
     async def take(self, request: Request) -> Response:
         """Take a scan under the last part of its name, without whatever could mean something to a file system."""
-        room = min(MOST_BYTES, MOST_IN_ALL - sum(path.stat().st_size for path, _ in self.scans.values()))
-        too_large = f"a scan may have {room / 1e6:.0f} MB here"
-        length = request.headers.get("content-length", "0")
-        if not length.isdecimal() or int(length) > room:
-            raise HTTPException(413, too_large)
+        _check_length(request, min(MOST_BYTES, MOST_IN_ALL - sum(path.stat().st_size for path in self.scans.values())))
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
         stem, dot, ending = name.rpartition(".")
         name = f"{(stem or 'scan')[: LONGEST - 10]}{dot}{ending[:9]}" if dot else (name or "scan")[:LONGEST]
-        number = f"{len(self.scans) + 1}-{secrets.token_hex(4)}"
-        partial = self.root / f"{number}.partial"
-        digest, size = hashlib.sha256(), 0
+        partial = self.root / f"{secrets.token_hex(4)}.partial"
+        digest = hashlib.sha256(name.encode())
         try:
-            async with asyncio.timeout(SLOWEST):
-                with partial.open("wb") as file:
-                    async for chunk in request.stream():
-                        size += len(chunk)
-                        if size > room:
-                            raise HTTPException(413, too_large)
-                        digest.update(chunk)
-                        await asyncio.to_thread(file.write, chunk)
-            return JSONResponse({"scan": self._keep(partial, name, digest.hexdigest())})
-        except TimeoutError:
-            raise HTTPException(408) from None
+            with partial.open("wb") as file:
+                async for chunk in request.stream():
+                    digest.update(chunk)
+                    await asyncio.to_thread(file.write, chunk)
+            scan = digest.hexdigest()[:16]  # the same scan once more is no other
+            self.scans[scan] = self.root / "files" / scan / name
+            self.scans[scan].parent.mkdir(parents=True, exist_ok=True)
+            partial.rename(self.scans[scan])
         finally:
             partial.unlink(missing_ok=True)
-
-    def _keep(self, partial: Path, name: str, digest: str) -> str:
-        """Give a scan its number; one that is there already has one."""
-        for number, (path, known) in self.scans.items():
-            if path.name == name and known == digest:
-                return number
-        number = f"{len(self.scans) + 1}"
-        path = self.root / "files" / number / name
-        path.parent.mkdir(parents=True)
-        partial.rename(path)
-        self.scans[number] = path, digest
-        return number
+        return JSONResponse({"scan": scan})
 
     async def demo(self, _: Request) -> Response:
         """Two surfaces of our own, as if they had been dropped."""
-        from stiction.app.look import surfaces
+        found = await asyncio.to_thread(made.surfaces, self.root / "files" / "demo")
+        self.scans |= {path.stem: path for path in found}
+        return JSONResponse([{"scan": path.stem, "name": path.name} for path in found])
 
-        made = await asyncio.to_thread(surfaces, self.root)
-        return JSONResponse([{"scan": self._keep(path, path.name, path.name), "name": path.name} for path in made])
-
-    def _scan(self, number: object) -> str:
+    def _scan(self, number: object) -> Path:
         if number not in self.scans:
             raise HTTPException(404, "this scan is not here any more: drop it again")
-        return str(self.scans[str(number)][0].relative_to(self.root))
+        return self.scans[str(number)]
+
+    async def scan(self, request: Request) -> Response:
+        """A scan as a file."""
+        path = self._scan(request.path_params["scan"])
+        return FileResponse(path, filename=path.name)
 
     async def look(self, request: Request) -> Response:
         """What a scan holds."""
-        reading = [request.query_params.get(name, "")[:40] for name in ("unit", "spacing")]
-        missing = "interpolate" if request.query_params.get("missing") else "error"
-        said = await self.jobs.call(["look", self._scan(request.path_params["scan"]), *reading, missing])
-        return Response(self.jobs.without_paths(said), media_type="application/json")
+        scan, query = request.path_params["scan"], request.query_params
+        reading = [query.get(name, "")[:40] for name in ("unit", "spacing")]
+        said = await self.jobs.look([str(self._scan(scan)), *reading, query.get("missing") or "error"])
+        self.points[scan] = json.loads(said).get("points", 0)
+        return Response(said, media_type="application/json")
 
     # ---- Jobs -------------------------------------------------------------------------------------------------------
 
+    async def list_jobs(self, _: Request) -> Response:
+        """How far every job has come."""
+        self.asked, self.has_window = asyncio.get_running_loop().time(), True
+        return Response(self.jobs.without_paths(json.dumps([job.public() for job in self.jobs.all.values()])),
+                        media_type="application/json")  # fmt: skip
+
     async def ask(self, request: Request) -> Response:
         """Put a command into the queue: `pair` of two scans, `run` of generated surfaces, or a result to be opened."""
-        asked = await _asked(request)
-        command = asked.get("command")
-        if command == "open":
-            return JSONResponse({"job": self.jobs.open(self._folder(asked.get("name"))).number})
-        if command not in OPTIONS or not isinstance(options := asked.get("options"), list):
+        _check_length(request, MOST_ASKED)
+        if not isinstance(asked := await request.json(), dict):
             raise HTTPException(400)
-        chosen = []
+        command, options = asked.get("command"), asked.get("options")
+        if command == "open":
+            folder = self._folder(asked.get("name"))
+            return _begun(self.jobs.add(folder.name, ["info", folder.name], folder=folder))
+        if command not in OPTIONS or not isinstance(options, list):
+            raise HTTPException(400)
         for name, value in options:
             if name not in OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
-            chosen.append(f"--{name}={value}")
+        chosen = [f"--{name}={value}" for name, value in options]
         if command == "run":
-            job = self.jobs.add("Generated profiles", ["run", "quick", *chosen])
-            return JSONResponse({"job": job.number})
-        files = [self._scan(asked.get(side)) for side in ("upper", "lower")]
-        arguments = ["pair", *files, *chosen]
-        fast = [each for each in arguments if not each.startswith(tuple(f"--{name}=" for name in ONLY_EXACT))]
-        fast += ["--mechanics=asperities", "--onset=0", "--shifts=4"]
-        title = " on ".join(Path(file).name for file in files)
-        job = self.jobs.add(title, arguments, fast=fast if asked.get("maps") is True else None)
-        return JSONResponse({"job": job.number})
+            return _begun(self.jobs.add("Generated profiles", ["run", "quick", *chosen]))
+        scans = [asked.get(side) for side in ("upper", "lower")]
+        files = [self._scan(scan) for scan in scans]
+        is_small = all(0 < self.points.get(str(scan), 0) <= MOST_POINTS for scan in scans)
+
+        def first() -> Result | None:
+            study = self._first_study(files, options)
+            return None if study is None else first_result(study)
+
+        return _begun(
+            self.jobs.add(
+                " on ".join(file.name for file in files), ["pair", *map(str, files), *chosen],
+                first=first if is_small else None,
+            )
+        )  # fmt: skip
 
     def _job(self, request: Request) -> Job:
-        if (job := self.jobs.all.get(request.path_params["job"])) is None:
-            raise HTTPException(404)
-        return job
+        return self.jobs.all.get(request.path_params["job"]) or _missing()
 
     async def stop(self, request: Request) -> Response:
         """End a job; what is finished of it is kept."""
@@ -294,37 +263,20 @@ class Server:
         return JSONResponse({})
 
     async def at(self, request: Request) -> Response:
-        """The answer of a result for another mu0 and tau0, as `stiction at` gives it."""
-        job = self._job(request)
-        wanted = [f"--{n}={v[:40]}" for n in ("load", "mu0", "tau0", "d") if (v := request.query_params.get(n))]
-        if job.shown is None:
-            raise HTTPException(404)
-        return Response(
-            self.jobs.without_paths(await self.jobs.call(["at", str(job.shown), "--json", *wanted])),
-            media_type="application/json",
-        )
+        """The answer of a result for another mu0 and tau0."""
+        result, query = self._job(request).result or _missing(), request.query_params
+        numbers = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
+        dimension = float(query["d"]) if "d" in query else None
+        said = await asyncio.to_thread(jobs.at, result, numbers, dimension)
+        return Response(self.jobs.without_paths(said), media_type="application/json")
 
     async def share(self, request: Request) -> Response:
         """A page, JSON, CSV or the study of a job."""
-        job, what = self._job(request), request.path_params["what"]
-        if job.shown is None or not job.pages:
-            raise HTTPException(404)
-        policy = {"content-security-policy": PAGE}
-        if what == "page.html":
-            text, media = await asyncio.to_thread(job.pages[-1].read_text, "utf-8"), "text/html"
-        elif what == "result.json":
-            text, media = json.dumps(job.record, ensure_ascii=False, indent=1), "application/json"
-        elif what == "study.toml":
-            text, media = (job.shown / what).read_text("utf-8"), "text/plain"
-        elif what == "result.csv":
-            path = self.root / f"{secrets.token_hex(4)}.csv"
-            await self.jobs.call(["export", str(job.shown), str(path)])
-            text, media = path.read_text("utf-8"), "text/csv"
-            path.unlink()
-        else:
-            raise HTTPException(404)
-        saved = {"content-disposition": f'attachment; filename="{what}"'} if "save" in request.query_params else {}
-        return Response(self.jobs.without_paths(text), media_type=media, headers=policy | saved)
+        folder, what = self._job(request).files or _missing(), request.path_params["what"]
+        if what not in ("page.html", "result.csv", "result.json", "study.toml"):
+            _missing()
+        name = what if "save" in request.query_params else None
+        return FileResponse(folder / what, filename=name, headers={"content-security-policy": PAGE})
 
     # ---- Results that are there, and generated surfaces -------------------------------------------------------------
 
@@ -333,10 +285,8 @@ class Server:
         return sorted(found, key=lambda each: each.name)[:MOST_LISTED]
 
     def _folder(self, name: object) -> Path:
-        for folder in self._folders():
-            if folder.name == name:
-                return folder
-        raise HTTPException(404, "there is no such result any more")
+        found = [folder for folder in self._folders() if folder.name == name]
+        return found[0] if found else _missing("there is no such result any more")
 
     async def results(self, _: Request) -> Response:
         """The results in the folder in which the server was begun, and how far each has come."""
@@ -344,18 +294,14 @@ class Server:
 
     async def profiles(self, request: Request) -> Response:
         """A picture of two generated profiles around where they first touch."""
-        from stiction.app.look import profiles
-
         try:
             changes = json.loads(request.query_params.get("set", ""))
-            return Response(await asyncio.to_thread(profiles, changes), media_type="image/svg+xml")
-        except (ValueError, TypeError, AttributeError) as error:
+            return Response(await asyncio.to_thread(made.profiles, changes), media_type="image/svg+xml")
+        except (TypeError, AttributeError) as error:
             raise RefusedError(str(error)) from None
 
 
 def _listed(folder: Path) -> dict[str, Any]:
-    from stiction.studies.store import open_stored
-
     try:
         stored = open_stored(folder)
     except ValueError as error:
@@ -374,19 +320,22 @@ def _same(one: str, other: str) -> bool:
     return secrets.compare_digest(one.encode(), other.encode())
 
 
+def _missing(why: str | None = None) -> Any:
+    raise HTTPException(404, why)
+
+
+def _begun(job: Job) -> Response:
+    return JSONResponse({"job": job.number})
+
+
 async def _refusal(_: Request, refused: Exception) -> Response:
     return PlainTextResponse(str(refused), 400)
 
 
-async def _asked(request: Request) -> dict[str, Any]:
-    """A small body of JSON."""
-    body = b""
-    async with asyncio.timeout(SLOWEST):
-        async for chunk in request.stream():
-            body += chunk
-            if len(body) > MOST_ASKED:
-                raise HTTPException(413)
-    with suppress(ValueError):
-        if isinstance(asked := json.loads(body), dict):
-            return asked
-    raise HTTPException(400)
+def _check_length(request: Request, most: int) -> None:
+    """Refuse a body that is too long, or does not say how long it is."""
+    length = request.headers.get("content-length", "")
+    if "transfer-encoding" in request.headers or not length.isdecimal():
+        raise HTTPException(411)
+    if int(length) > most:
+        raise HTTPException(413, f"a scan may have {most / 1e6:.0f} MB here")

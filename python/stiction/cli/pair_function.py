@@ -148,7 +148,7 @@ def pair(
         bodies = list(map(_checked, ("first", "second"), (first, second)))
         _refuse_of_bodies(options, bodies)
         files = [_file(body, folder, side) for side, body in zip(("upper", "lower"), bodies, strict=True)]
-        asked = Asked.asking(options | dict(zip(("upper", "lower"), files, strict=True)), _defaults())
+        asked = Asked.asking(options | dict(zip(("upper", "lower"), files, strict=True)), defaults())
         study = asked.studies()[0]
         about(study)  # refuses what cannot be pressed, before anything is computed
         with threads(None) if executor is None else nullcontext(executor) as workers:
@@ -226,7 +226,7 @@ _TEXTS: dict[str, Callable[[str, Any], Any]] = {
 """What the command takes of each argument."""
 
 
-def _defaults() -> dict[str, Any]:
+def defaults() -> dict[str, Any]:
     """What the command has where an option is not given: its own signature, so that there is one table."""
     from stiction.cli.pair import pair as of_command
 

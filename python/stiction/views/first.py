@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
-from stiction.studies.at_load import at_load
 from stiction.studies.members import about
 from stiction.studies.pressed import member_sums
 from stiction.studies.result import dataset_of, stacked
 from stiction.studies.study import Study
-from stiction.studies.tables import MeasuredFriction
-from stiction.views.answer import answers
 from stiction.views.digits import two_digits, with_unit
 from stiction.views.point import RULES
+from stiction.views.result import Result
 
 MEMBERS = 4
 """Whose mean is the first answer."""
 
 LINES = 3
 """Answers that are shown, at most."""
+
+
+def first_result(study: Study) -> Result:
+    """What the first members of a study of asperities give, in memory.
+
+    Raises
+    ------
+    ValueError
+        If the bodies cannot be pressed.
+    """
+    members = range(min(MEMBERS, study.ensemble.repetitions))
+    arrays = stacked(study, [member_sums(study, member) for member in members])
+    return Result(dataset_of(study, members, arrays, about(study)))
 
 
 def first_text(study: Study) -> str:
@@ -27,13 +38,10 @@ def first_text(study: Study) -> str:
     ValueError
         If nothing touches.
     """
-    assert isinstance(study.friction, MeasuredFriction)
-    members = range(min(MEMBERS, study.ensemble.repetitions))
-    arrays = stacked(study, [member_sums(study, member) for member in members])
-    result = dataset_of(study, members, arrays, about(study))
-    at = at_load(result, [float(load) for load in study.friction.load])
-    lines = [f"at first, by asperities at {len(members)} positions, while the half-space is solved:"]
-    for one in answers(at, study)[:LINES]:
+    result = first_result(study)
+    members = result.dataset.sizes["repetition"]
+    lines = [f"at first, by asperities at {members} positions, while the half-space is solved:"]
+    for one in result.answers[:LINES]:
         rules = ", ".join(
             f"{two_digits(rule.value, rule.lower, rule.upper)} {RULES[rule.rule]}" for rule in one.rules
         )  # fmt: skip
