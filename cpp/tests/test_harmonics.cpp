@@ -85,6 +85,7 @@ TEST_CASE("the sum refuses what it cannot resolve") {
   refuses(phases, weights, {0.01, 0});
   refuses(phases, weights, {0.01, 10, -1.0});
   refuses(phases, weights, {0.01, 10, 1.0, 1.0});
-  refuses(phases, weights, {0.01, 10, 1.0, 1e4});
-  CHECK_NOTHROW(stiction::harmonic_profiles(phases, weights, {0.01, 10, 1.0, 1e4, true}));
+  // 1e40 turns, which no long double resolves, not even that of 113 bits on aarch64.
+  refuses(phases, weights, {0.01, 10, 1.0, 1e8});
+  CHECK_NOTHROW(stiction::harmonic_profiles(phases, weights, {0.01, 10, 1.0, 1e8, true}));
 }
