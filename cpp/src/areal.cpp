@@ -77,15 +77,32 @@ RowRange range_of(const double* upper, const double* lower, Index size) {
           *std::max_element(largest, largest + width), std::accumulate(zero, zero + width, 0.0)};
 }
 
+STICTION_MULTIVERSION
+void subtract(const double* upper, const double* lower, Index size, double offset, double* result) {
+  for (Index i = 0; i < size; ++i) {
+    result[i] = (upper[i] - lower[i]) - offset;
+  }
+}
+
 // Marks the points of a row of which none of the eight neighbours is lower by more than round-off and that are at most
 // `deepest` high, but for both ends.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  for (Index i = 1; i + 1 < size; ++i) {
-    const double z = at[i] - round_off;
-    marks[i] = (at[i] <= deepest) & (z <= at[i - 1]) & (z <= at[i + 1]) & (z <= above[i - 1]) & (z <= above[i]) &
-               (z <= above[i + 1]) & (z <= below[i - 1]) & (z <= below[i]) & (z <= below[i + 1]);
+  constexpr Index block = 32;  // of which few have points that low
+  for (Index first = 1; first + 1 < size; first += block) {
+    const Index end = std::min(first + block, size - 1);
+    unsigned char any = 0;
+    for (Index i = first; i < end; ++i) {
+      marks[i] = static_cast<unsigned char>(at[i] <= deepest);
+      any |= marks[i];
+    }
+    for (Index i = first; any != 0 && i < end; ++i) {
+      const double z = at[i] - round_off;
+      marks[i] &=
+          static_cast<unsigned char>((z <= at[i - 1]) & (z <= at[i + 1]) & (z <= above[i - 1]) & (z <= above[i]) &
+                                     (z <= above[i + 1]) & (z <= below[i - 1]) & (z <= below[i]) & (z <= below[i + 1]));
+    }
   }
 }
 
@@ -230,10 +247,10 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     checkpoint();
     auto spline = work.topLeftCorner(tile.rows + 2, tile.columns + 2);
     auto heights = spline.block(1, 1, tile.rows, tile.columns);
-    const auto of_tile = [&](const MatrixView& map) {
-      return map.block(tile.row, tile.column, tile.rows, tile.columns).array();
-    };
-    heights = ((of_tile(pair.upper) - of_tile(pair.lower)) - range.lowest).matrix();
+    for (Index row = 0; row < tile.rows; ++row) {
+      subtract(pair.upper.row(tile.row + row).data() + tile.column, pair.lower.row(tile.row + row).data() + tile.column,
+               tile.columns, range.lowest, &heights(row, 0));
+    }
     const Cells cells{tile.cells.row - tile.row, tile.cells.column - tile.column, tile.cells.rows, tile.cells.columns};
     for (Index row = std::max<Index>(cells.row, 1); row < cells.row + cells.rows; ++row) {
       const double* at = &heights(row, 0);
@@ -248,7 +265,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     if (found.empty()) {
       continue;
     }
-    heights = (of_tile(pair.lower) - offset).matrix();
+    heights = (pair.lower.block(tile.row, tile.column, tile.rows, tile.columns).array() - offset).matrix();
     natural_bicubic(spline);
     for (const Minimum& one : found) {
       places.push_back({one, at_minimum(spline, one)});

@@ -8,52 +8,28 @@
 namespace stiction {
 namespace {
 
-// Whether two ellipses overlap whose centres are r apart: they are apart where for some λ in (0, 1)
-// λ (1 - λ) rᵀ [(1 - λ) A + λ B]⁻¹ r > 1, a function with one maximum (Perram & Wertheim, J. Comput. Phys. 58 (1985)
-// 409), found here by golden section.
+// Whether two ellipses overlap whose centres are r apart: they are apart where for some t in (0, 1)
+// t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 (Perram & Wertheim, J. Comput. Phys. 58 (1985) 409). Times the determinant of
+// what is in brackets that is a cubic above 0, whose ends are below.
 bool overlap(const Shape& a, double a_size, const Shape& b, double b_size, const Vector2& r) {
-  const auto contact = [&](double at) {
-    const double one = (1.0 - at) * a_size;
-    const double other = at * b_size;
-    const double xx = one * a.xx + other * b.xx;
-    const double xy = one * a.xy + other * b.xy;
-    const double yy = one * a.yy + other * b.yy;
-    return at * (1.0 - at) * (yy * r.x() * r.x() - 2.0 * xy * r.x() * r.y() + xx * r.y() * r.y()) / (xx * yy - xy * xy);
-  };
-  // It is at most λ α and (1 - λ) β, α and β being rᵀ A⁻¹ r and rᵀ B⁻¹ r, and so at most 1/(1/α + 1/β).
-  const auto inverse_square = [&](const Shape& shape, double size) {
-    return size * (shape.xx * shape.yy - shape.xy * shape.xy) /
-           (shape.yy * r.x() * r.x() - 2.0 * shape.xy * r.x() * r.y() + shape.xx * r.y() * r.y());
-  };
-  if (inverse_square(a, a_size) + inverse_square(b, b_size) >= 1.0) {
+  const auto of_a = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
+  const auto of_b = b_size * (b.yy * r.x() * r.x() - 2.0 * b.xy * r.x() * r.y() + b.xx * r.y() * r.y());
+  const double square_a = a_size * a_size * (a.xx * a.yy - a.xy * a.xy);
+  const double square_b = b_size * b_size * (b.xx * b.yy - b.xy * b.xy);
+  const double mixed = a_size * b_size * (a.xx * b.yy + a.yy * b.xx - 2.0 * a.xy * b.xy);
+  const double first = of_a + 2.0 * square_a - mixed;
+  const double second = of_b - 2.0 * of_a - square_a - square_b + mixed;
+  const double third = of_a - of_b;
+  const double discriminant = second * second - 3.0 * first * third;
+  if (!(discriminant > 0.0)) {
     return true;
   }
-  constexpr double golden = 0.6180339887498949;
-  double low = 0.0;
-  double high = 1.0;
-  double left = 1.0 - golden;
-  double right = golden;
-  double at_left = contact(left);
-  double at_right = contact(right);
-  for (int i = 0; i < 25; ++i) {
-    if (at_left > 1.0 || at_right > 1.0) {
-      return false;
-    }
-    if (at_left > at_right) {
-      high = right;
-      right = left;
-      at_right = at_left;
-      left = high - golden * (high - low);
-      at_left = contact(left);
-    } else {
-      low = left;
-      left = right;
-      at_left = at_right;
-      right = low + golden * (high - low);
-      at_right = contact(right);
-    }
-  }
-  return true;
+  const double root = std::sqrt(discriminant);
+  const double t = second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);  // of the maximum
+  const double s = 1.0 - t;
+  const bool apart =
+      t > 0.0 && s > 0.0 && s * t * (s * of_a + t * of_b) > s * s * square_a + s * t * mixed + t * t * square_b;
+  return !apart;
 }
 
 }  // namespace

@@ -65,25 +65,26 @@ void pull_along(const Vector3& normal, const double* towards, std::size_t ways, 
     const double along = x * towards[d] + y * towards[ways + d];
     const double across = y * towards[d] - x * towards[ways + d];
     const double length = std::sqrt(z * z + across * across);
+    const double drawn = along / length;
     const double share = (all | (along < 0.0)) ? 1.0 : 0.0;
     pulls[d] = -along * share;
     pulls[ways + d] = -across * share;
-    pulls[2 * ways + d] = along * (z / length) * share;
+    pulls[2 * ways + d] = drawn * z * share;
     pulls[3 * ways + d] = length * share;
-    pulls[4 * ways + d] = -along * (across / length) * share;
+    pulls[4 * ways + d] = -drawn * across * share;
   }
 }
 
 constexpr std::size_t block = 16;  // contacts that are added together
-constexpr std::size_t widest_pack = 8;
 
 // sums(d, m, k) += Σ_i pulls(i, m, d) values(i, k) over the contacts i of a block, force for the first sums m and area
-// for the others. There are `steps` values, a whole number of packs of any width.
+// for the others, from the step `begin` on. Both numbers of steps are a whole number of packs of any width.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* pulls, const double* force, const double* area,
-                                      std::size_t contacts, std::size_t ways, std::size_t steps, double* sums) {
+                                      std::size_t contacts, std::size_t ways, std::size_t begin, std::size_t steps,
+                                      double* sums) {
   for (std::size_t d = 0; d < ways; ++d) {
-    for (std::size_t k = 0; k < steps; k += Width) {
+    for (std::size_t k = begin; k < steps; k += Width) {
       double* sum = sums + d * directed_sums * steps + k;
       Pack<Width> total[directed_sums];
       for (std::size_t m = 0; m < directed_sums; ++m) {
@@ -109,8 +110,8 @@ STICTION_INLINE void add_block_kernel(const double* pulls, const double* force, 
 
 STICTION_KERNEL(add_block,
                 (const double* pulls, const double* force, const double* area, std::size_t contacts, std::size_t ways,
-                 std::size_t steps, double* sums),
-                (pulls, force, area, contacts, ways, steps, sums))
+                 std::size_t begin, std::size_t steps, double* sums),
+                (pulls, force, area, contacts, ways, begin, steps, sums))
 
 }  // namespace
 
@@ -161,7 +162,8 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
   const double widest = found.spacing.maxCoeff();
   const std::vector<std::size_t> overlapping = first_overlaps(found.all, approaches, checkpoint);
   std::vector<ArealSums> common(steps);  // what all directions share
-  const std::size_t packed = (steps + widest_pack - 1) / widest_pack * widest_pack;
+  const auto whole_packs = [](std::size_t count) { return count / widest_pack * widest_pack; };
+  const std::size_t packed = whole_packs(steps + widest_pack - 1);
   std::vector<double> sums(ways * directed_sums * packed, 0.0);
   std::vector<double> force(block * packed);
   std::vector<double> area(block * packed);
@@ -171,19 +173,34 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
     towards[d] = directions[d].x();
     towards[ways + d] = directions[d].y();
   }
+  // The first to touch first, so that those that are added together begin at about one step.
+  struct Touching {
+    std::size_t candidate;
+    std::size_t begin;
+  };
+  std::vector<Touching> touching;
+  for (std::size_t i = 0; i < found.all.size(); ++i) {
+    const std::size_t begin = first_step(found.all[i], approaches);
+    if (begin < steps) {
+      touching.push_back({i, begin});
+    }
+  }
+  std::stable_sort(touching.begin(), touching.end(),
+                   [](const Touching& a, const Touching& b) { return a.begin < b.begin; });
   std::size_t waiting = 0;
+  std::size_t earliest = 0;
   const auto add_waiting = [&] {
     checkpoint();
-    add_block(pulls.data(), force.data(), area.data(), waiting, ways, packed, sums.data());
+    add_block(pulls.data(), force.data(), area.data(), waiting, ways, whole_packs(earliest), packed, sums.data());
     std::fill(force.begin(), force.end(), 0.0);
     std::fill(area.begin(), area.end(), 0.0);
     waiting = 0;
   };
   const auto with = [&](const auto& one_law) {
-    for (std::size_t i = 0; i < found.all.size(); ++i) {
+    for (const auto [i, begin] : touching) {
       const ArealCandidate& one = found.all[i];
       const double radius = one.radii.mean();
-      const std::size_t begin = first_step(one, approaches);
+      earliest = waiting == 0 ? begin : earliest;
       std::optional<Edges> edges;
       for (std::size_t k = begin; k < steps; ++k) {
         const double overlap = one.overlap(approaches[k]);
@@ -202,10 +219,8 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
         common[k].load_overlapping += k >= overlapping[i] ? load : 0.0;
         common[k].load_at_edge += cut ? load : 0.0;
       }
-      if (begin < steps) {
-        pull_along(one.normal, towards.data(), ways, sliding == Sliding::all, &pulls[waiting * of_force * ways]);
-        waiting += 1;
-      }
+      pull_along(one.normal, towards.data(), ways, sliding == Sliding::all, &pulls[waiting * of_force * ways]);
+      waiting += 1;
       if (waiting == block) {
         add_waiting();
       }

@@ -27,6 +27,27 @@ constexpr double same = 1e-6;
 STICTION_INLINE double least(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double most(double a, double b) { return a > b ? a : b; }
 
+// Cells of a row that are left out together where no coefficient is low enough; they have three columns more.
+constexpr Index block = 29;
+
+// Whether a block in a row of coefficients is low enough.
+STICTION_MULTIVERSION
+void mark_low(const double* coefficients, Index cells, double highest, unsigned char* marks) {
+  for (Index first = 0; first < cells; first += block) {
+    unsigned char any = 0;
+    if (first + block <= cells) {
+      for (Index i = first; i < first + block + 3; ++i) {
+        any |= static_cast<unsigned char>(coefficients[i] <= highest);
+      }
+    } else {
+      for (Index i = first; i < cells + 3; ++i) {
+        any |= static_cast<unsigned char>(coefficients[i] <= highest);
+      }
+    }
+    *marks++ = any;
+  }
+}
+
 // Ranges of one column of four coefficients, or of the differences of two such columns.
 struct Ranges {
   explicit Ranges(Index columns) : work(static_cast<std::size_t>(5 * columns)), size(columns) {}
@@ -207,7 +228,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
 }
 
 // The quarters of a part: left and right of the lower half, and of the upper one.
-void quarter(const Net& net, Nets<4>& quarters) {
+STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {
     std::array<double, 4> lower;
@@ -233,22 +254,24 @@ void quarter(const Net& net, Nets<4>& quarters) {
 }
 
 template <std::size_t Width>
-STICTION_INLINE void examine_quarters_kernel(const double* quarters, double highest, double round_off,
+STICTION_INLINE void examine_quarters_kernel(const Net& whole, double highest, double round_off, Nets<4>& quarters,
                                              Finding* findings) {
   constexpr std::size_t width = Width < 4 ? Width : 4;
+  quarter(whole, quarters);
   for (std::size_t k = 0; k < 4; k += width) {
     PackNet<width> net;
     for (std::size_t j = 0; j < 4; ++j) {
       for (std::size_t i = 0; i < 4; ++i) {
-        net[j][i] = load<width>(quarters + 4 * (4 * j + i) + k);
+        net[j][i] = load<width>(&quarters[j][i][k]);
       }
     }
     examine<width>(net, highest, Pack<width>{} + round_off, findings + k);
   }
 }
 
-STICTION_KERNEL(examine_quarters, (const double* quarters, double highest, double round_off, Finding* findings),
-                (quarters, highest, round_off, findings))
+STICTION_KERNEL(examine_quarters,
+                (const Net& whole, double highest, double round_off, Nets<4>& quarters, Finding* findings),
+                (whole, highest, round_off, quarters, findings))
 
 template <std::size_t lanes>
 Net one_of(const Nets<lanes>& nets, std::size_t lane) {
@@ -268,7 +291,7 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double highest)
       : coefficients_(coefficients), row_(row), column_(column), highest_(highest) {}
 
-  // Calls found(Minimum), whose u and v may be somewhat beyond the cell.
+  // Calls found(Minimum), without what is there, whose u and v may be somewhat beyond the cell.
   template <class Found>
   void search(const Net& net, double round_off, Finding finding, const Found& found) const {
     part(net, 0.0, 0.0, 1.0, round_off, finding, found);
@@ -296,8 +319,7 @@ class Cell {
     }
     Nets<4> quarters;
     std::array<Finding, 4> findings;
-    quarter(net, quarters);
-    examine_quarters(quarters[0][0].data(), highest_, round_off, findings.data());
+    examine_quarters(net, highest_, round_off, quarters, findings.data());
     const double half = 0.5 * size;
     for (std::size_t k = 0; k < 4; ++k) {
       if (findings[k] != Finding::none) {
@@ -320,7 +342,7 @@ class Cell {
       const double length = most(std::abs(du), std::abs(dv));
       // Where the floor is nearly level, steps never become shorter than round-off makes them.
       if (length <= 1e-12 || most(std::abs(at.x), std::abs(at.y)) <= round_off) {
-        return Minimum{row_, column_, u + du, v + dv, bicubic_at(coefficients_, row_, column_, u + du, v + dv)};
+        return Minimum{row_, column_, u + du, v + dv, {}};
       }
       if (length > 2.0 * size) {
         du *= 2.0 * size / length;
@@ -372,6 +394,16 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, 
   const Index columns = coefficients.cols() - 3;
   const Index stride = coefficients.outerStride();
   std::vector<Minimum> found;
+  const Index blocks = (where.columns + block - 1) / block;
+  std::vector<unsigned char> low(static_cast<std::size_t>((where.rows + 3) * blocks));
+  for (Index row = 0; row < where.rows + 3; ++row) {
+    mark_low(coefficients.data() + (where.row + row) * stride + where.column, where.columns, highest,
+             &low[static_cast<std::size_t>(row * blocks)]);
+  }
+  const auto is_low = [&](Index row, Index at) {
+    const unsigned char* first = &low[static_cast<std::size_t>((row - where.row) * blocks + at)];
+    return (first[0] | first[blocks] | first[2 * blocks] | first[3 * blocks]) != 0;
+  };
   std::vector<unsigned char> marks(static_cast<std::size_t>(where.columns));
   Ranges ranges(where.columns + 3);
   std::vector<Index> columns_left;  // of the cells in a row
@@ -394,12 +426,22 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, 
   };
   for (Index row = where.row; row < where.row + where.rows; ++row) {
     checkpoint();
-    screen_columns(coefficients.data() + row * stride + where.column, stride, where.columns + 3, ranges.lowest(),
-                   ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high());
-    screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), where.columns,
-                 highest, marks.data());
     columns_left.clear();
-    for_each_marked(marks.data(), 0, where.columns, [&](Index i) { columns_left.push_back(where.column + i); });
+    for (Index at = 0; at < blocks; ++at) {
+      if (!is_low(row, at)) {
+        continue;
+      }
+      const Index first = where.column + at * block;
+      while (at + 1 < blocks && is_low(row, at + 1)) {
+        ++at;
+      }
+      const Index cells = std::min(where.columns, (at + 1) * block) - (first - where.column);
+      screen_columns(coefficients.data() + row * stride + first, stride, cells + 3, ranges.lowest(), ranges.x_low(),
+                     ranges.x_high(), ranges.y_low(), ranges.y_high());
+      screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), cells, highest,
+                   marks.data());
+      for_each_marked(marks.data(), 0, cells, [&](Index i) { columns_left.push_back(first + i); });
+    }
     for (std::size_t begin = 0; begin < columns_left.size(); begin += together) {
       const std::size_t count = std::min(together, columns_left.size() - begin);
       for (std::size_t k = 0; k < count; ++k) {

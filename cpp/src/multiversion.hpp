@@ -85,6 +85,8 @@ struct PackOf<8> {
 template <std::size_t Width>
 using Pack = typename PackOf<Width>::Type;
 
+inline constexpr std::size_t widest_pack = 8;
+
 // Not by memcpy, which GCC takes to pieces before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {

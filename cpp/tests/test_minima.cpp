@@ -57,6 +57,9 @@ TEST_CASE("the spline of a map is the profile's along every row and column, and 
   }
   Matrix coefficients = heights;
   stiction::natural_bicubic(coefficients);
+  Matrix along_x(rows, columns);
+  Matrix along_y(rows, columns);
+  stiction::natural_slopes(heights.block(1, 1, rows, columns), {0.5, 2.0}, along_x, along_y);
   for (Index j = 0; j < rows; ++j) {
     std::vector<double> row(columns);
     std::vector<double> slope(columns);
@@ -73,6 +76,8 @@ TEST_CASE("the spline of a map is the profile's along every row and column, and 
           bicubic_at(coefficients, cell, column, static_cast<double>(i - column), static_cast<double>(j - cell));
       CHECK(std::abs(at.value - heights(j + 1, i + 1)) < tolerance);
       CHECK(std::abs(at.x - slope[static_cast<std::size_t>(i)]) < 10 * tolerance);
+      CHECK(std::abs(at.x / 0.5 - along_x(j, i)) < 10 * tolerance);
+      CHECK(std::abs(at.y / 2.0 - along_y(j, i)) < 10 * tolerance);
       CHECK(std::abs(at.xx - curvature[static_cast<std::size_t>(i)]) < 10 * tolerance);
       if (j == 0 || j == rows - 1) {
         CHECK(std::abs(at.yy) < 10 * tolerance);
@@ -170,4 +175,6 @@ TEST_CASE("a valley whose floor is level has no minimum") {
 TEST_CASE("maps that are too small are refused") {
   Matrix small = Matrix::Zero(5, 9);
   CHECK_THROWS_AS(stiction::natural_bicubic(small), std::invalid_argument);
+  Matrix slopes(3, 1);
+  CHECK_THROWS_AS(stiction::natural_slopes(slopes, {1.0, 1.0}, slopes, slopes), std::invalid_argument);
 }

@@ -1,4 +1,5 @@
 #include "stiction/areal.hpp"
+#include "stiction/bicubic.hpp"
 
 #include "arrays.hpp"
 #include "checkpoint.hpp"
@@ -86,6 +87,25 @@ void bind_areal(py::module_& module) {
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("deepest"),
       py::arg("curvature"),
       "The gap minima of two maps up to a deepest approach [µm]; spacing of rows, then of columns.");
+  module.def(
+      "natural_slopes",
+      [](const Array& heights, const std::array<double, 2>& spacing) {
+        const Eigen::Map<const Matrix> map = map_of(heights);
+        const std::array<py::ssize_t, 2> shape{map.rows(), map.cols()};
+        std::array<py::array_t<double>, 2> along{py::array_t<double>(shape), py::array_t<double>(shape)};
+        const auto filled = [&](std::size_t axis) {
+          return Eigen::Map<Matrix>(along[axis].mutable_data(), map.rows(), map.cols());
+        };
+        auto by_y = filled(0);
+        auto by_x = filled(1);
+        {
+          const py::gil_scoped_release release;
+          natural_slopes(map, Vector2(spacing[1], spacing[0]), by_x, by_y);
+        }
+        return along;
+      },
+      py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"),
+      "Slopes of a map along columns and along rows by natural cubic splines; spacing of rows, then of columns.");
   module.def(
       "contacts",
       [](const ArealCandidates& found, double approach, const ContactModel& model) {

@@ -23,6 +23,7 @@ __all__: list[str] = [
     "frequency_weights",
     "harmonic_profiles",
     "harmonic_surface",
+    "natural_slopes",
     "press",
     "press_families",
     "quantities",
@@ -271,6 +272,15 @@ def harmonic_surface(
 ) -> None:
     """
     Eq. 1 over an area, into `heights` (rows, columns) [µm].
+    """
+
+def natural_slopes(
+    heights: numpy.typing.NDArray[numpy.float64],
+    *,
+    spacing: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"],
+) -> typing.Annotated[list[numpy.typing.NDArray[numpy.float64]], "FixedSize(2)"]:
+    """
+    Slopes of a map along columns and along rows by natural cubic splines; spacing of rows, then of columns.
     """
 
 @typing.overload

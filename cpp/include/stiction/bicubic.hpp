@@ -13,6 +13,12 @@ constexpr Index fewest_points = 4;
 /// height. Throws std::invalid_argument.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
+/// Slopes at every point of a map of natural cubic splines along its rows (x), and along its columns (y) if there are
+/// several. `spacing` is of columns and of rows [µm]. Throws std::invalid_argument for less than two points along a
+/// line.
+void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
+                    Eigen::Ref<Matrix> along_y);
+
 /// Value and derivatives of a spline at a point, by x and y in units of the spacings.
 struct Jet {
   double value;  ///< [µm]

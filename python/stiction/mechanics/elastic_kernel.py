@@ -58,7 +58,11 @@ class Grids:
     @cached_property
     def even_deviation(self) -> float:
         """µm/GPa, root-mean-square deviation of displacements under an even pressure, which only a free grid has."""
-        return float(np.std(self.kernel().displacement(np.ones(self.levels[0][0]))))
+        shape, spacing = self.levels[0]
+        moved = _up_to_corners(shape, spacing, self.effective_modulus)[(slice(1, None),) * len(shape)]
+        for axis in range(moved.ndim):  # by what lies on both sides of a point
+            moved = moved + np.flip(moved, axis)
+        return float(np.std(moved))
 
     def kernel(self, level: int = 0) -> Kernel:
         """Of a level, made when first asked for."""
@@ -103,9 +107,11 @@ class Kernel:
                 self.compliance = np.divide(1.0, self._stiffness())
             self.compliance.flat[0] = 0.0
         else:
-            self.padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
-            influence = _influence(self.padded, shape, spacing, effective_modulus)
-            self.compliance = np.ascontiguousarray(scipy.fft.rfftn(influence, overwrite_x=True).real)
+            # Even numbers, so that waves of the influence, which is symmetric, are the cosines of a quarter of it.
+            self.padded = tuple(2 * int(scipy.fft.next_fast_len(n, real=True)) for n in shape)
+            beyond = [(0, n // 2 + 1 - used) for n, used in zip(self.padded, shape, strict=True)]
+            quarter = np.pad(_influence(shape, spacing, effective_modulus), beyond, mode="edge")
+            self.compliance = scipy.fft.dctn(quarter, type=1, overwrite_x=True)
         self.stencil = _stencil(spacing, effective_modulus) if len(shape) == 2 else None
         self._response = _filter(self.compliance, shape, self.padded)
 
@@ -129,6 +135,8 @@ class Kernel:
     @cached_property
     def _influence(self) -> Floats:
         """On the points so many rows and columns away."""
+        if not self.periodic:
+            return _influence(self.shape, self.spacing, self.effective_modulus)
         whole = scipy.fft.irfftn(self.compliance, self.padded)
         return np.ascontiguousarray(whole[tuple(slice(n) for n in self.shape)])
 
@@ -146,7 +154,8 @@ def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ..
 
     An area that zeros fill up is taken a few columns, then a few rows at a time, which stay in the cache and are shared
     by threads. Rows without values, of which there are many where little touches, have no waves along them. Without
-    zeros everything is done in place, which is faster than parts that are copied.
+    zeros everything is done in place, which is faster than parts that are copied. Factors of areas that are filled up
+    are given from the longest wave along y to the shortest, and the same for waves the other way.
     """
     if values.ndim == 1 or padded == values.shape:
         waves = scipy.fft.rfft(values, padded[-1])
@@ -168,7 +177,8 @@ def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ..
         block = np.zeros((padded[0], part.stop - part.start), waves.dtype)
         block[filled if some else slice(rows)] = along_x[:, part]
         block = scipy.fft.fft(block, axis=0, overwrite_x=True)
-        block *= factors[:, part]
+        block[: len(factors)] *= factors[:, part]
+        block[len(factors) :] *= factors[-2:0:-1, part]
         waves[:, part] = scipy.fft.ifft(block, axis=0, overwrite_x=True)[:rows]
 
     def back(part: slice) -> None:
@@ -261,25 +271,35 @@ def _stencil(spacing: tuple[float, ...], effective_modulus: float) -> Floats:
     return stencil
 
 
-def _influence(
-    padded: tuple[int, ...], shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float
-) -> Floats:
-    """Displacement of every point under 1 GPa on the cell at the origin, negative distances wrapped around."""
-    # Corners of cells at distances from 0 on, as far as points are apart.
+def _up_to_corners(shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float) -> Floats:
+    """Displacement of the origin under 1 GPa from there to each corner of cells, half a cell away from it and more.
+
+    The first corners are on the other side, where it counts as negative.
+    """
     corners = [(np.arange(n + 1) - 0.5) * step for n, step in zip(shape, spacing, strict=True)]
     if len(shape) == 1:
         (x,) = corners
-        # The integral of -2/(π E*) ln|x - s| over the cell; the unit of the logarithm shifts all alike.
-        influence = -2 / (np.pi * effective_modulus) * np.diff(x * (np.log(np.abs(x)) - 1.0))
-    else:
-        y, x = corners[0][:, np.newaxis], corners[1][np.newaxis, :]
-        # The integral of 1/(π E* r) from the origin to a corner (Johnson, Contact Mechanics (1985), eq. 3.25).
-        integral = (x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))) / (np.pi * effective_modulus)
-        influence = np.diff(np.diff(integral, axis=0), axis=1)
-    for axis, (n, used) in enumerate(zip(padded, shape, strict=True)):
-        index = np.arange(n)
-        influence = np.take(influence, np.minimum(np.minimum(index, n - index), used - 1), axis)
-    return np.asarray(influence)
+        # The integral of -2/(π E*) ln|x|; the unit of the logarithm shifts all alike.
+        return np.asarray(-2 / (np.pi * effective_modulus) * x * (np.log(np.abs(x)) - 1.0))
+    y, x = corners[0][:, np.newaxis], corners[1][np.newaxis, :]
+    # The integral of 1/(π E* r) (Johnson, Contact Mechanics (1985), eq. 3.25).
+    integral = y / np.abs(x)
+    np.arcsinh(integral, out=integral)
+    integral *= x
+    other = x / np.abs(y)
+    np.arcsinh(other, out=other)
+    other *= y
+    integral += other
+    integral /= np.pi * effective_modulus
+    return np.asarray(integral)
+
+
+def _influence(shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float) -> Floats:
+    """Displacement of points so many rows and columns away under 1 GPa on a cell, or on a line."""
+    influence = _up_to_corners(shape, spacing, effective_modulus)
+    for axis in range(len(shape)):
+        influence = np.diff(influence, axis=axis)
+    return influence
 
 
 def _halved(n: int, periodic: bool) -> int:

@@ -204,7 +204,7 @@ class _Descent:
     def __init__(self, kernel: Kernel, gap: Floats, bound: Floats, start: Floats, mean: float) -> None:
         self.kernel, self.gap = kernel, gap
         pressure = _resampled(start, gap.shape, periodic=kernel.periodic)
-        pressure = pressure * (mean / pressure.mean())
+        pressure = np.multiply(pressure, mean / pressure.mean(), out=None if pressure is start else pressure)
         self.search = _core.PressureSearch(pressure.ravel(), total=mean * gap.size, bound=bound, line=gap.ndim == 1)
         del pressure  # of large grids memory is short from here on
         # On areas with little contact a stencil stands for the inverse of the kernel, and takes no transform.

@@ -164,11 +164,15 @@ class HalfSpaceCurve(Curve):
         """
         return read_only(np.array([one.stiffness for one in self._pressed]))
 
-    def contact(self, index: int) -> HalfSpaceContact:
-        """Pressure, gap and patches at `load[index]`."""
+    def at(self, index: int) -> Pressed:
+        """Points under pressure at `load[index]`, their pressures and patches."""
         if not -self.load.size <= index < self.load.size:
             raise ValueError(f"index must be one of the {self.load.size} loads, got {index!r}")
-        problem, one = self._problem, self._pressed[index]
+        return self._pressed[index]
+
+    def contact(self, index: int) -> HalfSpaceContact:
+        """Pressure, gap and patches at `load[index]`."""
+        problem, one = self._problem, self.at(index)
         pressure = one.on_grid(one.values)
         gap = problem.grids.kernel().displacement(pressure) + problem.gap - one.approach
         each = [one.on_grid(opposes[one.patch - 1]) for opposes in self._sums[index].opposing]

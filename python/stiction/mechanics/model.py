@@ -92,30 +92,31 @@ class ContactModel:
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
             if _are_many(self.direction):
                 object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
-            if not self._angles():
+            if not self._angles:
                 raise ValueError("direction must have at least one element, got none")
         number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
         self.core()
 
     def angles(self) -> Floats:
         """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
-        angles = np.array(self._angles())
+        angles = np.array(self._angles)
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
         """(m, 2) horizontal unit vectors (x, y) of the directions."""
-        return np.array([_unit_vector(angle) for angle in self._angles()])
+        return np.array([_unit_vector(angle) for angle in self._angles])
 
     def _has_many_directions(self) -> bool:
         return isinstance(self.direction, tuple)
 
+    @cached_property
     def _angles(self) -> list[float]:
         given: Any = self.shear if self.direction is None else self.direction
         return [_angle(one) for one in given] if self._has_many_directions() else [_angle(given)]
 
     def for_profiles(self) -> ContactModel:
         """The model with what it leaves open as profiles have it, and along x."""
-        if self._has_many_directions() or self._angles()[0] not in (0.0, 180.0):
+        if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
         return self._with(self.detection or "cell", self.curvature or "convex")
 
@@ -148,13 +149,13 @@ class ContactModel:
             parameters=law.parameters(self.effective_modulus),
             detection=self.detection or "cell",
             curvature=self.curvature or "convex",
-            direction=_unit_vector(self._angles()[0]),
+            direction=_unit_vector(self._angles[0]),
             sliding=self.sliding,
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: all but the model of the core, which is made again."""
-        return {name: value for name, value in vars(self).items() if name != "_core"}
+        """What is pickled: all but what is made again, as the model of the core."""
+        return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
 def _are_many(direction: Any) -> bool:

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-import scipy.linalg
 import scipy.ndimage
 import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
 
+import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
@@ -66,8 +66,11 @@ def true_share(touching: NDArray[np.bool_], *, periodic: bool, least: ArrayLike 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
     """Slope at every point along each axis: of the waves where periodic, of natural cubic splines elsewhere."""
-    along = _wave_slope if periodic else _spline_slope
-    return [along(heights, axis, step) for axis, step in enumerate(spacing)]
+    if periodic:
+        return [_wave_slope(heights, axis, step) for axis, step in enumerate(spacing)]
+    rows = np.atleast_2d(heights)
+    by_y, by_x = _core.natural_slopes(np.ascontiguousarray(rows), spacing=(spacing[0], spacing[-1]))
+    return [by_y, by_x] if heights.ndim == 2 else [by_x[0]]
 
 
 def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
@@ -79,19 +82,6 @@ def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
     shape[axis] = factor.size
     waves = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
     return np.asarray(scipy.fft.irfft(waves, n, axis=axis, overwrite_x=True))
-
-
-def _spline_slope(heights: Floats, axis: int, step: float) -> Floats:
-    values = np.moveaxis(heights, axis, 0).reshape(heights.shape[axis], -1)
-    right = np.empty_like(values)
-    right[1:-1] = values[2:] - values[:-2]
-    right[0], right[-1] = values[1] - values[0], values[-1] - values[-2]
-    right *= 3 / step
-    bands = np.ones((3, values.shape[0]))
-    bands[1] = 4.0
-    bands[1, [0, -1]] = 2.0
-    slope = scipy.linalg.solve_banded((1, 1), bands, right, overwrite_b=True, check_finite=False)
-    return np.moveaxis(slope.reshape(np.moveaxis(heights, axis, 0).shape), 0, axis)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
-from stiction.mechanics.half_space import HalfSpaceContact
 from stiction.mechanics.quantities import QUANTITIES, Quantity
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from stiction.mechanics.half_space_problem import Pressed
 
 STEEPEST = 0.1
 """The fraction of a body whose slopes are its steepest."""
@@ -67,13 +69,6 @@ class Slopes:
             + float((gap[0] * gap[1]).mean()) * np.sin(2 * radians)
         )
         return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(along, 0.0))
-
-    def deformed(self, compliance_share: float) -> list[Floats]:
-        """Slopes of the deformed interface."""
-        return [
-            (1 - compliance_share) * below + compliance_share * above
-            for above, below in zip(self.upper, self.lower, strict=True)
-        ]
 
 
 def _slopes(body: Profile | Surface) -> list[Floats]:
@@ -162,35 +157,30 @@ STATISTICS: tuple[str, ...] = ("normal_stiffness", "error", *FRACTIONS)
 """What a result of measured bodies holds of each member at each load, besides its sums."""
 
 
-def patches_of(contact: HalfSpaceContact, slope: list[Floats], spacing: tuple[float, ...]) -> Table:
-    """The patches of a half-space contact; slopes are those of the deformed interface."""
-    touching = contact.pressure > 0
-    pressure, patch = contact.pressure[touching], contact.patches[touching] - 1
-    cell = float(np.prod(spacing))
-    share = contact.share[touching]
+def patches_of(pressed: Pressed) -> Table:
+    """The patches of a half-space contact."""
+    problem, pressure, patch = pressed.problem, pressed.values, pressed.patch - 1
+    total = np.bincount(patch, weights=pressure)
 
     def mean(values: Floats) -> Floats:
         return np.asarray(np.bincount(patch, weights=pressure * values) / total, np.float64)
 
-    total = np.bincount(patch, weights=pressure)
-    places: list[Floats] = [
-        (index * step).astype(np.float64) for index, step in zip(np.nonzero(touching), spacing, strict=True)
-    ]
-    along = [each[touching] for each in slope]
+    indices = np.unravel_index(pressed.points, problem.gap.shape)
+    places = [(index * step).astype(np.float64) for index, step in zip(indices, problem.spacing, strict=True)]
+    along = [each[pressed.points] for each in problem.slope]
     nothing = np.zeros(pressure.size)
-    edge = np.zeros(contact.pressure.shape, dtype=bool)
-    for axis in range(edge.ndim):
-        view = np.moveaxis(edge, axis, 0)
-        view[0] = view[-1] = True
+    edge = np.zeros(pressure.size, dtype=bool)
+    for index, size in zip(indices, problem.gap.shape, strict=True):
+        edge |= (index == 0) | (index == size - 1)
     return Table(
         x=mean(places[-1]),
         y=mean(places[0] if len(places) == 2 else nothing),
-        force=np.asarray(cell * total, np.float64),
-        area=np.asarray(cell * np.bincount(patch, weights=share), np.float64),
+        force=np.asarray(problem.cell * total, np.float64),
+        area=np.asarray(problem.cell * np.bincount(patch, weights=pressed.share()), np.float64),
         slope_x=mean(along[-1]),
         slope_y=mean(along[0] if len(along) == 2 else nothing),
         cells=np.bincount(patch).astype(np.float64),
-        at_edge=np.bincount(patch, weights=edge[touching]) > 0,
+        at_edge=np.bincount(patch, weights=edge) > 0,
         pressure=pressure,
         weight=np.ones(pressure.size),
     )
@@ -232,7 +222,10 @@ def on_steepest(table: Table, found: Slopes) -> dict[str, float]:
     }
 
 
-def pressed_on_steepest(pressure: Floats, found: Slopes) -> dict[str, float]:
+def pressed_on_steepest(pressed: Pressed, found: Slopes) -> dict[str, float]:
     """The same, point by point of a half-space."""
-    total = pressure.sum()
-    return {f"share_on_steepest_{side}": float(pressure[mask].sum() / total) for side, mask in found.steep.items()}
+    total = pressed.values.sum()
+    return {
+        f"share_on_steepest_{side}": float(pressed.values[mask.ravel()[pressed.points]].sum() / total)
+        for side, mask in found.steep.items()
+    }

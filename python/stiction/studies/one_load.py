@@ -15,7 +15,7 @@ from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel
-from stiction.studies.contact_statistics import Slopes, Table, asperities_of, patches_of
+from stiction.studies.contact_statistics import Table, asperities_of, patches_of
 from stiction.studies.contact_tables import ByAsperities, ByHalfSpace
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
@@ -30,8 +30,6 @@ class OneLoad:
     upper, lower : Profile or Surface
     curve : HalfSpaceCurve or LoadCurve
         Of this load alone, pushed along +x.
-    compliance_share : float
-        Of the half-space.
     model : ContactModel or None
         How asperities were pressed.
     """
@@ -39,7 +37,6 @@ class OneLoad:
     upper: Any
     lower: Any
     curve: HalfSpaceCurve | LoadCurve
-    compliance_share: float = 0.5
     model: ContactModel | None = None
 
     @classmethod
@@ -56,7 +53,7 @@ class OneLoad:
                 )  # fmt: skip
             except RuntimeError:
                 return None
-            return cls(upper, lower, curve, contact.compliance_share)
+            return cls(upper, lower, curve)
         assert isinstance(contact, ByAsperities)
         model = replace(contact.model(), shear="+x", direction=None, sliding="all")
         model = model.for_profiles() if isinstance(upper, Profile) else replace(model, direction=0.0).for_surfaces()
@@ -73,10 +70,9 @@ class OneLoad:
 
     def table(self) -> Table:
         """The contacts, one row each."""
-        spacing = (self.lower.spacing,) if isinstance(self.lower, Profile) else self.lower.spacing
         if isinstance(self.curve, HalfSpaceCurve):
-            slope = Slopes.of(self.upper, self.lower).deformed(self.compliance_share)
-            return patches_of(self.curve.contact(0), slope, spacing)
+            return patches_of(self.curve.at(0))
+        spacing = (self.lower.spacing,) if isinstance(self.lower, Profile) else self.lower.spacing
         extent = (self.lower.extent,) if isinstance(self.lower, Profile) else self.lower.extent
         assert self.model is not None
         touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
@@ -84,4 +80,7 @@ class OneLoad:
 
     def pressure(self) -> Floats | None:
         """GPa, over the grid of a half-space; None of asperities."""
-        return self.curve.contact(0).pressure if isinstance(self.curve, HalfSpaceCurve) else None
+        if not isinstance(self.curve, HalfSpaceCurve):
+            return None
+        pressed = self.curve.at(0)
+        return pressed.on_grid(pressed.values)

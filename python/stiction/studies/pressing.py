@@ -151,7 +151,6 @@ def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
         compliance_share=pressing.compliance_share, hardness=pressing.hardness, boundary=pressing.boundary,
         direction=first, sliding=pressing.rules[0],
     )  # fmt: skip
-    slope = values.slopes.deformed(pressing.compliance_share)
     for at, curve in solved(solve, pressing.loads):
         for rule, sliding in enumerate(pressing.rules):
             by_rule = curve if rule == 0 else curve.with_sliding(sliding)
@@ -168,9 +167,8 @@ def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
         values.of("normal_stiffness")[at] = curve.stiffness
         values.of("error")[at] = curve.error
         for place, load in enumerate(at):
-            contact = curve.contact(place)
-            table = patches_of(contact, slope, values.spacing)
-            more = table.statistics() | pressed_on_steepest(contact.pressure, values.slopes)
+            contact = curve.at(place)
+            more = patches_of(contact).statistics() | pressed_on_steepest(contact, values.slopes)
             for name, value in more.items():
                 values.of(name)[load] = value
 
