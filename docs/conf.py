@@ -1,8 +1,10 @@
 """Configuration of the documentation."""
 
+import contextlib
 import functools
 import os
 import re
+import subprocess
 import sys
 import tempfile
 import tomllib
@@ -111,8 +113,8 @@ def make_live(app: Sphinx, exception: Exception | None) -> None:
             scans = (SCANS / files.format(side) for side in ("upper", "lower"))
             pair(*scans, **given, **LIVE[name], directory=Path(place) / name).report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", names=["quick"])
-    for page in folder.glob("*.html"):  # the study of a pair says where its files are
-        page.write_text(page.read_text("utf-8").replace(f"{ROOT}{os.sep}", ""), encoding="utf-8")
+    with contextlib.chdir(folder):
+        subprocess.run(["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", "surface.html"], check=True)
 
 
 def refuse_paths(app: Sphinx, exception: Exception | None) -> None:

@@ -45,15 +45,17 @@ def folder(tmp_path, profile, surface):
 
 
 def characterise(*arguments, cwd):
-    """History, the rest of the table, and what was written."""
+    """History, the rest of the table, and the figure, beside which a page is written."""
     done = stiction_command("characterise", *arguments, cwd=cwd)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     lines = done.stdout.splitlines()
     table = next(at for at, line in enumerate(lines) if line.startswith("points"))
     assert lines[0].startswith("history")
-    assert lines[-1].startswith("wrote ")
-    return [line[20:] for line in lines[:table]], "\n".join([*lines[table:-1], ""]), cwd / lines[-1][6:]
+    written = [cwd / line[6:] for line in lines if line.startswith("wrote ")]
+    assert [path.suffix for path in written[:-1]] in ([], [".html"])
+    rest = lines[table : -len(written)]
+    return [line[20:] for line in lines[:table]], "\n".join([*rest, ""]), written[-1]
 
 
 def table(text):
@@ -135,6 +137,20 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
     (folder / "scan.png").write_bytes(photograph)
     assert_refused(stiction_command("characterise", "scan.csv", cwd=folder), "scan.png: exists already")
     assert (folder / "scan.png").read_bytes() == photograph
+
+
+def test_a_page_says_how_it_was_made_and_not_where(folder):
+    options = ["--level", "quadratic", "--tip", "2 um"]
+    done = stiction_command("characterise", folder / "scan.csv", *options, cwd=folder)
+    assert done.stdout.endswith("wrote scan.html\nwrote scan.png\n")
+    page = (folder / "scan.html").read_text(encoding="utf-8")
+    assert "stiction characterise scan.csv --level quadratic --tip &#x27;2 um&#x27;" in page
+    assert str(folder) not in page
+    done = stiction_command("characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder)
+    assert done.stderr == "stiction: wrote alone.html\n"
+    (folder / "alone.html").write_text("<p>of somebody else</p>", encoding="utf-8")
+    done = stiction_command("characterise", "scan.csv", "-o", "alone.html", cwd=folder)
+    assert_refused(done, "alone.html: exists already")
 
 
 def test_json_and_a_figure_do_not_exclude_each_other(folder):

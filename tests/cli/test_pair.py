@@ -409,7 +409,7 @@ def test_what_is_seldom_meant_is_said_and_the_run_goes_on(where):
         "pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 2, "-o", "doubts", cwd=where
     )
     assert done.returncode == 0, done.stderr
-    assert "is it in percent?" in done.stdout
+    assert "not in percent" in done.stdout
 
 
 # ---- Measured data --------------------------------------------------------------------------------------------------

@@ -67,14 +67,14 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
     made = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
     noisy = Profile(made.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
     humming = Profile(made.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
-    for body, word in ((noisy, "as of noise"), (humming, "a peak at")):
+    for body, word in ((noisy, "look like noise"), (humming, "a peak at")):
         found = {cut_off: texts_behind(body, cut_off) for cut_off in (0.0, 0.6)}
         assert any(word in text for text in found[0.0])
         assert not any(word in text for text in found[0.6])
     # A floor from which hardly any slope comes.
     faint = Profile(made.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01)
     assert instrument_limit(faint).reason == "noise floor"
-    assert not any("as of noise" in text for text in texts_behind(faint, 0.0))
+    assert not any("look like noise" in text for text in texts_behind(faint, 0.0))
     assert any("of the mean square slope" in text for text in texts_behind(noisy, 0.0))
 
 

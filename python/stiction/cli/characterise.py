@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,7 +11,18 @@ import typer
 from stiction._checks import choice
 from stiction._text import named
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Unit, measurement, option, quantity_of
+from stiction.cli.options import (
+    Channel,
+    Columns,
+    Json,
+    MissingPoints,
+    Spacing,
+    Unit,
+    given,
+    measurement,
+    option,
+    quantity_of,
+)
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -46,8 +58,8 @@ Output = Annotated[
     option(
         "--output -o",
         "FILE",
-        "The figure to draw, or the table to write of several files; of --together either, by its ending.",
-        "./FILE.png, ./characterised.csv, ./joined.csv and .png",
+        "What to write, by its ending: of a file its page or its figure, of several a table, of --together either.",
+        "./FILE.html and .png, ./characterised.csv, ./joined.csv and .png",
     ),
 ]
 
@@ -61,6 +73,7 @@ Output = Annotated[
     "stiction characterise coarse.x3p fine.di --together",
 )
 def characterise(
+    context: typer.Context,
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Measured profiles or surfaces.")],
     unit: Unit = None,
     spacing: Spacing = None,
@@ -79,8 +92,8 @@ def characterise(
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
 
-    Of one file it prints a table and draws a figure; of several it writes one CSV file, a row for each. With --json it
-    draws or writes only where --output says so.
+    Of one file it prints a table, makes a page for any browser and draws a figure; of several it writes one CSV file, a
+    row for each. With --json it writes only what --output says.
     """
     from stiction.views import roughness_rows as rows
 
@@ -108,9 +121,7 @@ def characterise(
     if len(files) > 1:
         _write(output or Path("characterised.csv"), rows.characterisation_csv(told), f"{len(files)} files", as_json)
     else:
-        path = output or Path(f"{files[0].stem}.png")
-        _draw(bodies[0], fitted, radius, path, with_table=not as_json)
-        (say if as_json else tell)(f"wrote {path}")
+        _show(context, files[0], bodies[0], fitted, radius)
 
 
 def _write(table: Path, text: str, what: str, as_json: bool) -> None:
@@ -160,25 +171,45 @@ def _cut_off(body: Profile | Surface, shortest: float | None) -> Profile | Surfa
         raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
 
 
-def _draw(
-    body: Profile | Surface, band: tuple[float, float] | None, radius: float | None, path: Path, *, with_table: bool
+def _show(
+    context: typer.Context, file: Path, body: Profile | Surface, band: tuple[float, float] | None, radius: float | None
 ) -> None:
-    """Print the table of one body, if it is wanted, and draw its figure."""
+    """Print the table of one body, make its page, and draw its figure."""
     from stiction.surfaces.lines import lines_along_both
     from stiction.views import characterisation as views
     from stiction.views.figures import roughness
+    from stiction.views.report.surface import surface_page
     from stiction.views.style import save_picture
 
-    if isinstance(body, Profile):
-        text = views.characterisation_text(body, band=band, tip_radius=radius)
-        figure = roughness.characterisation_figure(body, band=band)
-    else:
-        along = lines_along_both(body, band=band)
-        text = views.surface_characterisation_text(body, *along, band=band, tip_radius=radius)
-        figure = roughness.surface_characterisation_figure(body, *along, band=band)
-    if with_table:
-        tell(text)
-    save_picture(figure, path)
+    output, as_json = context.params["output"], context.params["as_json"]
+    along = () if isinstance(body, Profile) else lines_along_both(body, band=band)
+    if not as_json:
+        tell(
+            views.characterisation_text(body, band=band, tip_radius=radius)
+            if isinstance(body, Profile)
+            else views.surface_characterisation_text(body, *along, band=band, tip_radius=radius)
+        )
+    for path in (Path(f"{file.stem}.html"), Path(f"{file.stem}.png")) if output is None else (output,):
+        if path.suffix.lower() == ".html":
+            words = {"name": file.name, "command": _same_as(context, file)}
+            surface_page(body, along, band=band, tip_radius=radius, **words).save(path)
+        else:
+            figure = (
+                roughness.characterisation_figure(body, band=band)
+                if isinstance(body, Profile)
+                else roughness.surface_characterisation_figure(body, *along, band=band)
+            )
+            save_picture(figure, path)
+        (say if as_json else tell)(f"wrote {path}")
+
+
+def _same_as(context: typer.Context, file: Path) -> str:
+    """The command that makes this page: what was given, but for the folder of the file and of the output."""
+    words = ["stiction", "characterise", file.name]
+    for each in context.command.params:
+        if each.name not in ("files", "output", "as_json") and given(context, each.name):
+            words += [each.opts[0], str(context.params[each.name])]
+    return shlex.join(words)
 
 
 def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:

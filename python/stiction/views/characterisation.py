@@ -17,6 +17,9 @@ from stiction.surfaces.surface import Surface
 from stiction.views.scale_rows import scale_rows
 from stiction.views.text import fitted
 
+Rows = list[tuple[str, ...]]
+"""Of each line its name and its value, or two of them."""
+
 
 def characterisation_text(
     profile: Profile, *, band: tuple[float, float] | None = None, tip_radius: float | None = None,
@@ -49,11 +52,19 @@ def characterisation_text(
     >>> print(characterisation_text(profile).splitlines()[0])
     points              4000, 10 nm apart, over 40 µm
     """
+    return _table(characterisation_rows(profile, band=band, tip_radius=tip_radius, periodic=periodic))
+
+
+def characterisation_rows(
+    profile: Profile, *, band: tuple[float, float] | None = None, tip_radius: float | None = None,
+    periodic: bool = False,
+) -> Rows:  # fmt: skip
+    """Names and values of the lines of `characterisation_text`; a line without a name goes on with the one before."""
     parameters = roughness_parameters(profile)
     neighbours = roughness_parameters(profile, derivative="neighbours").Pdq
     moments = spectral_moments(profile, periodic=periodic)
     estimate = estimate_of(profile, band, periodic)
-    rows = [
+    rows: Rows = [
         *_history(profile),
         ("points", f"{len(profile)}, {length_text(profile.spacing)} apart, over {length_text(profile.extent)}"),
         ("Pa", f"{length_text(parameters.Pa)}"),
@@ -75,11 +86,21 @@ def characterisation_text(
     rows += _hurst_rows(estimate, band, spectrum.wave_number, spectrum.density)
     window = "as it is, periodic" if periodic else "after a Hann window"
     rows.append(("spectrum", f"{window}; moments over all of its wavelengths"))
-    return _table(rows)
+    return rows
 
 
 def _by_slope(body: Profile | Surface) -> str:
     """What its slopes alone say of friction against another body of the same roughness."""
+    found = friction_by_slope(body)
+    if not found:
+        return "none, without slopes"
+    axes = (" along x,", " along y,") if len(found) == 2 else (",",)
+    values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(found, axes, strict=True))
+    return f"{values} against its like, where mu0 is {PAPERS_MU0:g} (gentle_friction)"
+
+
+def friction_by_slope(body: Profile | Surface) -> list[float]:
+    """The coefficient of a body against its like by their slopes alone, along x and, of a surface, y; none if flat."""
     from stiction.mechanics.closed_forms import gentle_friction
     from stiction.mechanics.patches import slopes
 
@@ -87,14 +108,11 @@ def _by_slope(body: Profile | Surface) -> str:
     # Of the gap of two such bodies, along x first.
     squares = [2 * float(np.square(along).mean()) for along in slopes(body.heights, spacing, periodic=False)][::-1]
     if not min(squares) > 0:
-        return "none, without slopes"
-    found = [
-        float(gentle_friction(_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
+        return []
+    return [
+        float(gentle_friction(PAPERS_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
         for square in squares
     ]
-    axes = (" along x,", " along y,") if len(found) == 2 else (",",)
-    values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(found, axes, strict=True))
-    return f"{values} against its like, where mu0 is {_MU0:g} (gentle_friction)"
 
 
 def _hurst_rows(
@@ -131,8 +149,8 @@ def _hurst_rows(
     return rows
 
 
-_MU0 = 0.4
-"""Of the friction that slopes alone say; the paper's."""
+PAPERS_MU0 = 0.4
+"""Of the friction that slopes alone say."""
 
 _PEAKED = 3.0
 """Times the density at longer wavelengths, above which a band begins on a peak and not behind a roll-off."""
@@ -170,8 +188,11 @@ def _history(body: Profile | Surface) -> list[tuple[str, str]]:
     return [("history" if at == 0 else "", step) for at, step in enumerate(body.history)]
 
 
-def _table(rows: list[tuple[str, str]]) -> str:
-    return "".join(fitted(f"{name:<19} {value}".rstrip(), hang=" " * 20) + "\n" for name, value in rows)
+def _table(rows: Rows) -> str:
+    return "".join(
+        fitted(f"{name:<19} {'  '.join(f'{each:<23}' for each in values)}".rstrip(), hang=" " * 20) + "\n"
+        for name, *values in rows
+    )
 
 
 _SCATTERED = 2.0
@@ -218,13 +239,21 @@ def surface_characterisation_text(
     ValueError
         If the surface is flat or too small, or a given band holds too few waves.
     """
+    return _table(surface_characterisation_rows(surface, along_x, along_y, band=band, tip_radius=tip_radius))
+
+
+def surface_characterisation_rows(
+    surface: Surface, along_x: LineRoughness, along_y: LineRoughness, *, band: tuple[float, float] | None = None,
+    tip_radius: float | None = None,
+) -> Rows:  # fmt: skip
+    """Names and values of the lines of `surface_characterisation_text`; rows of lines have one along x and along y."""
     (dy, dx), (width_y, width_x) = surface.spacing, surface.extent
     found, other = surface_parameters(surface), surface_parameters(surface, derivative="neighbours")
     spectrum = surface_spectrum(surface)
     radial = spectrum.radial(RADIAL_BINS)
     moments = [spectrum.moments(direction) for direction in (0, 90)]
     estimate = estimate_of(surface, band, False)
-    rows = [
+    rows: Rows = [
         *_history(surface),
         ("points", f"{surface.heights.shape[1]} along x, {length_text(dx)} apart, over {length_text(width_x)}"),
         ("", f"{surface.heights.shape[0]} along y, {length_text(dy)} apart, over {length_text(width_y)}"),
@@ -243,7 +272,7 @@ def surface_characterisation_text(
         ("Smr1, Smr2", f"{100 * found.Smr1:.1f} %, {100 * found.Smr2:.1f} %"),
         *scale_rows(surface, tip_radius=tip_radius),
         *_hurst_rows(estimate, band, radial.wave_number, radial.density),
-        ("lines", _beside("along x", "along y")),
+        ("lines", "along x", "along y"),
     ]
     sides = ((along_x, moments[0]), (along_y, moments[1]))
     columns: list[tuple[str, list[str]]] = [
@@ -264,7 +293,7 @@ def surface_characterisation_text(
     ]
     if band is None and along_x.band != along_y.band:
         columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line, _ in sides]))
-    rows += [(f"  {name}", _beside(*values)) for name, values in columns]
+    rows += [(f"  {name}", *values) for name, values in columns]
     rows += [
         (f"  peak along {axis}", peak)
         for axis, line in (("x", along_x), ("y", along_y))
@@ -277,7 +306,7 @@ def surface_characterisation_text(
         )
     rows.append(("", "each line levelled by a line; Pq and Pdq: rms over lines; H: mean ± standard deviation"))
     rows.append(("", "m0 to m4: of the map's spectrum after a Hann window, over all of its wavelengths"))
-    return _table(rows)
+    return rows
 
 
 RADIAL_BINS = 20
@@ -294,10 +323,6 @@ def _misfit(line: LineRoughness) -> str:
     if math.isnan(line.misfit):
         return "none"
     return f"factor {line.misfit:.2f}" + (", no line" if line.misfit > BENT else "")
-
-
-def _beside(one: str, other: str) -> str:
-    return f"{one:<24} {other}"
 
 
 def _line_hurst(line: LineRoughness) -> str:

@@ -60,7 +60,7 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     of_upper, of_lower = (
         list(_of_scans(body))
         if isinstance(body, JoinedSpectrum)
-        else [*_of_body(body, form=not bowed), *_of_instrument(body, min(lengths, default=0.0))]
+        else doubts_of_scan(body, form=not bowed, cut_off=min(lengths, default=0.0))
         for body in (upper, lower)
     )
     both = [each for each in of_upper if each in of_lower]
@@ -73,14 +73,19 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
         text = f"μ0 = {mu0:g} is more than any pair of materials has"
-        doubts.append(Doubt(text, "is it in percent?", "caution"))
+        doubts.append(Doubt(text, "give it as a fraction, not in percent", "caution"))
     area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > WHOLE_PART * modulus:
             text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
-            doubts.append(Doubt(text, "is it the load of a whole part?", "caution"))
+            doubts.append(Doubt(text, "give the load on this area, not on a whole part", "caution"))
     return tuple(doubts)
+
+
+def doubts_of_scan(body: Profile | Surface, *, form: bool = True, cut_off: float = 0.0) -> list[Doubt]:
+    """Doubts about one scan: heights, form unless it is taken off, spikes, and noise above a cut-off (µm)."""
+    return [*_of_body(body, form=form), *_of_instrument(body, cut_off)]
 
 
 def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
@@ -108,7 +113,7 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
         text = "its scans differ by more than a factor of two in power"
         yield Doubt(text, "look at them by characterise --together; leave out what is wrong", "caution")
     if (spectrum.count == 0).any():
-        yield Doubt("there are waves that none of its scans has", "scan what lies between", "caution")
+        yield Doubt("some of its waves are in no scan", "scan the wavelengths between", "caution")
 
 
 def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:
@@ -120,13 +125,14 @@ def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:
     if limit.reason == "noise floor" and limit.noise > cut_off:
         wave, part = with_unit(limit.noise, "um"), float(scale_dependent_roughness(body).fraction_below(limit.noise))
         if part > NOISE:
-            text = f"below {wave} the spectrum is flat, as of noise: {100 * part:.0f} % of the mean square slope"
-            yield Doubt(text, f"take them off: --cutoff '{wave}'", "caution")
+            text = f"waves below {wave} look like noise and have {100 * part:.0f} % of the mean square slope"
+            yield Doubt(text, f"--cutoff '{wave}' takes them off", "caution")
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= PEAK and peak[0] > cut_off:
-        text = f"a peak at {with_unit(peak[0], 'um')} has {100 * peak[1]:.0f} % of the curvature: of the instrument?"
+        part = 100 * peak[1]
+        text = f"a peak at {with_unit(peak[0], 'um')}, perhaps of the instrument, has {part:.0f} % of the curvature"
         yield Doubt(text, "look at it by characterise; --cutoff takes it off", "caution")
 
 
@@ -134,7 +140,7 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {with_unit(height, 'um')} over {with_unit(extent, 'um')}"
-        yield Doubt(text, "is their unit right?", "caution")
+        yield Doubt(text, "check their unit", "caution")
     if not isinstance(body, Profile):
         return
     level = levelled(body, "line").heights

@@ -58,7 +58,7 @@ def scale_rows(
 
 _REASONS = {
     "pixels": "two points",
-    "noise floor": "the spectrum ends flat, as of noise",
+    "noise floor": "the spectrum ends flat, like noise",
     "tip": "sharper than the tip follows",
 }
 

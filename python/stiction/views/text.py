@@ -224,7 +224,7 @@ def doubts_text(found: Sequence[Answer]) -> str:
 
 
 MOST_DOUBTS = 6
-"""That are told of several answers; JSON and CSV have all."""
+"""Most doubts that are printed of several answers; JSON and CSV have all."""
 
 
 def _rest(number: int) -> list[str]:
@@ -237,7 +237,7 @@ def _judged(verdict: str, doubts: Iterable[Doubt]) -> str:
 
 def _doubt(doubt: Doubt, more: str = "") -> str:
     mark = "!" if doubt.severity == "fault" else "-"
-    return fitted(f"{mark} {doubt.text}{more}: {doubt.cure}", indent="  ", hang="  ")
+    return fitted(f"{mark} {doubt.text}{more}; {doubt.cure}", indent="  ", hang="  ")
 
 
 # ---- Quantities ------------------------------------------------------------------------------------------------------

@@ -1,10 +1,10 @@
 """One page for a browser, whole in itself: its frame, and how numbers are packed into it.
 
-What a page is of, `result.py` says: facts, words and numbers. Markup, style and scripts stand beside this file:
-`numbers.js` computes and knows nothing of a page, `plots.js` draws, `common.js` has controls and files, and `result.js`
-the state and the words of a page. Every constant that they share with the library is handed to them in the facts. Text
-that comes from a file is escaped in one place each: markup here by `escaped`, in the scripts because they make text
-nodes alone.
+`result.py` and `surface.py` say what a page is of: facts, words and numbers. Markup, style and scripts stand beside
+this file: `numbers.js` computes and knows nothing of a page, `plots.js` draws, `common.js` has controls and files, and
+`result.js` and `surface.js` the state and the words of a page. Every constant that they share with the library is
+handed to them in the facts. Text that comes from a file is escaped in one place each: markup here by `escaped`, in the
+scripts because they make text nodes alone.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata, resources
+from pathlib import Path
 from string import Template
 from typing import Any
 
@@ -24,12 +25,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._core import __version__
+from stiction._files import replaced_file
 from stiction._text import printable
 
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Every report begins so; no other file is written over."""
 
-SCRIPTS = ("numbers.js", "plots.js", "common.js", "result.js")
+SCRIPTS = ("numbers.js", "plots.js", "common.js")
+"""Of every page, before its own."""
 
 
 class ReportError(ValueError):
@@ -43,7 +46,7 @@ class Page:
     Attributes
     ----------
     name : str
-        What tells it from other pages: the title and the heading.
+        Title and heading.
     head : list of str
         Lines under the heading.
     words : dict
@@ -54,6 +57,8 @@ class Page:
         Packed by `packed` or `deflated`, by name.
     versions : str
         Of what computed the result.
+    kind : {"result", "surface"}
+        Whose markup and script it has.
     """
 
     name: str
@@ -62,6 +67,7 @@ class Page:
     facts: dict[str, Any]
     numbers: Mapping[str, str]
     versions: str
+    kind: str = "result"
 
     def html(self) -> str:
         """The whole page."""
@@ -77,18 +83,29 @@ class Page:
         return MARK + Template(part("page.html")).substitute(
             name=escaped(self.name),
             head="".join(f"<p>{escaped(line)}</p>" for line in self.head),
-            body=Template(part("result.html")).substitute(self.words),
+            body=Template(part(f"{self.kind}.html")).substitute(self.words),
             style=part("page.css"),
-            script="\n".join(part(name) for name in SCRIPTS),
+            script="\n".join(part(name) for name in (*SCRIPTS, f"{self.kind}.js")),
             # No "<", so that nothing in it ends the element or begins another.
             facts=json.dumps(self.facts, allow_nan=False).replace("<", "\\u003c"),
             packed=numbers,
             versions=escaped(f"{self.versions}; page by stiction {__version__}, {datetime.date.today().isoformat()}."),
         )
 
+    def save(self, path: Path) -> None:
+        """Write the page; an older report of that name is replaced when the new one is whole.
+
+        Raises
+        ------
+        ReportError
+            If the path holds something that is no report or cannot be written.
+        """
+        with replaced_file(path, MARK.encode(), ReportError) as partial:
+            partial.write_bytes(self.html().encode("utf-8", "replace"))
+
 
 MOST_TEXT = 400
-"""Characters of a line of somebody's on a page."""
+"""Most characters of a line that comes from a file."""
 
 
 def escaped(text: object) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from stiction.studies.result import is_measured
@@ -52,7 +53,7 @@ class PageResult:
         of = f" {escaped(self.name)}" if several else ""
         whole = (
             "<details><summary>The whole study file (TOML)</summary>"
-            f'<pre tabindex="0">{html.escape(self.study.to_toml())}</pre></details>'
+            f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
         )
         if is_measured(self.study):
             return f"<h2>The study{of}</h2>{self.details}{whole}"
@@ -60,6 +61,16 @@ class PageResult:
         lines = "".join(f"<li><code>{escaped(line)}</code></li>" for line in changes)
         said = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
         return f"<h2>The study{of}</h2>{said}{whole}"
+
+
+def _without_folders(study: Study) -> Study:
+    """A study that names its files alone: whoever is sent a page has other folders."""
+    if not is_measured(study):
+        return study
+    bodies: Any = study.surfaces
+    named = {side: getattr(bodies, side) for side in ("upper", "lower")}
+    named = {side: each.model_copy(update={"file": Path(each.file).name}) for side, each in named.items()}
+    return study.model_copy(update={"surfaces": bodies.model_copy(update=named)})
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stiction._checks import Floats
 from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.report.page import ReportError, deflated, listed, packed
@@ -48,26 +50,33 @@ def pictured(picture: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
     if not all(np.isfinite(each).all() for each in (*bodies, along_y, along_x, table)) or min(bodies[0].shape) < 2:
         raise ReportError("the picture has heights or contacts that are no numbers")
     dy, dx = float(along_y[1] - along_y[0]), float(along_x[1] - along_x[0])
-    every = -(-max(bodies[0].shape) // MOST_PIXELS)
     ranges, packs, spectra = [], {}, []
     for side, body in zip(("lower", "upper"), bodies, strict=True):
-        thin = body[::every, ::every]
-        low, high = float(thin.min()), float(thin.max())
-        packs[side] = deflated(np.rint(255 * (thin - low) / ((high - low) or 1)).astype(np.uint8).tobytes())
-        ranges.append([low, high])
-        if high > low and min(body.shape) >= FEWEST_WAVES:
+        levels, ends, extent = grey(body, (dy, dx))
+        packs[side] = deflated(levels.tobytes())
+        ranges.append(ends)
+        if ends[1] > ends[0] and min(body.shape) >= FEWEST_WAVES:
             radial = surface_spectrum(Surface(body, spacing=(dy, dx))).radial()
             spectra.append(
                 {"name": f"{side} body", "waveNumber": listed(radial.wave_number), "density": listed(radial.density)}
             )
-    rows, columns = thin.shape
+    rows, columns = levels.shape
     drawn = np.argsort(-table[2], kind="stable")[:MOST_CONTACTS]
     packs["contacts"] = packed(table[:, drawn], CONTACT_BYTES)
     return {
         "picture": {
             "rows": rows, "columns": columns, "ranges": ranges, "load": load, "member": member,
-            "moved": listed(moved), "extent": [rows * every * dy, columns * every * dx],
+            "moved": listed(moved), "extent": extent,
             "contacts": {"columns": list(COLUMNS), "count": int(drawn.size), "all": int(table.shape[1])},
         },
         "spectra": spectra or None,
     }, packs  # fmt: skip
+
+
+def grey(heights: Floats, spacing: tuple[float, float]) -> tuple[NDArray[np.uint8], list[float], list[float]]:
+    """Heights (µm) as bytes between the lowest and the highest, of few pixels; both ends; and the lengths they fill."""
+    every = -(-max(heights.shape) // MOST_PIXELS)
+    thin = heights[::every, ::every]
+    low, high = float(thin.min()), float(thin.max())
+    levels = np.rint(255 * (thin - low) / ((high - low) or 1)).astype(np.uint8)
+    return levels, [low, high], [count * every * step for count, step in zip(thin.shape, spacing, strict=True)]

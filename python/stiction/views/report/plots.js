@@ -112,10 +112,10 @@ function lookAt({low, high, isLog}, {low: from, high: to}, times, about, move = 
 /** Look at axes of a plot closer, or all of them; `along` says which. */
 function look(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0, along = "xy"}) {
   if (!place.axes?.X) return;
-  const {axes: now} = place;
-  const view = {...place.view};
-  if (along.includes("x")) view.x = lookAt(now.wholeX, now.x, times, x, moveX);
-  if (along.includes("y")) view.y = lookAt(now.wholeY, now.y, times, y, moveY);
+  const {wholeX, wholeY} = place.axes;
+  const view = {...place.view}; // what is drawn is older, where several events come before a frame
+  if (along.includes("x")) view.x = lookAt(wholeX, viewed(wholeX, view.x), times, x, moveX);
+  if (along.includes("y")) view.y = lookAt(wholeY, viewed(wholeY, view.y), times, y, moveY);
   place.view = view;
   redrawn();
 }

@@ -158,7 +158,7 @@ function verdictOf(verdict, doubts, more, sentence = "") {
   return [
     element("p", {class: `verdict ${kind}`}, verdict),
     ...(doubts.length ? [element("ul", {class: "doubts"}, ...doubts.map(({text, cure, severity}) =>
-      element("li", {class: severity}, `${text[0].toUpperCase()}${text.slice(1)}: ${cure}.`)))] : []),
+      element("li", {class: severity}, `${text[0].toUpperCase()}${text.slice(1)}; ${cure}.`)))] : []),
     ...(sentence && verdict !== "Do not quote" ? [element("p", {class: "sentence"}, sentence)] : []),
     ...(more ? [element("p", {class: "hint"}, more)] : []),
   ];

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stiction._files import replaced_file
 from stiction.mechanics import friction
 from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
 from stiction.studies.result import is_measured
@@ -23,7 +22,7 @@ from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
 from stiction.views.report.measured import page_of_measured
-from stiction.views.report.page import MARK, Page, ReportError, escaped
+from stiction.views.report.page import Page, ReportError, escaped
 from stiction.views.report.page_result import BYTES, PageResult
 from stiction.views.report.picture import CONTACT_BYTES
 
@@ -74,8 +73,7 @@ def save_report(
     ReportError
         As `report_page`, and if the path holds something that is no report or cannot be written.
     """
-    with replaced_file(Path(path), MARK.encode(), ReportError) as partial:
-        partial.write_bytes(report_page(result, names=names, picture=picture).encode("utf-8", "replace"))
+    _report(result, names, picture).save(Path(path))
 
 
 def report_page(
@@ -101,6 +99,14 @@ def report_page(
         If there are more than two, they are not of a kind, one is too large for a page or has no members, or one of
         its numbers is not what a page can show.
     """
+    return _report(result, names, picture).html()
+
+
+def _report(
+    result: xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored],
+    names: Sequence[str],
+    picture: xarray.Dataset | None,
+) -> Page:
     import xarray
 
     results: list[Any] = list(result) if isinstance(result, (list, tuple)) else [result]
@@ -122,7 +128,7 @@ def report_page(
         if is_measured(study) else page_of_generated(each, study, name)
         for each, study, name in zip(results, studies, named, strict=True)
     ]  # fmt: skip
-    return _page(made).html()
+    return _page(made)
 
 
 def _page(results: list[PageResult]) -> Page:
