@@ -6,13 +6,15 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import friction_table, run, table_study
+from stiction.views.style import FORCE, FRICTION, STYLE
+
+plt.rcParams.update(STYLE)
 
 study = table_study(
     hurst_exponents=[0.8], rms=[0.05], pressures=[0.001, 0.003, 0.01, 0.03, 0.1], mu0=[0.4], points=128, repetitions=8,
 )  # fmt: skip
-table = (
-    friction_table(run(study)).squeeze().sel(sliding="all")
-)  # or "stiction table", and xarray.open_dataset("table.nc")
+# Or "stiction table", and xarray.open_dataset("table.nc").
+table = friction_table(run(study)).squeeze().sel(sliding="all")
 mean = table.sel(statistic="mean")
 pressure, approach = mean["pressure"].values, mean["approach"].values  # GPa, µm
 friction = mean["friction_coefficient"].values
@@ -52,12 +54,13 @@ a, b, c = (mean[name] for name in ("area_factor", "stiffness_factor", "stiffness
 print(f"A/A0 = {float(a):.3g} p within {100 * float(mean['area_deviation']):.0f} %", end="; ")
 print(f"k/A0 = {float(b):.3g} p^{float(c):.3g} within {100 * float(mean['stiffness_deviation']):.0f} %, p in GPa")
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 2.8), layout="constrained")
-left.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3)
-left.set(xlabel="overlap of the mean planes (nm)", ylabel="pressure (MPa)", title="the law")
-right.plot(time, normal, label="normal force")
-right.plot(time, push, label="push")
-right.axvline(time[first], color="0.5", linestyle=":", label="slips")
-right.set(xlabel="time (µs)", ylabel="force (mN)", title="a grain under it")
-right.legend(fontsize=7, frameon=False)
+figure, (left, right) = plt.subplots(1, 2, figsize=(5.4, 2.2), layout="constrained")
+left.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3, color=FORCE)
+left.set(xlabel="overlap of the mean planes (nm)", ylabel="nominal pressure (MPa)", title="the contact law")
+for values, words, colour in ((normal, "normal force", FORCE), (push, "push", FRICTION)):
+    right.plot(time, values, color=colour)
+    right.annotate(words, (30, values[time > 30][0]), (0, 3), textcoords="offset points", ha="right", color=colour)
+right.axvline(time[first], color="0.5", linestyle=":")
+right.annotate("slips", (time[first], 400), (-2, 0), textcoords="offset points", ha="right", color="0.4")
+right.set(xlabel="time (µs)", ylabel="force (mN)", title="a grain that is pressed, then pushed")
 figure.savefig("contact_law.png", dpi=200)

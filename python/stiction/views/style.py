@@ -67,7 +67,7 @@ UPPER = "#c6d9e7"
 """The upper body."""
 LOWER = "#e3d5bb"
 """The lower body."""
-STRENGTHS = ("#444444", "#009e73")
+STRENGTHS = ("#444444", "#aa4499")
 """The lowest and the highest adhesive shear strength that are drawn."""
 AXES = {"x": "#0072b2", "y": "#d55e00"}
 """Of what is measured along an axis of a map."""

@@ -8,13 +8,13 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.views.onset import AMPLITUDES
-from stiction.views.style import AREA, FORCE, FRICTION, MILLIMETRE, STRENGTHS, WIDTH, friction_parameters_text
+from stiction.views.style import AREA, FORCE, FRICTION, MILLIMETRE, WIDTH, friction_parameters_text
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-CYCLES = (AREA, FRICTION)
+CYCLES = ("0.55", FRICTION)
 """Colours of the cycles."""
 
 
@@ -56,8 +56,8 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     axes = panels[-1]
     part = np.concatenate([[0.0], onset["fraction"].values])
     for name, words, dashes, colour in (
-        ("slipped_area", "of the true contact area", "-", STRENGTHS[1]),
-        ("slipped_load", "of the normal load", "--", STRENGTHS[0]),
+        ("slipped_area", "of the true contact area", "-", AREA),
+        ("slipped_load", "of the normal load", "--", FORCE),
     ):
         mean, low, high = (
             100 * _from_rest(onset[name].sel(statistic=each).values) for each in ("mean", "lower", "upper")
