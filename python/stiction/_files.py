@@ -72,7 +72,7 @@ def _partial(path: Path, put: Callable[[Path, Path], object]) -> Iterator[Path]:
 
 
 def half_written() -> str:
-    """A name that nobody can have taken beforehand, as short for long names as for others."""
+    """A new name that is unused, of a fixed length."""
     return f".stiction-{_HERE}-{os.getpid()}-{_THIS_RUN}-{secrets.token_hex(4)}.partial"
 
 
@@ -121,7 +121,7 @@ def _is_ours(path: Path, mark: bytes) -> bool:
 
 
 class NotReadableError(Exception):
-    """A file that is not what somebody meant to be read."""
+    """A file that is not of the expected kind."""
 
 
 def content(path: Path, most: int, *, link: bool = True) -> bytes:

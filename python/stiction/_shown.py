@@ -154,7 +154,7 @@ def picture(draw: Callable[[Axes], object]) -> str:
 
 
 def picture_of(figure: Any, seen: str = "picture") -> str:
-    """A figure of matplotlib as a picture that needs no file, with words for who cannot see it."""
+    """A figure of matplotlib as a picture that needs no file, with a text for screen readers."""
     coded = base64.b64encode(png_of(figure)).decode("ascii")
     return f'<img alt="{html.escape(seen)}" style="max-width:100%" src="data:image/png;base64,{coded}"/>'
 

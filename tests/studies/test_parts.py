@@ -56,7 +56,7 @@ def test_parts_of_other_numbers_and_of_more_repetitions_do_no_harm(tmp_path, und
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
 def test_no_such_part(tmp_path, part):
-    with pytest.raises(ValueError, match="part must be one of so many"):
+    with pytest.raises(ValueError, match="part must be K of N"):
         fill(TINY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
 

@@ -141,7 +141,10 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("z (um)\n" + "0,0.1,2,3\n" * 9, "holds 9 rows of 4 columns; a profile has one column"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1,7\n0.3,5\n0.4,6.5\n", "the 3. line of data has 3 column(s) and most have 2"),
         ("x (um),z (um)\n0,1\n0.1,2\noops,1\n0.3,5\n0.4,6.5\n", "line 4 ('oops,1') stands between numbers"),
-        ("x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\nend of data\n", "line 6 ('end of data'), after the data, is none"),
+        (
+            "x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\nend of data\n",
+            "line 6 ('end of data'), after the data, is not data",
+        ),
         ("z in um\n0,5\n1\n2,5\n3,5\n", "may be two columns or one with decimal commas"),
         ("0,5\n1,5\n2,5\n3,5\n", "may be two columns or one with decimal commas"),
         ("x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)), "as in '1,008', may be decimal or part"),

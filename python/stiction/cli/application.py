@@ -51,7 +51,7 @@ def announce(text: str) -> None:
 
 
 def is_watched() -> bool:
-    """Whether what is said goes to a terminal."""
+    """Whether messages go to a terminal."""
     return sys.stderr.isatty()
 
 

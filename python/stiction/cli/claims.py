@@ -21,7 +21,8 @@ PAPERS_FIGURES = ("figure2", "figure3", "figure5", "figure6", "figure7", "figure
 def claims_command(
     output: Annotated[Path, option("--output -o", "DIR", "Where the results go.")] = Path("claims"),
     repetitions: Annotated[
-        int | None, option("--repetitions", "N", "Judge on so many as well.", "100, the paper's", least=20)
+        int | None,
+        option("--repetitions", "N", "Judge on this many repetitions as well.", "100, the paper's", least=20),
     ] = None,
     columns: Annotated[
         bool,

@@ -37,7 +37,7 @@ LinesOfMaps = Annotated[
     _pressed(
         "--lines",
         "N",
-        "Press so many pairs of lines of maps instead of their areas; also of surrogates.",
+        "Press this many pairs of lines of two maps, not their areas; also the number of surrogates of lines.",
         "128 of surrogates, and of a map and a profile",
         least=1,
     ),
@@ -56,7 +56,7 @@ Surrogates = Annotated[
     _pressed(
         "--surrogates",
         "N|none|upper|lower|both",
-        "Of areas: press so many pairs of surfaces of equal spectrum as well. Of lines: what they replace.",
+        "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
     ),
 ]
 Seed = Annotated[int, _pressed("--seed", "N", "Where the random phases of surrogates start.", least=0)]

@@ -75,7 +75,7 @@ class Asked:
         Raises
         ------
         ValueError
-            If a file cannot be read, or an option does not apply or is none of its choices.
+            If a file cannot be read, or an option does not apply or is not one of its choices.
         """
         values = dict(context.params)
         return cls._read(values, frozenset(name for name in values if given(context, name)))
@@ -314,7 +314,7 @@ class Asked:
 
 
 def _check_choices(values: dict[str, Any]) -> None:
-    """Refuse what is none of an option's choices."""
+    """Refuse a value that is not one of the choices of an option."""
     for name, allowed in _CHOICES.items():
         if (value := values[name]) is not None and value not in allowed:
             raise ValueError(f"{_option(name)} must be {' or '.join(allowed)}, got {value!r}")
@@ -369,4 +369,4 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Asked], bool], str], ...] = (
     (("poisson",), lambda asked: asked.values["young"] is not None or asked.law == JacksonGreen.name,
      "is for --young and --law jackson-green"),
 )  # fmt: skip
-"""Options that do not always apply, where they do, and what is said where they do not."""
+"""Options that do not always apply: where they apply, and the message where they do not."""

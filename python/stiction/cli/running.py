@@ -1,4 +1,4 @@
-"""How commands compute what a folder lacks of a study: where, by how many workers, and what is said of it."""
+"""How commands compute what is missing of a study: in which folder, by which workers, with which messages."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def part_of(text: str | None) -> tuple[int, int] | None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
     if not match or int(match[1]) > int(match[2]):
-        raise StudyError(f"--part must be one of so many, as in 3/16, got {shortened(text)}")
+        raise StudyError(f"--part must be K/N with K from 1 to N, as in 3/16, got {shortened(text)}")
     return int(match[1]), int(match[2])
 
 
@@ -96,7 +96,7 @@ def fill_folder(
     directory : Path
     executor : concurrent.futures.Executor
     said : callable
-        What tells of files that were written.
+        Prints the names of files that were written.
     part : (int, int), optional
         Which of how many parts.
     replace : bool

@@ -73,7 +73,7 @@ def studies(
 
 
 def _study(text: str) -> tuple[Study, Path]:
-    """What is to be run, and where its results go unless somebody says otherwise."""
+    """The study to run, and where its results go by default."""
     if text in study_names():
         return Study.named(text), Path(text)
     path = Path(text)
@@ -109,7 +109,7 @@ def changes_of(assignments: list[str]) -> dict[str, Any]:
 
 
 def _value(text: str) -> Any:
-    """A TOML value; what is none is a string, so that quantities need no quotes of their own."""
+    """A TOML value; anything else is a string, so that quantities need no quotes of their own."""
     try:
         parsed = toml(f"value = {text}")
     except ValueError:

@@ -1,4 +1,4 @@
-"""Bodies that are one and the same: a slip that gives plausible numbers, and so is told."""
+"""Warnings about bodies pressed on themselves: a slip that gives plausible numbers."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ quantity has no value, or has none in more than one of forty resampled ensembles
 load is not reached, is left out of the number, and the outcome says so.
 
 That rule is at fault in two ways. The largest of many noisy values grows with the noise, so that its interval may
-exclude the value itself; and above D = 1.65 a few pairs that all but lock themselves carry a mean. So beside it stands
+exclude the value itself; and above D = 1.65 a few pairs that nearly lock themselves carry a mean. So beside it stands
 another (`Ruling` "bands"): the interval of an extreme over D is that of bands which hold all its values at once, and
 D is at most 1.65 where asperities on profiles touch.
 """
@@ -71,7 +71,7 @@ class Column:
         Of keys of the study.
     sliding : {"opposing", "all"}
     share : int
-        One repetition for so many of those on profiles that touch at asperities: what is affordable.
+        Repetitions on lines with asperities for each one of these, which cost more.
     place : str
         Directory of the result; columns that differ in the sliding rule alone have one.
     """

@@ -54,7 +54,7 @@ def given_or_threads(given: Executor | None) -> Iterator[Executor]:
 
 
 def threads(workers: int | None = None) -> Executor:
-    """Make an executor of so many threads, or of one for each core.
+    """Make an executor with this many threads, by default one for each core.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def available_cores() -> int:
 
 @contextlib.contextmanager
 def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[..., None]]:
-    """Show progress as a bar, or as lines where there is no terminal; enter a function that is told how many more."""
+    """Show progress as a bar, or as lines where there is no terminal; enter a function that adds to the count."""
     if not wanted:
         yield lambda count=1: None
         return

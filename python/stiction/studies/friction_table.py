@@ -31,7 +31,7 @@ LIGHT = 0.1
 """True share of the area up to which the laws are fitted."""
 
 STRAIGHT = 0.1
-"""By how much of itself a fitted law may be off before it is doubted."""
+"""Relative deviation above which a fitted law is doubted."""
 
 
 def table_study(

@@ -18,7 +18,7 @@ CONFIDENCE = 0.95
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
-    """What Student's t is below in all but half of what is not covered, for so many degrees of freedom."""
+    """Quantile of Student's t with which a two-sided interval covers `CONFIDENCE`, by degrees of freedom."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))

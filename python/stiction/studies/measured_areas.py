@@ -80,7 +80,7 @@ class Areas:
         return Member(pairs.pair(shift), *pairs.moved(shift))
 
     def facts(self) -> Facts:
-        """What is said of all members."""
+        """What all members share."""
         pairs = self.pairs
         scans: Any = self.scans
         if isinstance(pairs, SpectrumPairs):  # as if two points were the shortest wave

@@ -186,11 +186,11 @@ class Members(Protocol):
         Raises
         ------
         ValueError
-            If there are not so many.
+            If there are fewer members.
         """
 
     def facts(self) -> Facts:
-        """What is said of all."""
+        """What all members share."""
 
 
 class MeasuredBodies(Table):

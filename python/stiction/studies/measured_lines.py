@@ -96,7 +96,7 @@ class Lines:
         return Member(pair, offset, pairs.place(line), line=line, surrogate=pairs.surrogates != "none")
 
     def facts(self) -> Facts:
-        """What is said of all members."""
+        """What all members share."""
         slider, track = self.pairs.pair(0)
         scans: Any = self.scans
         return Facts(

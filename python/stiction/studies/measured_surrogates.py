@@ -31,7 +31,7 @@ class MeasuredSurrogates(MeasuredBodies):
     )
 
     def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas:
-        """Pairs of surfaces that nobody has scanned."""
+        """Pairs of random surfaces with given spectra."""
         one, other = scans
         if isinstance(one, JoinedSpectrum) or isinstance(other, JoinedSpectrum):
             finest = float(self.cells()["cut_off"][0])

@@ -94,7 +94,7 @@ def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[A
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """The file of so many members, all of whose numbers are zero.
+    """The file of this many members, filled with zeros.
 
     To make one takes 40 ms, most of it for names and units, which all files of a study share.
     """

@@ -83,7 +83,7 @@ def nondimensional(
         if units in ("1", "degree"):
             return variable
         if units not in _SCALES:
-            raise ValueError(f"{name} has the unit {units!r}, which is none of a result")
+            raise ValueError(f"{name} has the unit {units!r}, which no result has")
         of_modulus, of_length, by = _SCALES[units]
         attributes = {**variable.attrs, "units": "1", "long_name": f"{variable.attrs.get('long_name', name)} / {by}"}
         return xarray.Variable(variable.dims, variable.values / (modulus**of_modulus * length**of_length), attributes)

@@ -172,7 +172,7 @@ def _filled(
 ) -> Stored:
     """A folder that holds all members of a study, or of a part of it."""
     if part is not None and not 1 <= part[0] <= part[1]:
-        raise ValueError(f"part must be one of so many, as in 3/16, got {part[0]}/{part[1]}")
+        raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
     study = study.with_known_files()
     _check_disk(study, path)
     stored = begin(path, study)

@@ -162,7 +162,7 @@ class Stored:
 
     @cached_property
     def _piece(self) -> xarray.Dataset:
-        """The whole result, of which nobody may change a number: every table and figure reads it again."""
+        """The whole result, whose numbers must not be changed: every table and figure reads it again."""
         whole = self._some(0, self.finished.size)
         for variable in whole.data_vars.values():
             variable.values.flags.writeable = False

@@ -257,7 +257,7 @@ _CHI_SQUARED_95 = 3.841  # one degree of freedom
 
 @dataclass(frozen=True)
 class _Bins:
-    """A spectrum in bins of equal width in log q: the mean power of so many harmonics."""
+    """A spectrum in bins of equal width in log q: mean power, and number of harmonics."""
 
     first: NDArray[np.intp]  # harmonic of each bin
     log_q: Floats

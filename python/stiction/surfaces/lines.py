@@ -85,8 +85,8 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
 
     Notes
     -----
-    A line of some hundred points rarely tells its self-affine band well, and exponents of different bands are not to be
-    averaged. So the band is the median one, and all lines are fitted in it.
+    A self-affine band is rarely found well in a line of some hundred points, and exponents of different bands must not
+    be averaged. So the band is the median one, and all lines are fitted in it.
 
     Examples
     --------

@@ -61,7 +61,7 @@ def rules_of(study: Study) -> list[str]:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Whether a load over the nominal area means something: not of spheres on a strip as thick as somebody chose."""
+    """Whether load over nominal area has a meaning, which it has not for spheres on a strip of arbitrary thickness."""
     if "nominal_area" not in point.coords:
         return False
     lines = study.surfaces.kind == "profile" or getattr(study.surfaces, "press", "areas") == "lines"

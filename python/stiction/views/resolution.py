@@ -126,7 +126,7 @@ def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:
 def cut_off_note(at: xarray.Dataset, study: Study) -> str:
     """What the table is of, and what it says."""
     members = value_of(at, "members")
-    words = f"Waves below so much taken off both bodies; means over {members:.0f} members."
+    words = f"Shorter waves are taken off both bodies; means over {members:.0f} members."
     if plastic_limit(at, study) is not None:
         words += " No finer scan passes the plastic limit; the paper's rule has none, and belongs to its waves."
     return words

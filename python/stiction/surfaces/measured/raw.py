@@ -80,7 +80,7 @@ class Table:
     history: tuple[str, ...] = ()
     """What was done to the heights before they were written, a short sentence for each step"""
     area: bool = False
-    """Whether two columns may be an area as well: then positions are told by counting evenly"""
+    """Whether two columns may be an area as well: then positions are recognised by counting evenly"""
 
 
 @dataclass(frozen=True)

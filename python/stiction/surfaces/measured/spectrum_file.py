@@ -17,7 +17,7 @@ from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError
 
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
-"""Columns from which a spectrum is read; one without the last is somebody else's."""
+"""Columns from which a spectrum is read; a table without the last is of another origin."""
 
 FRACTION, RATIO = "fraction of ", "power over the joined of "
 """Beginnings of two columns for each scan."""

@@ -105,7 +105,7 @@ def _profile(table: Table, *places: int) -> Raw:
 
 
 def _plain(table: Table) -> Raw:
-    """What a table is if nobody says: heights, positions and heights, or an area."""
+    """What a table is by default: heights, positions and heights, or an area."""
     table, step = _without_numbering(table)
     rows, columns = table.values.shape
     if columns == 1:

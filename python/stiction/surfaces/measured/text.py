@@ -242,7 +242,7 @@ def _numbers(lines: list[str], dialect: Dialect) -> _Numbers:
         )
         written.append(len(row) if dialect.separator is None else stripped.count(dialect.separator) + 1)
     if text_since > first_line:
-        raise FormatError(f"line {text_since} ({lines[text_since - 1].strip()[:40]!r}), after the data, is none")
+        raise FormatError(f"line {text_since} ({lines[text_since - 1].strip()[:40]!r}), after the data, is not data")
     return _Numbers(values, counts, written, first_line)
 
 

@@ -168,7 +168,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 
 def _chosen_strengths(count: int) -> list[int]:
-    """Which of so many shear strengths are drawn."""
+    """Indices of the shear strengths that are drawn, of `count`."""
     return list(range(count)) if count <= MOST_STRENGTHS else [0, count - 1]
 
 
