@@ -95,7 +95,7 @@ def served(folder, *options, code=""):
     what = ["-c", code] if code else ["-m", "stiction", "app", *options]
     process = subprocess.Popen(
         [sys.executable, *what], cwd=folder, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"TMPDIR": str(folder / "tmp"), "BROWSER": "true"},
+        env=os.environ | {"TMPDIR": str(folder / "tmp"), "BROWSER": "true", "XDG_DATA_HOME": str(folder)},
     )  # fmt: skip
     try:
         yield Served(process, folder)

@@ -293,6 +293,40 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
     assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
 
 
+def test_a_first_answer_has_no_more_positions_than_are_asked_for(app, fresh):
+    """And sample surfaces can be saved, so that the line can be repeated; what is so far said of how many."""
+    fresh.find_element("id", "demo").click()
+    for side in ("upper", "lower"):
+        assert "128 × 128" in until(lambda side=side: seen(fresh, side)["hint"], lambda hint: "Sq" in hint)
+        link = fresh.find_element("css selector", f"#{side}-drop .save").get_attribute("href")
+        _, headers, body = app.ask("GET", link.removeprefix(app.origin))
+        assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
+        assert body.count(b"\n") >= 128
+    fill(fresh, {"shifts": "2"})
+    press(fresh)
+    told = until(lambda: app.jobs()[-1], lambda job: job["answer"])
+    assert told["by"] == "a first answer, by asperities at 2 positions, here and in the pictures"
+    until(lambda: app.jobs()[-1]["versions"], bool)
+    fresh.find_element("id", "stop").click()
+    assert finished(fresh) == "stopped"
+
+
+def test_eight_windows_are_told_at_the_same_time(app, fresh):
+    """A browser has six connections for all of them."""
+    first = fresh.current_window_handle
+    for _ in range(7):
+        fresh.switch_to.new_window("tab")
+        fresh.get(app.origin)
+    for window in fresh.window_handles:
+        fresh.switch_to.window(window)
+        asked = "return performance.getEntriesByName(`${location.origin}/jobs`).length"
+        before = fresh.execute_script(asked)
+        until(lambda asked=asked: fresh.execute_script(asked), lambda now, before=before: now > before)
+        if window != first:
+            fresh.close()
+    fresh.switch_to.window(first)
+
+
 def test_profiles_are_pressed_by_asperities_at_once(fresh, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=4000), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import signal
 import socket
 import stat
@@ -122,6 +123,8 @@ def test_paths_are_no_files(app, path):
         {"command": "pair", "options": [["mu0", 3]], "upper": "1", "lower": "1"},
         {"command": "pair", "options": [], "upper": "../x", "lower": {}},
         {"command": "open", "name": "../.."},
+        {"command": "open", "name": {}},
+        {"command": "pair", "options": [3], "upper": {}, "lower": []},
         {"command": "run", "options": [["set", "x" * 300]]},
         [],
     ],
@@ -156,6 +159,17 @@ def test_three_gigabytes_are_refused_before_they_come(app):
     assert app.memory() < MOST_MEMORY
     assert until(lambda: list(app.private()[0].glob("*.partial")), lambda left: not left) == []
     assert app.is_alive()
+
+
+def test_the_menu_has_what_begins_it_again_and_nothing_else_is_written(app):
+    status, _, body = app.ask("POST", "/menu", b"")
+    assert status == 200
+    entry = (app.folder / "applications" / "stiction.desktop").read_text("utf-8")
+    assert json.loads(body)["file"] == str(app.folder / "applications" / "stiction.desktop")
+    said = dict(line.split("=", 1) for line in entry.splitlines()[1:])
+    assert said["Path"] == str(app.folder)
+    command = [*shlex.split(said["Exec"]), "--help"]
+    assert "drop two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def test_bodies_of_questions_are_short(app):

@@ -123,7 +123,10 @@ async function press(event) {
     ...[...form.querySelectorAll("[required]:enabled")].filter((each) => !each.value.trim())
       .map((each) => [each, `${each.dataset.name ?? each.closest("label").textContent.trim()} is missing`])];
   complain(byId("pair-wrong"), lacking.length ? `Not yet: ${lacking.map(([, words]) => words).join(", ")}.` : "");
-  if (lacking.length) return lacking[0][0].focus();
+  if (lacking.length) {
+    lacking[0][0].focus();
+    return byId("pair-wrong").scrollIntoView({block: "nearest"});
+  }
   await ask("pair-wrong", {command: "pair", upper: scans.upper.scan, lower: scans.lower.scan, options: optionsOfPair()});
 }
 
@@ -169,9 +172,9 @@ function render() {
   else byId("progress").removeAttribute("value");
   if (byId("job").dataset.error !== job.error) complainOf(job);
   byId("job").dataset.error = job.error;
-  if (!told) say(job.answer, job.state === "stopped" ? `stopped${job.total ? `: ${job.finished} of ${job.total} are finished and kept` : ""}` : job.by, !job.by && job.versions > 0);
+  if (!told) say(job.answer, job.state === "stopped" ? `stopped${job.total ? `: ${job.finished} of ${job.total} are finished and kept` : ""}` : job.by, !job.by);
   byId("command").textContent = commandOf(job);
-  byId("share").hidden = !job.versions || isGoing;
+  byId("share").hidden = !job.versions || isGoing || Boolean(job.by);
   for (const link of byId("share").querySelectorAll("a")) link.href = `/jobs/${job.number}/${link.textContent}?save`;
   const page = `/jobs/${job.number}/page.html?${job.versions}`;
   if (!job.versions || page === framed) return;
@@ -185,21 +188,21 @@ function render() {
 const WORDS = {all: "all contacts rub", opposing: "only contacts that oppose the motion rub (the paper)"};
 const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
-/** Values where the page does not have them, and the sentence; not of a first answer, which is no last word. */
-function say(answer, by, hasPage) {
+/** Verdict and sentence; as long as it is computed the values, which the page has then. */
+function say(answer, by, isLast) {
   const place = byId("answer");
-  const text = JSON.stringify([answer, by, hasPage]);
+  const text = JSON.stringify([answer, by, isLast]);
   if (place.dataset.text === text) return;
   place.dataset.text = text;
   place.replaceChildren(...(by ? [node("p", {className: "hint"}, by)] : []));
   if (!answer) return;
   for (const {rule, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
-    const line = node("p", {className: "value", hidden: hasPage}, node("i", {}, "μ"), node("sub", {}, "s"),
+    const line = node("p", {className: "value", hidden: isLast}, node("i", {}, "μ"), node("sub", {}, "s"),
       ` = ${twoDigits(mean, lower ?? NaN, upper ?? NaN)} `, node("small", {className: "hint"}, WORDS[rule]));
     Object.assign(line.dataset, {rule, value: mean, lower, upper});
     place.append(line);
   }
-  if (!by.startsWith("a first")) place.append(node("p", {className: `verdict ${KIND[answer.verdict]}`}, answer.verdict),
+  if (isLast) place.append(node("p", {className: `verdict ${KIND[answer.verdict]}`}, answer.verdict),
     node("p", {className: "sentence", id: "sentence"}, answer.sentence));
 }
 

@@ -141,12 +141,12 @@ class Jobs:
 
     async def _watch(self, job: Job) -> None:
         """Follow what a command writes; what is there is told whenever it has doubled."""
-        told = 1
+        told = 2  # of fewer there is no interval
         while True:
             await asyncio.sleep(LOOK)
             with suppress(*FAULTS):  # nothing is there yet, or nothing touches
                 await self._count(job)
-                if job.finished >= min(2 * told, job.total) > told:
+                if job.total > job.finished >= 2 * told:
                     told = job.finished
                     by = f"so far, at {told} of {job.total} positions{TOO}"
                     await self._tell(job, partial(read_result, job.folder), by)
@@ -158,21 +158,22 @@ class Jobs:
         job.finished, job.total = int(stored.finished.size), stored.study.ensemble.repetitions
 
     async def _tell(self, job: Job, take: Callable[[], Result], by: str = "") -> None:
-        """Take a result as the answer: the numbers, and then its page and what can be saved."""
+        """Take a result as the answer, with its page and what can be saved; the first numbers do not wait for these."""
         result, at, answer = await asyncio.to_thread(_answered, take)
-        job.answer, job.by, job.result = answer, by, result
+        if job.answer is None and by:
+            job.answer, job.by = answer, by
         files = self.root / "shared" / f"{job.number}-{job.versions + 1}"
-        await asyncio.to_thread(self._write, job, result, at, files)
-        job.files, job.versions = files, job.versions + 1
+        await asyncio.to_thread(self._write, result, at, files, "" if by else job.arguments[0], job.folder.name)
+        job.answer, job.by, job.result, job.files, job.versions = answer, by, result, files, job.versions + 1
 
-    def _write(self, job: Job, result: Result, at: xarray.Dataset, files: Path) -> None:
-        """Write what can be saved of a result; of one that is not finished the page alone."""
+    def _write(self, result: Result, at: xarray.Dataset, files: Path, command: str, name: str) -> None:
+        """Write what can be saved of a result; as long as its command goes on the page alone."""
         source, study, beside = result.source, result.study, result.beside
-        texts = {"page.html": report_page([source], names=[job.folder.name])}
-        if isinstance(source, Stored) and not job.by:
+        texts = {"page.html": report_page([source], names=[name])}
+        if isinstance(source, Stored) and command:
             over, onset = resolution_at(source), onset_beside(source)
             texts |= {
-                "result.json": record_text(job.arguments[0], at, study, beside=beside, over=over, onset=onset),
+                "result.json": record_text(command, at, study, beside=beside, over=over, onset=onset),
                 "result.csv": csv_text(at, study, beside=beside),
                 "study.toml": (source.path / "study.toml").read_text("utf-8"),
             }

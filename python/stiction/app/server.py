@@ -86,7 +86,7 @@ class Server:
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
-            exception_handlers=dict.fromkeys((ValueError, RecursionError, ClientDisconnect), _refusal),
+            exception_handlers=dict.fromkeys((ValueError, TypeError, RecursionError, ClientDisconnect), _refusal),
             lifespan=self._life,
         )  # fmt: skip
 
@@ -229,7 +229,7 @@ class Server:
             raise HTTPException(400)
         command, options = asked.get("command"), asked.get("options")
         if command == "open":
-            folder = self._folder(asked.get("name"))
+            folder = self._folders().get(asked.get("name", "")) or _missing("there is no such result any more")
             return _begun(self.jobs.add(folder.name, ["info", folder.name], folder=folder))
         if command not in OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
@@ -273,32 +273,25 @@ class Server:
     async def share(self, request: Request) -> Response:
         """A page, JSON, CSV or the study of a job."""
         folder, what = self._job(request).files or _missing(), request.path_params["what"]
-        if what not in ("page.html", "result.csv", "result.json", "study.toml"):
+        if what not in [each.name for each in folder.iterdir()]:
             _missing()
         name = what if "save" in request.query_params else None
         return FileResponse(folder / what, filename=name, headers={"content-security-policy": PAGE})
 
     # ---- Results that are there, and generated surfaces -------------------------------------------------------------
 
-    def _folders(self) -> list[Path]:
+    def _folders(self) -> dict[str, Path]:
         found = [each.parent for each in self.here.glob("*/study.toml") if (each.parent / "blocks").is_dir()]
-        return sorted(found, key=lambda each: each.name)[:MOST_LISTED]
-
-    def _folder(self, name: object) -> Path:
-        found = [folder for folder in self._folders() if folder.name == name]
-        return found[0] if found else _missing("there is no such result any more")
+        return {each.name: each for each in sorted(found)[:MOST_LISTED]}
 
     async def results(self, _: Request) -> Response:
         """The results in the folder in which the server was begun, and how far each has come."""
-        return JSONResponse(await asyncio.to_thread(lambda: [_listed(each) for each in self._folders()]))
+        return JSONResponse(await asyncio.to_thread(lambda: [_listed(each) for each in self._folders().values()]))
 
     async def profiles(self, request: Request) -> Response:
         """A picture of two generated profiles around where they first touch."""
-        try:
-            changes = json.loads(request.query_params.get("set", ""))
-            return Response(await asyncio.to_thread(made.profiles, changes), media_type="image/svg+xml")
-        except (TypeError, AttributeError) as error:
-            raise RefusedError(str(error)) from None
+        changes = dict(json.loads(request.query_params.get("set", "")))
+        return Response(await asyncio.to_thread(made.profiles, changes), media_type="image/svg+xml")
 
 
 def _listed(folder: Path) -> dict[str, Any]:
