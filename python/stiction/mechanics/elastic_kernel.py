@@ -65,10 +65,13 @@ class Grids:
         return float(np.std(moved))
 
     def kernel(self, level: int = 0) -> Kernel:
-        """Of a level, made when first asked for."""
-        if level not in self._kernels:
-            self._kernels[level] = Kernel(*self.levels[level], self.effective_modulus, periodic=self.periodic)
-        return self._kernels[level]
+        """Of a level, made when first asked for; large ones of coarser grids are not kept."""
+        if level in self._kernels:
+            return self._kernels[level]
+        kernel = Kernel(*self.levels[level], self.effective_modulus, periodic=self.periodic)
+        if level == 0 or math.prod(kernel.shape) <= MOST_KEPT:
+            self._kernels[level] = kernel
+        return kernel
 
 
 _shared: weakref.WeakValueDictionary[tuple[Any, ...], Grids] = weakref.WeakValueDictionary()
@@ -168,14 +171,16 @@ def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ..
         return np.ascontiguousarray(result[..., : values.shape[-1]])
     rows, columns = values.shape
     filled = np.flatnonzero(values.any(axis=1))
-    some = 0 < filled.size < rows
-    along_x = scipy.fft.rfft(values[filled] if some else values, padded[1])
-    count = along_x.shape[1]
-    waves = np.empty((rows, count), along_x.dtype) if some else along_x
+    count = padded[1] // 2 + 1
+    # At first the waves along x of filled rows, one after the other; then those of all rows in their place.
+    waves = np.empty((rows, count), np.result_type(values, np.complex64))
+
+    def along_x(part: slice) -> None:
+        waves[part] = scipy.fft.rfft(values[filled[part]], padded[1])
 
     def along_y(part: slice) -> None:
         block = np.zeros((padded[0], part.stop - part.start), waves.dtype)
-        block[filled if some else slice(rows)] = along_x[:, part]
+        block[filled] = waves[: filled.size, part]
         block = scipy.fft.fft(block, axis=0, overwrite_x=True)
         block[: len(factors)] *= factors[:, part]
         block[len(factors) :] *= factors[-2:0:-1, part]
@@ -184,6 +189,8 @@ def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ..
     def back(part: slice) -> None:
         result[part] = scipy.fft.irfft(waves[part], padded[1], overwrite_x=True)[:, :columns]
 
+    if filled.size:
+        _in_parts(along_x, filled.size, count)
     _in_parts(along_y, count, padded[0])
     result = np.empty(values.shape, values.dtype)
     _in_parts(back, rows, count)
