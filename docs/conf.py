@@ -1,6 +1,5 @@
 """Configuration of the documentation."""
 
-import contextlib
 import functools
 import os
 import re
@@ -113,8 +112,8 @@ def make_live(app: Sphinx, exception: Exception | None) -> None:
             scans = (SCANS / files.format(side) for side in ("upper", "lower"))
             pair(*scans, **given, **LIVE[name], directory=Path(place) / name).report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", names=["quick"])
-    with contextlib.chdir(folder):
-        subprocess.run(["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", "surface.html"], check=True)
+    command = ["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", folder / "surface.html"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
 def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
