@@ -7,6 +7,7 @@ with what friction on slopes adds. On gentle slopes the three agree to four digi
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -192,12 +193,8 @@ def _put_together(groups: NDArray[np.intp]) -> Any:
 def reached_loads(result: Result, steps: int = 80) -> Floats:
     """Loads in equal ratios (mN), from what the lightest step carries to the most that the mean of any cell reaches.
 
-    The lower end is the largest of the cells' loads at the first step, so that none of them starts above it.
-
-    Raises
-    ------
-    ValueError
-        If nothing touches.
+    The lower end is the largest of the cells' loads at the first step, so that none of them starts above it. Raises a
+    `ValueError` if nothing touches.
     """
     elastic = means(result, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
@@ -216,7 +213,7 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     """Means over members with their intervals."""
     import xarray
 
-    order = _Members.of(study, members)
+    order = OverMembers.of(study, members)
     several = members.sizes["direction"] > 1
     dims = [dim for dim in members["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
@@ -279,25 +276,24 @@ def _common_status(status: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.where(counts[STATUSES.index("ok")] > 0, np.array("ok", STATUS_DTYPE), first))
 
 
-class _Members:
+class OverMembers:
     """How members belong together: independent of each other, or neighbours on lines."""
 
-    def __init__(self, order: NDArray[np.intp], lines: NDArray[np.intp] | None) -> None:
+    def __init__(self, order: NDArray[np.intp] | None, lines: NDArray[np.intp] | None) -> None:
         self._order, self._lines = order, lines
 
     @classmethod
-    def of(cls, study: Study, members: xarray.Dataset) -> _Members:
-        """Neighbours are the lines of maps, side by side, and the positions on one line."""
-        count = members.sizes["repetition"]
+    def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
+        """Of lines at places: neighbours are the lines of maps, side by side, and the positions on one line."""
         if not is_measured(study) or measured(study).is_areal:
-            return cls(np.arange(count), None)
-        lines = members["line"].values
-        order = np.lexsort((members["x"].values, lines, members["y"].values))
+            return cls(None, None)
+        lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))
+        order = np.lexsort((x, lines, y))
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
         """(..., 3): mean, lower and upper end of values (members, ...)."""
-        if self._lines is None:
+        if self._order is None or self._lines is None:
             return np.stack(intervals.of_sample(values), axis=-1)
         flat = values[self._order].reshape(values.shape[0], -1)
         known = np.isfinite(flat)

@@ -30,26 +30,17 @@ SMALL = 4
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Slopes of a pair at every point of its grid, along (y and) x.
-
-    Attributes
-    ----------
-    upper, lower : list of ndarray
-    steep : dict
-        Where each body is steepest, as a mask.
-    limits : dict of float
-        The slope from which on it is.
-    """
+    """Slopes of a pair at every point of its grid, along (y and) x."""
 
     upper: list[Floats]
     lower: list[Floats]
-    steep: dict[str, NDArray[np.bool_]]
-    limits: dict[str, float]
+    steep: dict[str, NDArray[np.bool_]]  # where each body is steepest, as a mask
+    limits: dict[str, float]  # the slope from which on it is
 
     @classmethod
     def of(cls, upper: Profile | Surface, lower: Profile | Surface) -> Slopes:
         """Those of a pair on one grid, by natural cubic splines."""
-        along = {side: _slopes(body) for side, body in (("upper", upper), ("lower", lower))}
+        along = {side: slopes_of(body) for side, body in (("upper", upper), ("lower", lower))}
         magnitude = {side: np.sqrt(sum(np.square(each) for each in values)) for side, values in along.items()}
         limits = {side: float(np.quantile(each, 1 - STEEPEST)) for side, each in magnitude.items()}
         return cls(
@@ -71,7 +62,8 @@ class Slopes:
         return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(along, 0.0))
 
 
-def _slopes(body: Profile | Surface) -> list[Floats]:
+def slopes_of(body: Profile | Surface) -> list[Floats]:
+    """Slopes at every point, along (y and) x."""
     from stiction.mechanics.patches import slopes
 
     spacing = (body.spacing,) if isinstance(body, Profile) else body.spacing
@@ -80,35 +72,18 @@ def _slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The contacts of a pair at one load, one row each, and the pressures over the true area.
+    """The contacts of a pair at one load, one row each, and the pressures over the true area; lengths in µm."""
 
-    Attributes
-    ----------
-    x, y : (c,) ndarray, µm
-        Middle, weighted with the pressure; y is 0 of profiles.
-    force : (c,) ndarray, mN
-    area : (c,) ndarray, µm²
-        On the ground plan.
-    slope_x, slope_y : (c,) ndarray
-        Mean slope; a contact opposes the directions in which it rises.
-    cells : (c,) ndarray
-        How many cells of the grid it covers.
-    at_edge : (c,) ndarray of bool
-        Whether it reaches the edge of the grid.
-    pressure, weight : (p,) ndarray, GPa
-        Pressures, and how much of the true area each stands for.
-    """
-
-    x: Floats
+    x: Floats  # middle, weighted with the pressure; y is 0 of profiles
     y: Floats
-    force: Floats
-    area: Floats
-    slope_x: Floats
+    force: Floats  # mN
+    area: Floats  # on the ground plan
+    slope_x: Floats  # mean slope; a contact opposes the directions in which it rises
     slope_y: Floats
-    cells: Floats
-    at_edge: NDArray[np.bool_]
-    pressure: Floats
-    weight: Floats
+    cells: Floats  # how many cells of the grid it covers
+    at_edge: NDArray[np.bool_]  # whether it reaches the edge of the grid
+    pressure: Floats  # (p,), GPa
+    weight: Floats  # (p,), how much of the true area each pressure stands for
 
     def statistics(self) -> dict[str, Any]:
         """What a result keeps of them: fractions of the load, and quantiles of areas and pressures."""

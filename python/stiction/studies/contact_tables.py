@@ -214,6 +214,13 @@ class ByHalfSpace(ContactTable):
     )
     compliance_share: Fraction = Field(default=0.5, description="The lower body's fraction of the compliance.")
 
+    def solid(self) -> dict[str, Any]:
+        """What `half_space` takes besides bodies, loads and motion."""
+        return {
+            "effective_modulus": float(self.effective_modulus), "boundary": self.boundary,
+            "compliance_share": self.compliance_share, "hardness": self.largest_pressure(),
+        }  # fmt: skip
+
     def largest_pressure(self) -> float | None:
         """The hardness, GPa, if there is one."""
         return None if self.hardness is None else float(self.hardness)

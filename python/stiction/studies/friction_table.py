@@ -12,6 +12,7 @@ from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
+from stiction.studies.member_values import SIX, loads_of
 from stiction.studies.store import pieces
 from stiction.studies.study import Study, study_of
 
@@ -224,10 +225,7 @@ def friction_table(
     ).sortby("hurst_exponent")  # fmt: skip
 
 
-_NEEDED = (
-    "contact_area", "approach", "normal_elastic", "normal_frictional", "normal_adhesive",
-    "tangential_elastic", "tangential_frictional", "tangential_adhesive",
-)  # fmt: skip
+_NEEDED = ("contact_area", "approach", *SIX)
 
 _OF_PAIRS = {
     "contact_area_fraction": {"units": "1", "long_name": "true over nominal contact area"},
@@ -255,17 +253,12 @@ def _loads(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
     """Normal and tangential (2, sliding, r, fractal dimension, amplitude, load, mu0, tau0), means over directions."""
     order = ("sliding", "repetition", "fractal_dimension", "amplitude", "load")
     sums = {}
-    for name in _NEEDED[2:]:
+    for name in SIX:
         part = data[name]
         part = part.mean("direction") if "direction" in part.dims else part
         part = part if "sliding" in part.dims else part.expand_dims(sliding=max(1, data.sizes.get("sliding", 1)))
-        sums[name] = part.transpose(*order).values[..., np.newaxis, np.newaxis]
-    rub = mu0[:, np.newaxis]
-    both = [
-        sums[f"{each}_elastic"] + rub * sums[f"{each}_frictional"] + tau0 * sums[f"{each}_adhesive"]
-        for each in ("normal", "tangential")
-    ]
-    return np.stack(both)
+        sums[name] = part.transpose(*order).values
+    return np.stack(loads_of(sums, mu0, tau0))
 
 
 def _ratio(loads: Floats) -> Floats:

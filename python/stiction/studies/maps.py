@@ -36,7 +36,7 @@ AT_ONCE = 2**20
 CELLS = ("fractal_dimension", "amplitude", "cut_off")
 """Dimensions of results that come before their members."""
 
-_MOTIONS = ("sliding", "direction")
+MOTIONS = ("sliding", "direction")
 """Dimensions of results for several sliding rules and directions."""
 
 
@@ -178,17 +178,16 @@ def means(result: Result, names: Iterable[str] | None = None) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, head.attrs)
 
 
-def _solved_pieces(result: Result, names: Iterable[str], change: Change | None) -> Iterator[xarray.Dataset]:
+def solved_pieces(
+    result: Result, names: Iterable[str] | None = None, change: Change | None = None
+) -> Iterator[xarray.Dataset]:
     """Pieces of a result without the members of which a load has no solution."""
     for piece in pieces(result, names):
-        known = np.isfinite(repetitions_last(piece["normal_elastic"], _other_dims(piece["normal_elastic"])))
+        elastic = piece["normal_elastic"]
+        known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
         known = known.reshape(-1, known.shape[-1]).all(axis=0)
         some = piece if known.all() else piece.isel(repetition=np.flatnonzero(known))
         yield some if change is None else change(some)
-
-
-def _other_dims(array: xarray.DataArray) -> list[str]:
-    return [str(dim) for dim in array.dims if dim != "repetition"]
 
 
 def ensemble_map(
@@ -199,17 +198,10 @@ def ensemble_map(
     what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:
-    """One quantity of the ensemble at given normal loads, as `friction_map` returns it.
+    """One quantity of the ensemble, `what`, at given normal loads, as `friction_map` returns it.
 
-    Parameters
-    ----------
-    result : xarray.Dataset or Stored
-    loads, mu0, tau0
-        As for `friction_map`.
-    what : {"friction_coefficient", "contact_area", "normal_stiffness"} or one of `ONSET`
-        Creep and what slips are means that weigh members by the load that they carry.
-    change : callable, optional
-        Applied to each piece of the result, as to put directions together.
+    Beside friction, area and stiffness that may be one of `ONSET`: creep and what slips are means that weigh members by
+    the load that they carry. A `change` is applied to each piece of the result, as to put directions together.
     """
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
@@ -219,7 +211,7 @@ def ensemble_map(
     _check_is_there(dataset, what)
     asked = _Asked(dataset if change is None else change(dataset), what, load_values, *material)
     # Two passes over the members: the means say where loads are reached, and intervals are of what each has there.
-    averages, others, count = _means(lambda: _solved_pieces(result, asked.names(), change), what, asked.step)
+    averages, others, count = _means(lambda: solved_pieces(result, asked.names(), change), what, asked.step)
     if not count:
         raise ValueError("no member of the result has a solution at every load")
     at = {}
@@ -228,7 +220,7 @@ def ensemble_map(
         at[cell] = intervals.AtLoads(normal, values, count, load_values)
     at_a_time = asked.members_at_a_time()
     with threads() as pool:
-        for piece in _solved_pieces(result, asked.names(), change):
+        for piece in solved_pieces(result, asked.names(), change):
             both = [_sums_of(piece, what, asked.step)] * len(at)
 
             def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
@@ -268,7 +260,7 @@ class _Asked:
     @property
     def dims(self) -> list[str]:
         """Dimensions of the cells, motions first."""
-        return [*(motion for motion in _MOTIONS if motion in self.head.dims), *cells_of(self.head)]
+        return [*(motion for motion in MOTIONS if motion in self.head.dims), *cells_of(self.head)]
 
     @property
     def cells(self) -> tuple[int, ...]:
@@ -287,7 +279,9 @@ class _Asked:
 
     def names(self) -> tuple[str, ...]:
         """Variables that are read."""
-        own = (*_NEEDED[self.what], *_of_step(self.what, self.step))
+        own = _NEEDED[self.what]
+        if self.what == "normal_stiffness" and self.step == "load":
+            own = (*own, "approach")  # of each pair
         return (*own, *(name for name in SUMS if self.judged and name not in own))
 
     def members_at_a_time(self) -> int:
@@ -331,7 +325,7 @@ class _Asked:
             "tau0": ("tau0", self.tau0, attributes_of("tau0")),
         }
         dims = tuple(coordinates)
-        of_one = [motion for motion in _MOTIONS if motion in self.head.coords]
+        of_one = [motion for motion in MOTIONS if motion in self.head.coords]
         unit, words = QUANTITIES[self.what][:2]
         variables: dict[str, Any] = {
             self.what: (dims, mean, {"units": unit, "long_name": words}),
@@ -366,11 +360,6 @@ _WEIGHED = ONSET[1:]
 """What each member has its own of, so that their mean weighs them by load."""
 
 
-def _of_step(what: str, step: str) -> tuple[str, ...]:
-    """What a quantity is made of besides: each pair's own approach, where steps are loads."""
-    return ("approach",) if what == "normal_stiffness" and step == "load" else ()
-
-
 def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     """What curves (c, l) of every mu0 and tau0 have, over load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
@@ -381,7 +370,7 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
     Over motions, fractal dimension, amplitude, step and repetition. Those that the result has not are NaN.
     """
-    dims = [*(motion for motion in _MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
+    dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
     def values_of(name: str) -> NDArray[Any]:
@@ -421,13 +410,12 @@ def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str)
     for piece in solved():
         count += piece.sizes["repetition"]
         added = [sums.each(lambda values: values.sum(axis=-1, keepdims=True)) for sums in _sums_of(piece, what, step)]
-        total = [_sum(*each) for each in zip(total, added, strict=True)] if total else added
+        total = [
+            Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
+            for one, other in zip(total, added, strict=True)
+        ] if total else added  # fmt: skip
     sums, others = (each.each(lambda values: values / max(count, 1)) for each in total)
     return sums, others, count
-
-
-def _sum(one: Sums, other: Sums) -> Sums:
-    return Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
 
 
 def material_of(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
 from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, VALIDITY, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.crossing import Crossing
-from stiction.studies.maps import cells_of, head_of, material_of
+from stiction.studies.maps import MOTIONS, cells_of, head_of, material_of
 from stiction.studies.store import pieces
 from stiction.studies.study import step_of, study_of
 
@@ -63,7 +63,11 @@ def member_values(
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     material = material_of(head_of(result), mu0, tau0)
-    parts = [_piece_at(piece, values, *material, reading) for piece in pieces(result) if piece.sizes["repetition"]]
+    parts = [
+        piece_at(piece, values, *material, reading, ratio=step_of(piece) == "load")
+        for piece in pieces(result)
+        if piece.sizes["repetition"]
+    ]
     whole = parts[0] if len(parts) == 1 else xarray.concat(
         parts, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip
@@ -80,25 +84,30 @@ def _of_kind(members: xarray.Dataset, of: Kind | None) -> xarray.Dataset:
     return members.isel(repetition=np.flatnonzero(made == wanted))
 
 
-def _piece_at(piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading) -> xarray.Dataset:
-    """Some members, all of them in memory."""
+def piece_at(
+    piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool
+) -> xarray.Dataset:
+    """`member_values` of some members, all of them in memory.
+
+    With `ratio` what grows with the load is read off by straight lines of value/load over the logarithm of the load.
+    """
     import xarray
 
     cells, step = cells_of(piece), step_of(piece)
     lead = (*cells, "repetition")
     elastic = _over(piece["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    off = _Off.of(curve, loads, ratio=step == "load")
-    motions = [name for name in ("sliding", "direction") if name in piece.dims]
+    off = _Off.of(curve, loads, ratio=ratio)
+    motions = [name for name in MOTIONS if name in piece.dims]
     sums = {
         name: _over(piece[name], (*lead, "sliding", "direction", step), missing=True) for name in SIX
     }  # fmt: skip
     six = {name: off.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
-        normal, tangential = _loads_of(six, mu0, tau0)
+        normal, tangential = loads_of(six, mu0, tau0)
         reached, below = off.reached[..., None, None, :, None, None], off.below[..., None, None, :, None, None]
     else:
-        normal, tangential, reached, below = _at_normal_load(sums, curve, loads, mu0, tau0, ratio=step == "load")
+        normal, tangential, reached, below = _at_normal_load(sums, loads, mu0, tau0, ratio=ratio)
     status = _status(piece, loads, normal, reached, below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
@@ -130,7 +139,7 @@ def _piece_at(piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, r
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
-    for name in ("sliding", "direction"):
+    for name in MOTIONS:
         if name not in motions:
             coordinates[name] = ((name,), *_motion_of(piece, name))
     coordinates |= {
@@ -232,7 +241,7 @@ class _Off:
         return array.reshape(*self._lead, *(1,) * len(more), -1)
 
 
-def _loads_of(six: dict[str, Floats], mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+def loads_of(six: dict[str, Floats], mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
     """Normal and tangential load (..., mu0, tau0)."""
     rub, stick = mu0[:, np.newaxis], tau0[np.newaxis]
     each = {name: values[..., np.newaxis, np.newaxis] for name, values in six.items()}
@@ -242,10 +251,10 @@ def _loads_of(six: dict[str, Floats], mu0: Floats, tau0: Floats) -> tuple[Floats
 
 
 def _at_normal_load(
-    sums: dict[str, Floats], curve: Floats, loads: Floats, mu0: Floats, tau0: Floats, *, ratio: bool
+    sums: dict[str, Floats], loads: Floats, mu0: Floats, tau0: Floats, *, ratio: bool
 ) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
     """Normal and tangential load (..., load, mu0, tau0) where each member's own normal load is that of `loads`."""
-    normal, tangential = (np.moveaxis(each, -3, -1) for each in _loads_of(sums, mu0, tau0))
+    normal, tangential = (np.moveaxis(each, -3, -1) for each in loads_of(sums, mu0, tau0))
     normal = np.broadcast_to(normal, tangential.shape)
     with np.errstate(invalid="ignore"):
         off = _Off.of(np.where(normal > 0, normal, np.nan) if ratio else normal, loads, ratio=ratio)

@@ -23,21 +23,12 @@ from stiction.surfaces.profile import Profile
 
 @dataclass(frozen=True, eq=False)
 class OneLoad:
-    """A pair under one elastic load.
-
-    Attributes
-    ----------
-    upper, lower : Profile or Surface
-    curve : HalfSpaceCurve or LoadCurve
-        Of this load alone, pushed along +x.
-    model : ContactModel or None
-        How asperities were pressed.
-    """
+    """A pair under one elastic load."""
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve
-    model: ContactModel | None = None
+    curve: HalfSpaceCurve | LoadCurve  # of this load alone, pushed along +x
+    model: ContactModel | None = None  # how asperities were pressed
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> OneLoad | None:
@@ -46,11 +37,7 @@ class OneLoad:
         contact = study.contact
         if isinstance(contact, ByHalfSpace):
             try:
-                curve = half_space(
-                    upper, lower, [load], effective_modulus=float(contact.effective_modulus),
-                    boundary=contact.boundary, compliance_share=contact.compliance_share,
-                    hardness=None if contact.hardness is None else float(contact.hardness), sliding="all",
-                )  # fmt: skip
+                curve = half_space(upper, lower, [load], **contact.solid(), sliding="all")
             except RuntimeError:
                 return None
             return cls(upper, lower, curve)

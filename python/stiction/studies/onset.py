@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -10,11 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stiction._checks import Floats
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
-from stiction.studies import intervals
+from stiction.studies.at_load import OverMembers
 from stiction.studies.beside import read_beside
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
@@ -65,26 +62,14 @@ _ATTRIBUTES = ("load_mN", "mu0", "tau0_GPa", "members", "poisson_ratio", "poisso
 def onset_of_result(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """How the members of a measured pair begin to slide at the first load, mu0 and tau0 of its study.
+    """How the members of a measured pair begin to slide at the first load of its study, or another (mN), mu0 and tau0.
 
-    Parameters
-    ----------
-    study : Study
-    executor : concurrent.futures.Executor
-        Where members are computed.
-    members : int, optional
-        How many of them, the first ones; 16 by default, 4 of areas by the half-space.
-    load : float, mN, optional
-        Another load.
-
-    Returns
-    -------
-    xarray.Dataset or None
-        Over fraction (of the sliding load) and statistic (mean, lower, upper): tangential_load, displacement,
-        slipped_area, slipped_load, energy_lost; over statistic: sliding_load, displacement_at_sliding, stiffness. Of
-        areas also the map of what slips first of the first member, see `slip_map`. The attributes say load, mu0, tau0
-        and how many members there are, and have the parameters of the Iwan and LuGre models of the mean curve. None of
-        generated bodies, where nothing holds the bodies, and where no member has an answer.
+    So many of its members, the first ones, are computed: 16 by default, 4 of areas by the half-space. The dataset has
+    over fraction (of the sliding load) and statistic (mean, lower, upper) tangential_load, displacement, slipped_area,
+    slipped_load and energy_lost, over statistic sliding_load, displacement_at_sliding and stiffness, and of areas the
+    map of what slips first of the first member, see `slip_map`. Its attributes say load, mu0, tau0 and how many members
+    there are, and have the parameters of the Iwan and LuGre models of the mean curve. None of generated bodies, where
+    nothing holds the bodies, and where no member has an answer.
     """
     if not is_measured(study):
         return None
@@ -122,7 +107,7 @@ def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: 
         name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS) if name != "energy_lost"
     }  # fmt: skip
     return found | {
-        "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x,
+        "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
         "map": slip_map(pressed, onset),
     }  # fmt: skip
 
@@ -133,11 +118,11 @@ def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: 
 def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    mean = _mean_of(study, found)
+    members = OverMembers.of(study, {name: [each[name] for each in found] for name in ("line", "x", "y")})
     variables: dict[str, Any] = {}
     for name, (unit, words) in (_CURVES | _NUMBERS).items():
         dims = ("fraction", "statistic") if name in _CURVES else ("statistic",)
-        values = mean(np.array([each[name] for each in found]))
+        values = members.mean(np.array([each[name] for each in found]))
         if name.startswith("slipped"):
             values = np.where(np.isnan(values), values, np.clip(values, 0.0, 1.0))
         variables[name] = (dims, values, {"units": unit, "long_name": words})
@@ -152,24 +137,6 @@ def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str
     }  # fmt: skip
     dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **about})
     return dataset.assign_attrs(_models(dataset))
-
-
-def _mean_of(study: Study, found: Sequence[dict[str, Any]]) -> Any:
-    """What takes mean and interval over members: independent ones, or neighbours on lines."""
-    if measured(study).is_areal:
-        return lambda values: np.stack(intervals.of_sample(values), axis=-1)
-    lines, places = (np.array([each[name] for each in found]) for name in ("line", "x"))
-    order: NDArray[np.intp] = np.lexsort((places, lines))
-
-    def mean(values: Floats) -> Floats:
-        flat = values[order].reshape(len(found), -1)
-        ends = [
-            intervals.of_positions(column, lines[order]) if np.isfinite(column).all() else (math.nan,) * 3
-            for column in flat.T
-        ]
-        return np.array(ends).reshape(*values.shape[1:], 3)
-
-    return mean
 
 
 def _models(onset: xarray.Dataset) -> dict[str, float]:
@@ -199,10 +166,7 @@ def _models(onset: xarray.Dataset) -> dict[str, float]:
 def onset_beside(result: Stored) -> xarray.Dataset | None:
     """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0.
 
-    Raises
-    ------
-    StoreError
-        If it is damaged.
+    Raises a `StoreError` if it is damaged.
     """
     friction = result.study.friction
     if not isinstance(friction, MeasuredFriction):

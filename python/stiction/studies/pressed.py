@@ -39,12 +39,8 @@ CACHE_LINE = 64
 def member_sums(study: Study, index: int) -> Arrays:
     """Every variable of a result as an array without the dimension of members, of one member of its study.
 
-    Of measured bodies also what the member is, as `OF_MEMBERS` lists it. A load that has no solution is NaN.
-
-    Raises
-    ------
-    ValueError
-        If the bodies cannot be made.
+    Of measured bodies also what the member is, as `OF_MEMBERS` lists it. A load that has no solution is NaN. Raises a
+    `ValueError` if the bodies cannot be made.
     """
     arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in arrays_of(study).items()}
     for place, part in _measured(study, index, arrays) if is_measured(study) else _generated(study, index):
@@ -157,20 +153,11 @@ def _table(names: Sequence[str], curves: list[Any]) -> Arrays:
 def pressed_families(
     study: Study, upper: tuple[Floats, Floats], lower: tuple[Floats, Floats], scratch: Floats
 ) -> Arrays:
-    """What `pressed` has of each pair of two families of profiles, in one call.
+    """What `pressed` has of each pair of two families of profiles that touch at asperities, in one call.
 
-    Parameters
-    ----------
-    study : Study
-        Of asperities on profiles.
-    upper, lower : (k, points) ndarray and (k, 3) ndarray, µm
-        Unscaled heights, which are used up, and what `ProfileGenerator.fill` returns of them.
-    scratch : (2, points) ndarray
-
-    Returns
-    -------
-    dict of ndarray
-        Each sum as an array (k, amplitudes, rules, steps); of those that do not depend on the motion there is one rule.
+    A family is its unscaled heights (k, points), µm, which are used up, and what `ProfileGenerator.fill` returns of
+    them; the scratch is (2, points). Each sum is an array (k, amplitudes, rules, steps); of those that do not depend on
+    the motion there is one rule.
     """
     surfaces, models, steps = profiles(study), _models(study.contact), _steps(study.contact)
     amplitudes = surfaces.amplitudes()
@@ -206,17 +193,8 @@ def _asperity_curves(study: Study, upper: Profile | Surface, lower: Profile | Su
 def _half_space(study: Study, upper: Profile | Surface, lower: Profile | Surface, loads: Floats) -> HalfSpaceCurve:
     contact = study.contact
     assert isinstance(contact, HalfSpace)
-    return half_space(
-        upper,
-        lower,
-        loads,
-        effective_modulus=float(contact.effective_modulus),
-        boundary=contact.boundary,
-        compliance_share=contact.compliance_share,
-        hardness=None if contact.hardness is None else float(contact.hardness),
-        direction=contact.ways() if isinstance(contact.direction, tuple) else contact.ways()[0],
-        sliding=contact.rules()[0],
-    )
+    direction = contact.ways() if isinstance(contact.direction, tuple) else contact.ways()[0]
+    return half_space(upper, lower, loads, **contact.solid(), direction=direction, sliding=contact.rules()[0])
 
 
 @functools.lru_cache(maxsize=4)

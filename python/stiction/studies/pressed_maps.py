@@ -7,20 +7,21 @@ from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, choice, number, part_of_one, whole_number
 from stiction._core import __version__
 from stiction.mechanics import friction
 from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
-from stiction.mechanics.model import ContactModel, modulus_for
-from stiction.mechanics.quantities import AREAL_VALIDITY, DISTRIBUTIONS, VALIDITY, attributes_of
+from stiction.mechanics.model import ContactModel, Sliding, modulus_for
+from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, attributes_of
 from stiction.studies import intervals
-from stiction.studies.contact_statistics import QUANTILES, STATISTICS
+from stiction.studies.contact_statistics import QUANTILES
 from stiction.studies.executors import in_order
+from stiction.studies.member_values import SIX, piece_at
 from stiction.studies.pressing import Mechanics, Pressing, checked_loads
+from stiction.studies.result import Arrays
 from stiction.surfaces.pairing import IsotropicPairs, MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
 from stiction.surfaces.profile import Profile
@@ -39,23 +40,9 @@ SURROGATES = 16
 
 SEED = 2016
 
-RULES = ("opposing", "all")
+RULES: tuple[Sliding, Sliding] = ("opposing", "all")
 
-_SIX = (
-    "normal_elastic", "normal_frictional", "normal_adhesive", "tangential_elastic", "tangential_frictional",
-    "tangential_adhesive",
-)  # fmt: skip
-_FRICTION = ("sliding", "direction", "repetition", "load", "mu0", "tau0")
-_DIMS = {
-    **dict.fromkeys(("friction_coefficient", "normal_load", "status"), _FRICTION),
-    **dict.fromkeys(_SIX, _FRICTION[:4]),
-    **dict.fromkeys(DISTRIBUTIONS, ("fraction_below", "repetition", "load")),
-    "share_opposing": ("direction", "repetition", "load"),
-    "rms_gradient": ("repetition",),
-    "rms_slope": ("direction", "repetition"),
-    "gentle_friction": ("sliding", "direction", "repetition", "mu0", "tau0"),
-}
-"""Dimensions of variables that are not over repetition and load."""
+_DIMS = ("sliding", "direction", "repetition", "fraction_below", "load", "mu0", "tau0")
 
 
 def pressed_maps(
@@ -118,16 +105,16 @@ def pressed_maps(
     Returns
     -------
     xarray.Dataset
-        friction_coefficient, normal_load (mN) and status over sliding, direction, repetition (a shift or a pair of
-        surrogates), load (mN), mu0 and tau0 (GPa); the six sums that these are made of; share_opposing over direction,
-        repetition and load; over repetition and load
-        contact_area (µm²), contact_area_fraction, contact_count, normal_stiffness (mN/µm), approach (µm), fractions of
+        friction_coefficient, normal_load and tangential_load (mN) and status over sliding, direction, repetition (a
+        shift or a pair of surrogates), load (mN), mu0 and tau0 (GPa); the six sums that these are made of;
+        share_opposing over direction, repetition and load; over repetition and load contact_area (µm²),
+        contact_area_fraction, mean_pressure (GPa), contact_count, normal_stiffness (mN/µm), approach (µm), fractions of
         the load on the contact that carries most, on contacts at the edge and of few points and on the steepest tenth
-        of each body, of the half-space its error and load_share_at_hardness, of asperities the figures of
-        `SurfaceValidity`; over fraction_below as well patch_area (µm², of the contacts) and pressure (GPa, of the true
-        area). Of the gap of each: rms_gradient, rms_slope along each direction, and what `gentle_friction` makes of
-        them. Coordinates x and y (µm) are how far the upper map moved, and surrogate says which shifts are none but
-        pairs of surrogates.
+        of each body, of the half-space its error and the shares of load and area at the hardness, of asperities the
+        figures of `SurfaceValidity`; over fraction_below as well patch_area (µm², of the contacts) and pressure (GPa,
+        of the true area). Of the gap of each: rms_gradient, rms_slope along each direction, and what `gentle_friction`
+        makes of them. Coordinates x and y (µm) are how far the upper map moved, and surrogate says which shifts are
+        none but pairs of surrogates.
         The status is "ok", "self-locked", "no-contact", "not-reached", "below-range", or "not-solved" where the
         half-space did not reach its tolerance; all else is NaN unless it is "ok".
 
@@ -162,7 +149,7 @@ def pressed_maps(
         mechanics=mechanics,
         loads=checked_loads(loads),
         angles=_angles(directions),
-        rules=("opposing", "all"),
+        rules=RULES,
         model=ContactModel(effective_modulus=modulus, detection="gap-minimum", curvature="signed"),
         compliance_share=part_of_one("compliance_share", compliance_share),
         hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
@@ -173,20 +160,16 @@ def pressed_maps(
     if isinstance(upper, Surface) and isinstance(lower, Surface):
         warn_of_one_body(upper, lower, moved=True)
 
-    def one(index: int) -> dict[str, NDArray[Any]]:
+    def one(index: int) -> Arrays:
         pair = maker.surrogates(index - count) if index >= count else maker.pair(index)  # type: ignore[union-attr]
-        return _of_member(pressing.pressed(*pair), pressing, maker.area, *material)
+        return pressing.pressed(*pair)
 
     maker.shape  # noqa: B018, which refuses maps of too few points before anything is computed
     computed = in_order(
         one, range(count + made), total=count + made, what="shifts", executor=executor, progress=progress
     )
-    parts = list(computed)
-    variables = {
-        name: (dims := _DIMS.get(name, ("repetition", "load")), _stacked(parts, name, dims), attributes_of(name))
-        for name in parts[0]
-    }
-    return _dataset(variables, maker, (count, made), pressing, material, level, seed, (upper, lower))
+    sums = _dataset(list(computed), maker, (count, made), pressing, level, seed, (upper, lower))
+    return _with_friction(sums, *material)
 
 
 def overlap_area(upper: Surface | Profile, lower: Surface | Profile) -> float:
@@ -229,84 +212,48 @@ def _members(
     return maker, count, made
 
 
-def _of_member(
-    values: dict[str, NDArray[Any]], pressing: Pressing, area: float, mu0: Floats, tau0: Floats
-) -> dict[str, NDArray[Any]]:
-    """What a result has of one shift, from its sums; contacts without an answer are NaN."""
-    known = values["status"] == STATUSES.index("ok")
-    six = {name: np.broadcast_to(values[name], values["tangential_elastic"].shape) for name in _SIX}
-    each = {name: array[..., np.newaxis, np.newaxis] for name, array in six.items()}
-    rub, stick = mu0[:, np.newaxis], tau0[np.newaxis]
-    normal, tangential = (
-        each[f"{load}_elastic"] + rub * each[f"{load}_frictional"] + stick * each[f"{load}_adhesive"]
-        for load in ("normal", "tangential")
+def _with_friction(sums: xarray.Dataset, mu0: Floats, tau0: Floats) -> xarray.Dataset:
+    """What the sums over contacts of every shift make, beside the six that friction follows from."""
+    result = piece_at(sums, sums["load"].values, mu0, tau0, "elastic", ratio=False)
+    if "unanswered_count" in sums:
+        unanswered = sums["unanswered_count"] / sums["grid_minimum_count"]
+        result["share_unanswered"] = unanswered.assign_attrs(attributes_of("share_unanswered"))
+    gap = sums["rms_gradient"].values[:, np.newaxis], sums["rms_slope"].transpose("repetition", "direction").values
+    known = (gap[0] > 0) & (gap[1] > 0)
+    # (sliding, repetition, direction, mu0, tau0)
+    gradient, slope = (np.where(known, each, 1.0)[..., np.newaxis, np.newaxis] for each in gap)
+    gentle = [
+        gentle_friction(
+            mu0[:, np.newaxis], tau0, rms_gradient=gradient, rms_slope=slope,
+            effective_modulus=float(sums["effective_modulus"]), sliding=sliding,
+        )
+        for sliding in RULES
+    ]  # fmt: skip
+    result["gentle_friction"] = (
+        ("sliding", "repetition", "direction", "mu0", "tau0"),
+        np.where(known[..., np.newaxis, np.newaxis], gentle, np.nan),
+        attributes_of("gentle_friction"),
     )
-    status = np.array(STATUSES, STATUS_DTYPE)[values["status"]][:, np.newaxis, np.newaxis]
-    status = np.where(np.nan_to_num(normal, nan=1.0) > 0, status, np.array(friction.STATUS_SELF_LOCKED, STATUS_DTYPE))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found: dict[str, NDArray[Any]] = {
-            "friction_coefficient": np.where(status == friction.STATUS_OK, tangential / normal, np.nan),
-            "normal_load": normal,
-            "status": status,
-            **six,
-            "share_opposing": values["tangential_frictional"][0] / values["tangential_frictional"][1],
-            "contact_area_fraction": values["contact_area"] / area,
-        }
-        found |= _validity(values)
-    for name in (*DISTRIBUTIONS, *STATISTICS, "contact_area", "approach", "load_share_at_hardness"):
-        if name in values:
-            found[name] = values[name].T if name in DISTRIBUTIONS else values[name]
-    found["contact_count"] = np.where(known, values["contact_count"], np.nan)
-    slope = {"rms_gradient": values["rms_gradient"], "rms_slope": values["rms_slope"]}
-    return found | slope | {"gentle_friction": _gentle(slope, pressing, rub, stick)}
-
-
-def _validity(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """The figures of `SurfaceValidity`, NaN of the half-space."""
-    load, nothing = values["normal_elastic"], np.full(values["normal_elastic"].shape, np.nan)
-    if "overlap_load" not in values:
-        return {name: nothing for name in (*VALIDITY, *AREAL_VALIDITY) if name not in STATISTICS}
-    crossed = values["crossed_count"]
-    return {
-        "relative_overlap": values["overlap_load"] / load,
-        "share_beyond_hertz": values["load_beyond_hertz"] / load,
-        "share_below_grid": values["load_below_grid"] / load,
-        "share_crossed": crossed / (crossed + values["contact_count"]),
-        "share_overlapping": values["load_overlapping"] / load,
-        "share_at_edge": values["load_at_edge"] / load,
-        "share_unanswered": values["unanswered_count"] / values["grid_minimum_count"],
-    }
-
-
-def _gentle(slope: dict[str, Any], pressing: Pressing, rub: Floats, stick: Floats) -> Floats:
-    """What the slopes of the gap alone say: (rules, directions, mu0, tau0)."""
-    found = np.full((len(RULES), pressing.angles.size, rub.size, stick.size), np.nan)
-    if slope["rms_gradient"] > 0 and (slope["rms_slope"] > 0).all():
-        for rule, sliding in enumerate(RULES):
-            found[rule] = gentle_friction(
-                rub, stick, rms_gradient=float(slope["rms_gradient"]),
-                rms_slope=slope["rms_slope"][:, np.newaxis, np.newaxis],
-                effective_modulus=float(pressing.model.effective_modulus), sliding=sliding,  # type: ignore[arg-type]
-            )  # fmt: skip
-    return found
-
-
-def _stacked(parts: list[dict[str, NDArray[Any]]], name: str, dims: tuple[str, ...]) -> NDArray[Any]:
-    return np.stack([part[name] for part in parts], axis=dims.index("repetition"))
+    whole = result.assign({name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX})
+    return whole.transpose(*_DIMS, missing_dims="ignore")
 
 
 def _dataset(
-    variables: dict[str, Any],
+    parts: list[Arrays],
     maker: MapPairs | IsotropicPairs,
     counts: tuple[int, int],
     pressing: Pressing,
-    material: tuple[Floats, Floats],
     level: str,
     seed: int,
     bodies: tuple[Any, Any],
 ) -> xarray.Dataset:
+    """What every shift has, as a result has it of its members."""
     import xarray
 
+    variables = {
+        name: (("repetition", *_dims(name)), np.stack([part[name] for part in parts]), attributes_of(name))
+        for name in parts[0]
+    }
     shifts, made = counts
     moved = [maker.moved(index) for index in range(shifts)] if isinstance(maker, MapPairs) else []
     x, y = np.array([*moved, *[(0.0, 0.0)] * made]).reshape(-1, 2).T
@@ -319,8 +266,6 @@ def _dataset(
         "surrogate": ("repetition", np.arange(shifts + made) >= shifts, attributes_of("surrogate")),
         "fraction_below": ("fraction_below", list(QUANTILES), attributes_of("fraction_below")),
         "load": ("load", pressing.loads, attributes_of("load")),
-        "mu0": ("mu0", material[0], attributes_of("mu0")),
-        "tau0": ("tau0", material[1], attributes_of("tau0")),
         "effective_modulus": ((), modulus, attributes_of("effective_modulus")),
         "nominal_area": ((), maker.area, attributes_of("nominal_area")),
     }
@@ -338,6 +283,14 @@ def _dataset(
         "lower": "\n".join(bodies[1].history),
         "stiction_version": __version__,
     })  # fmt: skip
+
+
+def _dims(name: str) -> tuple[str, ...]:
+    if name in GAP:
+        return ("direction",) if name == "rms_slope" else ()
+    if name in DISTRIBUTIONS:
+        return ("load", "fraction_below")
+    return ("sliding", "direction", "load") if name in DIRECTED else ("load",)
 
 
 def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None) -> xarray.Dataset:

@@ -53,26 +53,14 @@ def checked_loads(loads: ArrayLike) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Pressing:
-    """How a pair of bodies is pressed to elastic loads, by whichever mechanics.
-
-    Attributes
-    ----------
-    mechanics : {"half-space", "asperities"}
-    loads : (l,) ndarray, mN
-    angles : (d,) ndarray, degrees
-    rules : tuple of {"opposing", "all"}
-    model : ContactModel
-        Modulus, and of asperities law, detection and curvature.
-    compliance_share, hardness, boundary
-        Of the half-space.
-    """
+    """How a pair of bodies is pressed to elastic loads, by whichever mechanics."""
 
     mechanics: Mechanics
-    loads: Floats
-    angles: Floats
+    loads: Floats  # mN
+    angles: Floats  # degrees
     rules: tuple[Sliding, ...]
-    model: ContactModel
-    compliance_share: float = 0.5
+    model: ContactModel  # modulus, and of asperities law, detection and curvature
+    compliance_share: float = 0.5  # this and what follows: of the half-space
     hardness: float | None = None
     boundary: Boundary = "free"
 
@@ -86,13 +74,8 @@ class Pressing:
         }  # fmt: skip
         if isinstance(contact, ByAsperities):
             return cls(**common, model=contact.model())
-        return cls(
-            **common,
-            model=ContactModel(effective_modulus=float(contact.effective_modulus)),
-            compliance_share=contact.compliance_share,
-            hardness=None if contact.hardness is None else float(contact.hardness),
-            boundary=contact.boundary,
-        )
+        solid = contact.solid()
+        return cls(**common, model=ContactModel(effective_modulus=solid.pop("effective_modulus")), **solid)
 
     def pressed(self, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
         """Sums and statistics by name: (rules, directions, loads) of what depends on the motion, else (loads,)."""
@@ -196,13 +179,11 @@ def _by_asperities(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
     found = None
     if one.detection == "gap-minimum":
         found = candidates(upper, lower, deepest=float(steps[-1]), curvature=one.curvature)
+    bodies = (upper, lower) if found is None else (found,)
+    pressed: Any = functools.partial(press, *bodies)
+    listed: Any = functools.partial(contacts, *bodies)
     for rule, sliding in enumerate(pressing.rules):
-        curves: list[Any] = [
-            press(found, steps, model=replace(model, sliding=sliding))
-            if found is not None
-            else press(upper, lower, steps, model=replace(model, sliding=sliding))
-            for model in models
-        ]
+        curves: list[Any] = [pressed(steps, model=replace(model, sliding=sliding)) for model in models]
         for name in _SUMS_OF_CURVES & {each for each in vars(curves[0]) if not each.startswith("_")}:
             if name in DIRECTED:
                 for way, curve in enumerate(curves if len(curves) > 1 else [curves[0]]):
@@ -216,12 +197,7 @@ def _by_asperities(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
     normal = curves[0].normal_elastic
     values.of("normal_stiffness")[ok] = (normal[high] - normal[low]) / (steps[high] - steps[low])
     for load in ok:
-        touching = (
-            contacts(found, float(approach[load]), model=one)
-            if found is not None
-            else contacts(upper, lower, float(approach[load]), model=one)
-        )
-        table = asperities_of(touching, values.spacing, values.extent)
+        table = asperities_of(listed(float(approach[load]), model=one), values.spacing, values.extent)
         for name, value in (table.statistics() | on_steepest(table, values.slopes)).items():
             values.of(name)[load] = value
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.model import Sliding
 from stiction.studies.crossing import Crossing
+from stiction.studies.member_values import SIX
 from stiction.studies.store import pieces
 from stiction.studies.study import study_of
 
@@ -31,24 +32,8 @@ RESAMPLES = 400
 FLATTER, STEEPER = 0.05, 0.2
 """Amplitudes (µm) of the claim about amplitudes."""
 
-_SUMS = (
-    "contact_area",
-    *(f"{way}_{part}" for way in ("normal", "tangential") for part in ("elastic", "frictional", "adhesive")),
-)
+_SUMS = ("contact_area", *SIX)
 """What the claims are about, which asperities and the half-space both have."""
-
-
-@dataclass(frozen=True)
-class EnsembleMeans:
-    """Means of the sums."""
-
-    contact_area: Floats
-    normal_elastic: Floats
-    tangential_elastic: Floats
-    normal_frictional: Floats
-    tangential_frictional: Floats
-    normal_adhesive: Floats
-    tangential_adhesive: Floats
 
 
 def has_amplitudes(amplitudes: Floats) -> bool:
@@ -149,7 +134,7 @@ class Resampled:
         amplitude: float | None = None,
     ) -> Floats:
         """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
-        pair = EnsembleMeans(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
+        pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
         normal = friction.normal_load(pair, mu0, tau0)
         match what:
             case "friction":

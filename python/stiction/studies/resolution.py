@@ -22,6 +22,7 @@ from stiction.mechanics.continuation import (
     plastic_wavelength,
 )
 from stiction.studies.at_load import at_load
+from stiction.studies.contact_statistics import slopes_of
 from stiction.studies.members import about, bodies_of
 from stiction.studies.result import is_measured, measured
 from stiction.studies.same_study import computed_otherwise
@@ -60,13 +61,9 @@ LONGEST = 1 / 30
 def resolution_study(study: Study) -> Study | None:
     """The study of the same pair over cut-offs, for few members and the loads that are asked for alone.
 
-    The first cut-off is that of the study, 0 being the scan itself; two points and their doubles follow.
-
-    Returns
-    -------
-    Study or None
-        None of generated bodies, of asperities, where the study has several cut-offs itself, and where the scans are
-        too short for any.
+    The first cut-off is that of the study, 0 being the scan itself; two points and their doubles follow. None of
+    generated bodies, of asperities, where the study has several cut-offs itself, and where the scans are too short for
+    any.
     """
     if not is_measured(study) or study.contact.mechanics != "half-space":
         return None
@@ -95,10 +92,7 @@ def resolution_study(study: Study) -> Study | None:
 def resolution_at(result: Stored) -> xarray.Dataset | None:
     """What a result says over cut-offs at the loads of its study, as `at_load` does: its own, or those in its folder.
 
-    Returns
-    -------
-    xarray.Dataset or None
-        None where it has none, or those of another study.
+    None where it has none, or those of another study.
     """
     study = result.study
     if not is_measured(study):
@@ -125,24 +119,13 @@ def resolution_at(result: Stored) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What of the gap of a pair was seen: its waves, and how it goes on below them.
+    """What of the gap of a pair was seen: its waves, and how it goes on below them."""
 
-    Attributes
-    ----------
-    shortest, longest : float, µm
-        Waves that the pressed bodies have: from two points, or the cut-off, to their longest side.
-    gradient : float
-        Root-mean-square gradient of the gap of one member.
-    roughness : ScaleDependentRoughness
-    estimate : HurstEstimate or None
-        Of the gap; None where its spectrum has no self-affine band.
-    """
-
-    shortest: float
-    longest: float
-    gradient: float
+    shortest: float  # µm, of the pressed bodies: two points, or the cut-off
+    longest: float  # µm, their longest side
+    gradient: float  # root-mean-square gradient of the gap of one member
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None
+    estimate: HurstEstimate | None  # of the gap; None where its spectrum has no self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
         """Fraction of the gap's mean square gradient that is of waves shorter than this (µm)."""
@@ -159,12 +142,7 @@ class Seen:
     def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
         """Of finer, elastic scans: wavelengths (µm), and over them (value, lower, upper) gradients and area fractions.
 
-        Parameters
-        ----------
-        area_fraction : float
-            Of the scan, on the interface.
-        contact_count : float
-            Of the scan.
+        The area fraction, on the interface, and the number of contacts are those of the scan.
         """
         gradients = continued(self.roughness, self.estimate, self.shortest, self.gradient)
         flat = np.array([area_fraction * self.gradient]) / interface_stretch(np.array(self.gradient))
@@ -204,14 +182,7 @@ def _seen(text: str) -> Seen | None:
     return Seen(
         shortest=max(2 * max(steps), wavelength),
         longest=side,
-        gradient=_gradient(gap),
+        gradient=math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes_of(gap))),
         roughness=roughness,
         estimate=gap_exponent(gap, periodic=False),
     )
-
-
-def _gradient(gap: Profile | Surface) -> float:
-    from stiction.mechanics.patches import slopes
-
-    spacing = (gap.spacing,) if isinstance(gap, Profile) else gap.spacing
-    return math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes(gap.heights, spacing, periodic=False)))

@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, part_of_one
+from stiction._checks import Floats, choice, part_of_one
 from stiction._core import __version__
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
-from stiction.mechanics.half_space import half_space
-from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import (
     THICKNESS,
     ContactKeywords,
     ContactModel,
     Shear,
     check_modulus,
+    check_pair,
     model_of,
     shows_model,
 )
-from stiction.mechanics.quantities import VALIDITY, attributes_of
+from stiction.mechanics.quantities import AREAL_VALIDITY, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import in_order
-from stiction.studies.pressing import STIFFNESS_STEP, Load, Mechanics, checked_loads, solved
-from stiction.studies.traverse_surfaces import traverse_surfaces
+from stiction.studies.positions import Asked, Pair, overlap, places_on_lines, places_on_maps
+from stiction.studies.pressing import Load, Mechanics, checked_loads
 from stiction.surfaces.pairing import lower_piece
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -40,15 +37,18 @@ if TYPE_CHECKING:
 
 SHEARS: tuple[Shear, ...] = get_args(Shear)
 
-_JUST_BEFORE = 1e-11
-"""Fraction of an approach by which the step before it is closer to first touch: beyond the tolerance of `crossing`."""
+DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
+"""Degrees, of surfaces, if none are asked for."""
 
 QUANTITIES = (
     "friction_coefficient", "tangential_load", "contact_area", "contact_count", "normal_stiffness", "approach",
     "share_opposing", *VALIDITY,
 )  # fmt: skip
 
-_DIMS = ("shear", "line", "offset", "load")
+_OF_SURFACES = (
+    "friction_coefficient", "tangential_load", "lateral_load", "contact_area", "contact_count", "approach", *VALIDITY,
+    *AREAL_VALIDITY,
+)  # fmt: skip
 
 
 @shows_model
@@ -99,8 +99,7 @@ def traverse(
     **contact
         effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
         given, because contacts of a single position must not depend on the grid. `shear` is both. Of half-planes
-        effective_modulus and sliding alone. Of surfaces also
-        `direction`, by default 0, 90, 180 and 270 degrees, and a single mu0 and tau0.
+        effective_modulus and sliding alone. Of surfaces also `direction`, by default 0, 90, 180 and 270 degrees.
 
     Returns
     -------
@@ -140,57 +139,97 @@ def traverse(
     if isinstance(upper, Surface) or isinstance(lower, Surface):
         if mechanics != "asperities":
             raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
-        return traverse_surfaces(
-            upper, lower, loads, mu0=mu0, tau0=tau0, offsets=offsets, executor=executor, progress=progress,
-            load=load, contact=dict(contact),
-        )  # fmt: skip
-    uppers, lowers = _pairs(upper, lower)
-    check_modulus(contact, *uppers, *lowers)
-    model = _model(mechanics, contact)
-    load_values = checked_loads(loads)
+        positions = _on_maps(upper, lower, offsets, contact)
+    else:
+        positions = _on_lines(upper, lower, offsets, contact, mechanics)
+    model = positions.models[0]
     material = {"mu0": _listed("mu0", mu0), "tau0": _listed("tau0", tau0)}
     friction.check_shear_strength(material["tau0"], model.effective_modulus)
-    places = _places(offsets, uppers, lowers)
-    spacing = uppers[0].spacing
-    chosen: dict[str, Any] = {"loads": load_values, **material, "model": model}
-    position: Any = functools.partial(_position, **chosen, load=load)
-    if mechanics == "half-space":
-        fraction = part_of_one("compliance_share", compliance_share)
-        position = functools.partial(_half_planes, **chosen, compliance_share=fraction)
-    members = [(line, place) for line in range(len(uppers)) for place in range(places.size)]
-    pairs = (
-        (uppers[line], lower_piece(lowers[line], places[place] * spacing, uppers[line])) for line, place in members
-    )
-    computed = in_order(position, pairs, total=len(members), what="positions", executor=executor, progress=progress)
-    shape = len(SHEARS), len(uppers), places.size, load_values.size
-    arrays = _gathered(shape, material, members, computed)
-    return _dataset(arrays, uppers, lowers, np.asarray(places * spacing, np.float64), load_values, material, model, {
-        "mechanics": mechanics,
-        **({"compliance_share": float(compliance_share)} if mechanics == "half-space" else {
-            "detection": model.detection, "law": str(model.law), "curvature": model.curvature,
-        }),
-    })  # fmt: skip
+    fraction = part_of_one("compliance_share", compliance_share) if mechanics == "half-space" else None
+    asked = Asked(checked_loads(loads), load, **material, models=positions.models, compliance_share=fraction)
+    count = int(np.prod(list(positions.sizes.values())))
+    computed = in_order(asked.at, positions.pairs, total=count, what="positions", executor=executor, progress=progress)
+    of_asperities = {"detection": model.detection, "law": str(model.law), "curvature": model.curvature}
+    return _dataset(positions, asked, material, list(computed)).assign_attrs(
+        mechanics=mechanics, **(of_asperities if fraction is None else {"compliance_share": fraction}),
+        sliding=model.sliding, **positions.histories, stiction_version=__version__,
+    )  # fmt: skip
 
 
-def _pairs(upper: Any, lower: Any) -> tuple[list[Profile], list[Profile]]:
+@dataclass(frozen=True, eq=False)
+class _Positions:
+    """Pairs at every position, the models of every motion, and what a dataset says of them."""
+
+    models: tuple[ContactModel, ...]
+    pairs: Iterator[Pair]
+    sizes: dict[str, int]  # dimensions of the positions
+    names: tuple[str, ...]  # of the quantities
+    coordinates: dict[str, Any]  # of motions first
+    histories: dict[str, str]
+
+
+def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanics: Mechanics) -> _Positions:
     uppers, lowers = _profiles("upper", upper), _profiles("lower", lower)
     if len(uppers) != len(lowers):
         raise ValueError(f"upper and lower must be as many profiles, got {len(uppers)} and {len(lowers)}")
     if len({(len(each), each.spacing) for each in uppers}) > 1:
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
-    return uppers, lowers
-
-
-def _model(mechanics: Mechanics, contact: Any) -> ContactModel:
+    check_modulus(contact, *uppers, *lowers)
     for name in ("shear", "direction"):
         if name in contact:
             raise ValueError(f"{name} must not be given: a traverse of profiles has both directions")
-    if mechanics == "half-space":
-        for name in contact:
-            if name not in ("effective_modulus", "sliding"):
-                raise ValueError(f"{name} must not be given for half-planes: it is of asperities")
+    if mechanics == "half-space" and (wrong := contact.keys() - {"effective_modulus", "sliding"}):
+        raise ValueError(f"{min(wrong)} must not be given for half-planes: it is of asperities")
     model = model_of(contact)
-    return replace(model, detection=model.detection or "gap-minimum").for_profiles()
+    model = replace(model, detection=model.detection or "gap-minimum").for_profiles()
+    offset = places_on_lines(offsets, uppers, lowers) * uppers[0].spacing
+    area = uppers[0].extent * THICKNESS
+    return _Positions(
+        tuple(replace(model, shear=shear) for shear in SHEARS),
+        ((above, lower_piece(below, at, above)) for above, below in zip(uppers, lowers, strict=True) for at in offset),
+        {"line": len(uppers), "offset": offset.size},
+        QUANTITIES,
+        {
+            "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
+            "line": ("line", np.arange(len(uppers)), attributes_of("line")),
+            "offset": ("offset", offset, {"units": "um", "long_name": "offset of the upper body along +x"}),
+            "nominal_area": ((), area, {"units": "um^2", "long_name": "extent of the slider times 1 um"}),
+        },
+        {"upper": "\n".join(uppers[0].history), "lower": "\n".join(lowers[0].history)},
+    )
+
+
+def _on_maps(upper: Any, lower: Any, offsets: ArrayLike, contact: Any) -> _Positions:
+    check_pair(upper, lower)
+    check_modulus(contact, upper, lower)
+    model = model_of(contact)
+    if model.direction is None and model.shear == "+x" and "shear" not in contact:
+        model = replace(model, direction=DIRECTIONS)
+    model = model.for_surfaces()
+    angles = np.atleast_1d(model.angles())
+    places = places_on_maps(offsets, upper, lower)
+    y, x = places.T * np.array(upper.spacing)[:, np.newaxis]
+    area = np.array([np.prod(overlap(upper, lower, place)[0].extent) for place in places.tolist()])
+    return _Positions(
+        tuple(replace(model, shear="+x", direction=angle) for angle in angles.tolist()),
+        (overlap(upper, lower, place) for place in places.tolist()),
+        {"offset": len(places)},
+        _OF_SURFACES,
+        {
+            "direction": ("direction", angles, attributes_of("direction")),
+            "x": ("offset", x, {"units": "um", "long_name": "offset of the upper body along +x"}),
+            "y": ("offset", y, {"units": "um", "long_name": "offset of the upper body along +y"}),
+            "nominal_area": ("offset", area, {"units": "um^2", "long_name": "overlap of both maps"}),
+        },
+        {"upper": "\n".join(upper.history), "lower": "\n".join(lower.history)},
+    )
+
+
+def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
+    profiles = [value] if isinstance(value, Profile) else list(value)
+    if not profiles or not all(isinstance(each, Profile) for each in profiles):
+        raise ValueError(f"{name} must be a Profile or a list of them, got {type(value).__name__}")
+    return profiles
 
 
 def _listed(name: str, given: ArrayLike) -> Floats:
@@ -200,145 +239,29 @@ def _listed(name: str, given: ArrayLike) -> Floats:
     return values
 
 
-def _gathered(
-    shape: tuple[int, ...], material: dict[str, Floats], members: list[tuple[int, int]], computed: Any
-) -> dict[str, NDArray[Any]]:
-    shape = (*shape, *(values.size for values in material.values() if values.ndim))
-    arrays: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in QUANTITIES}
-    arrays["status"] = np.full(shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-    for (line, place), values in zip(members, computed, strict=True):
-        for name, value in values.items():
-            arrays[name][:, line, place] = value.reshape(arrays[name][:, line, place].shape)
-    return arrays
-
-
 def _dataset(
-    arrays: dict[str, NDArray[Any]],
-    uppers: list[Profile],
-    lowers: list[Profile],
-    offsets: Floats,
-    loads: Floats,
-    material: dict[str, Floats],
-    model: ContactModel,
-    attributes: dict[str, Any],
+    positions: _Positions, asked: Asked, material: dict[str, Floats], computed: list[dict[str, NDArray[Any]]]
 ) -> xarray.Dataset:
     import xarray
 
-    listed = tuple(name for name, values in material.items() if values.ndim)
-    dims = (*_DIMS, *listed)
-    area = uppers[0].extent * THICKNESS
-    coordinates: dict[str, Any] = {
-        "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
-        "line": ("line", np.arange(len(uppers)), {"units": "1", "long_name": "pair of lines"}),
-        "offset": ("offset", offsets, {"units": "um", "long_name": "offset of the upper body along +x"}),
-        "load": ("load", loads, attributes_of("load")),
+    listed = {name: values.size for name, values in material.items() if values.ndim}
+    motion = next(iter(positions.coordinates))
+    sizes = {motion: len(asked.models), **positions.sizes, "load": asked.loads.size, **listed}
+    variables = {}
+    for name in (*positions.names, "status"):
+        nothing = np.full(computed[0]["status"].shape, np.nan)
+        values = np.stack([each.get(name, nothing) for each in computed], axis=1)
+        variables[name] = (tuple(sizes), values.reshape(tuple(sizes.values())), attributes_of(name))
+    coordinates = positions.coordinates | {
+        "load": ("load", asked.loads, attributes_of("load")),
         **{
             name: ((name,) if name in listed else (), values, attributes_of(name))
             for name, values in material.items()
         },
-        "effective_modulus": ((), float(model.effective_modulus), attributes_of("effective_modulus")),
-        "nominal_area": ((), area, {"units": "um^2", "long_name": "extent of the slider times 1 um"}),
+        "effective_modulus": ((), float(asked.models[0].effective_modulus), attributes_of("effective_modulus")),
     }  # fmt: skip
-    variables = {name: (dims, values, attributes_of(name)) for name, values in arrays.items()}
-    return xarray.Dataset(variables, coordinates, {
-        "title": "stiction traverse", **attributes, "sliding": model.sliding,
-        "upper": "\n".join(uppers[0].history), "lower": "\n".join(lowers[0].history),
-        "stiction_version": __version__,
-    })  # fmt: skip
-
-
-def _position(
-    pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel, load: Load
-) -> Any:
-    """Each quantity and the status at one position, (shear, load, mu0, tau0) each."""
-    bodies = Bodies(*pair)
-    shape = (len(SHEARS), loads.size, mu0.size, tau0.size)
-    values = {name: np.full(shape, np.nan) for name in QUANTITIES}
-    status = np.empty(shape, dtype=STATUS_DTYPE)
-    for row, m, t in np.ndindex(len(SHEARS), mu0.size, tau0.size):
-        directed = replace(model, shear=SHEARS[row])
-        material = float(mu0.flat[m]), float(tau0.flat[t])
-        carrying = material if load == "normal" else (0.0, 0.0)
-        approach, status[row, :, m, t] = crossing(bodies, loads, mu0=carrying[0], tau0=carrying[1], model=directed)
-        ok = np.flatnonzero(status[row, :, m, t] == friction.STATUS_OK)
-        if ok.size:
-            at = _at_approaches(bodies, approach[ok], loads[ok], carrying, material, directed)
-            for name, value in at.items():
-                values[name][row, ok, m, t] = value
-    return {**values, "status": status}
-
-
-def _at_approaches(
-    bodies: Bodies,
-    approach: Floats,
-    loads: Floats,
-    carrying: tuple[float, float],
-    material: tuple[float, float],
-    model: ContactModel,
-) -> dict[str, Any]:
-    """Each quantity where a position carries its loads, by friction `carrying` or by none."""
-    fractions = [1 - STIFFNESS_STEP, 1 - _JUST_BEFORE, 1, 1 + STIFFNESS_STEP]
-    steps, place = np.unique(np.outer(fractions, approach), return_inverse=True)
-    low, before, behind, high = place.reshape(len(fractions), approach.size)
-    curve = bodies.pressed(steps, model)
-    normal = friction.normal_load(curve, *carrying)
-    rise = loads - normal[before], normal[behind] - normal[before]
-    at = rubbing = _across(curve, before, behind, rise)
-    if model.sliding != "opposing":
-        rubbing = _across(bodies.pressed(steps, replace(model, sliding="opposing")), before, behind, rise)
-    tangential = friction.tangential_load(at, *material)
-    carried = loads if carrying == material else friction.normal_load(at, *material)
-    return {
-        "friction_coefficient": tangential / carried,
-        "tangential_load": tangential,
-        "contact_area": at.contact_area,
-        "contact_count": at.contact_count,
-        "normal_stiffness": (normal[high] - normal[low]) / (steps[high] - steps[low]),
-        "approach": approach,
-        # t_x of an opposing contact is -σ n_z, so this sum per unit mu0 is their F n_z.
-        "share_opposing": rubbing.tangential_frictional / rubbing.normal_elastic,
-        **vars(Validity.of(at)),
-    }
-
-
-def _half_planes(
-    pair: tuple[Profile, Profile], *, loads: Floats, mu0: Floats, tau0: Floats, model: ContactModel,
-    compliance_share: float,
-) -> dict[str, Any]:  # fmt: skip
-    """As `_position`, of elastic half-planes."""
-    shape = (len(SHEARS), loads.size, mu0.size, tau0.size)
-    values: dict[str, Any] = {name: np.full(shape, np.nan) for name in QUANTITIES}
-    status = np.full(shape, friction.STATUS_NOT_SOLVED, dtype=STATUS_DTYPE)
-    solve = functools.partial(
-        half_space, *pair, effective_modulus=model.effective_modulus, compliance_share=compliance_share,
-        sliding=model.sliding,
-    )  # fmt: skip
-    material = {"mu0": mu0.reshape(-1, 1), "tau0": tau0.reshape(1, -1)}
-    for at, solution in solved(solve, loads):
-        for row, shear in enumerate(SHEARS):
-            curve = solution.with_direction(shear)
-            rubbing = curve.with_sliding("opposing")
-            # (mu0, tau0, load), where results have the load first.
-            tangential, of_curve = curve.tangential_load(**material), curve.status(**material)
-            ok = of_curve == friction.STATUS_OK
-            row_values = {
-                "friction_coefficient": curve.friction_coefficient(**material),
-                "tangential_load": tangential,
-                "contact_area": curve.contact_area,
-                "contact_count": curve.contact_count,
-                "share_opposing": rubbing.tangential_frictional / rubbing.normal_elastic,
-            }
-            for name, value in row_values.items():
-                values[name][row, at] = np.moveaxis(np.where(ok, value, np.nan), -1, 0)
-            status[row, at] = np.moveaxis(of_curve, -1, 0)
-    return {**values, "status": status}
-
-
-def _across(curve: Sums, before: Any, behind: Any, rise: tuple[Floats, Floats]) -> Sums:
-    """The sums of a curve at loads between two steps each: linear, as an ensemble is read off, where F_N jumps."""
-    to_load, jump = rise
-    share = np.clip(np.divide(to_load, jump, out=np.ones_like(jump), where=jump > 0), 0.0, 1.0)
-    return curve.each(lambda values: values[before] + share * (values[behind] - values[before]))
+    title = "stiction traverse" if motion == "shear" else "stiction traverse of surfaces"
+    return xarray.Dataset(variables, coordinates, {"title": title})
 
 
 def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
@@ -403,32 +326,3 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     }  # fmt: skip
     kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))
-
-
-def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
-    profiles = [value] if isinstance(value, Profile) else list(value)
-    if not profiles or not all(isinstance(each, Profile) for each in profiles):
-        raise ValueError(f"{name} must be a Profile or a list of them, got {type(value).__name__}")
-    return profiles
-
-
-def _places(offsets: ArrayLike, uppers: list[Profile], lowers: list[Profile]) -> NDArray[np.intp]:
-    """Offsets in whole spacings, at which every slider is over its lower profile."""
-    spacing = uppers[0].spacing
-    values = np.atleast_1d(float_array("offsets", offsets))
-    if values.ndim != 1 or not values.size or not (values >= 0).all() or not (np.diff(values) > 0).all():
-        raise ValueError(f"offsets must be numbers of at least 0 µm that rise, got {offsets!r}")
-    places = np.rint(values / spacing).astype(np.intp)
-    if not (np.diff(places) > 0).all():
-        raise ValueError(
-            f"offsets must be at least a spacing apart, {spacing:g} µm, got {values.size} offsets of which two are "
-            f"{np.diff(values).min():.3g} µm apart"
-        )
-    for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
-        if places[-1] + len(above) > len(below):
-            raise ValueError(
-                f"the slider must be over the lower profile: line {line} has {above.extent:g} µm of it and "
-                f"{below.extent:g} µm below, so that offsets are at most {(len(below) - len(above)) * spacing:g} µm, "
-                f"got {places[-1] * spacing:g} µm"
-            )
-    return places

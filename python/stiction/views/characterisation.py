@@ -102,11 +102,10 @@ def _by_slope(body: Profile | Surface) -> str:
 def friction_by_slope(body: Profile | Surface) -> list[float]:
     """The coefficient of a body against its like by their slopes alone, along x and, of a surface, y; none if flat."""
     from stiction.mechanics.closed_forms import gentle_friction
-    from stiction.mechanics.patches import slopes
+    from stiction.studies.contact_statistics import slopes_of
 
-    spacing = (body.spacing,) if isinstance(body, Profile) else body.spacing
     # Of the gap of two such bodies, along x first.
-    squares = [2 * float(np.square(along).mean()) for along in slopes(body.heights, spacing, periodic=False)][::-1]
+    squares = [2 * float(np.square(along).mean()) for along in slopes_of(body)][::-1]
     if not min(squares) > 0:
         return []
     return [

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stiction.mechanics.quantities import AREAL_VALIDITY, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.at_load import reached_loads
+from stiction.studies.maps import MOTIONS
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import FRACTION_LIMIT
@@ -16,7 +17,7 @@ from stiction.views.report.example import Example
 from stiction.views.report.onset import dimension_panel
 from stiction.views.report.page import ReportError, counted, packed
 from stiction.views.report.page_result import BYTES, CELLS, PageResult, motions_of, way
-from stiction.views.report.sums import MOTIONS, RATIOS, means_of_solved, sums_of_ensemble
+from stiction.views.report.sums import RATIOS, means_of_solved, sums_of_ensemble
 
 if TYPE_CHECKING:
     import xarray
@@ -40,10 +41,7 @@ DRAWN = ("share_beyond_hertz", "share_below_grid")
 def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) -> PageResult:
     """What a page says of a result of generated bodies, called by a name, or by that of its study where this is empty.
 
-    Raises
-    ------
-    ReportError
-        If it is too large for a page or has no members, or one of its numbers is not finite.
+    Raises a `ReportError` if it is too large for a page or has no members, or one of its numbers is not finite.
     """
     step = study.step
     averages, members = _averages(result, study)

@@ -19,7 +19,7 @@ from stiction.views.answer import answers, slopes_text
 from stiction.views.doubts import Doubt
 from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.figures.standard import hardness_of, picture_of, title_of
-from stiction.views.inputs import doubts_of_inputs
+from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import over_text
 from stiction.views.point import points as points_of
@@ -59,20 +59,9 @@ def page_of_measured(
 ) -> PageResult:
     """What a page says of a result of measured bodies, called by a name, or by those of its files where this is empty.
 
-    Parameters
-    ----------
-    result : xarray.Dataset or Stored
-    study : Study
-    name : str
-    picture : xarray.Dataset, optional
-        What `contact_picture` returns.
-    with_picture : bool
-        Whether that beside a stored result is taken where none is given: of a result that has the page for itself.
-
-    Raises
-    ------
-    ReportError
-        If something that a page needs is not in the result, or it is too large.
+    A picture is what `contact_picture` returns; `with_picture`, of a result that has the page for itself, that beside a
+    stored result is taken where none is given. Raises a `ReportError` if something that a page needs is not in the
+    result, or it is too large.
     """
     dataset = result.dataset() if isinstance(result, Stored) else result
     step = study.step
@@ -83,7 +72,9 @@ def page_of_measured(
         if scalar not in dataset.coords or not float(dataset[scalar]) > 0:
             raise ReportError(f"the result has no {scalar} above 0; a page is made of what `run` returns")
     quantities = _quantities(dataset)
-    plain = list(dict.fromkeys(["normal_elastic", *(part for each in quantities for part in _parts(each))]))
+    plain = list(
+        dict.fromkeys(["normal_elastic", *(part for each in quantities for part in (each["of"], *each["over"]))])
+    )
     found = sums_of_members(dataset, ["cut_off"], step, plain)
     if found.sums.size > MOST_VALUES:
         raise ReportError(f"the result has {found.sums.size} numbers, more than the {MOST_VALUES} that a page can hold")
@@ -181,10 +172,6 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _parts(quantity: dict[str, Any]) -> list[str]:
-    return [quantity["of"], *quantity["over"]]
-
-
 def _quantities(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     found = []
     for name, words, of, unit, limit in _OF_LOAD:
@@ -201,7 +188,7 @@ def _answers(dataset: xarray.Dataset, study: Study, asked: list[float]) -> list[
     """Verdict, sentence and doubts at every load that was asked for, mu0, tau0 and cut-off."""
     at = at_load(dataset, asked)
     said = []
-    for point, answer in zip(points_of(at), answers(at, study, beside=_of_files(study, asked)), strict=True):
+    for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True):
         said.append(
             {
                 "at": {name: float(value) for name, value in answer.at.items()},
@@ -212,16 +199,6 @@ def _answers(dataset: xarray.Dataset, study: Study, asked: list[float]) -> list[
             }
         )  # fmt: skip
     return said
-
-
-def _of_files(study: Study, loads: list[float]) -> tuple[Doubt, ...]:
-    """Doubts that come from the two files; none where they cannot be read any more."""
-    surfaces: Any = study.surfaces
-    try:
-        upper, lower = surfaces.upper.read(), surfaces.lower.read()
-    except ValueError:
-        return ()
-    return doubts_of_inputs(upper, lower, study, loads)
 
 
 def _doubt(doubt: Doubt) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -11,21 +10,14 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.quantities import DIRECTED
-from stiction.studies.store import pieces
+from stiction.studies.maps import MOTIONS, solved_pieces
+from stiction.studies.member_values import SIX
 from stiction.views.report.page import ReportError
 
 if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.store import Stored
-
-MOTIONS = ("sliding", "direction")
-
-LOADS = (
-    "normal_elastic", "normal_frictional", "normal_adhesive", "tangential_elastic", "tangential_frictional",
-    "tangential_adhesive",
-)  # fmt: skip
-"""Sums of which normal and tangential load are made for any mu0 and tau0."""
 
 RATIOS = {
     "relative_overlap": ("overlap_load", ("normal_elastic",)),
@@ -63,14 +55,6 @@ def with_two_cells(dataset: xarray.Dataset, cells: list[str]) -> xarray.Dataset:
     """A result with exactly two dimensions of cells, `first` and `second`, before its members."""
     renamed = dataset.rename(dict(zip(cells, ("first", "second"), strict=False)))
     return renamed if len(cells) == 2 else renamed.expand_dims("second", axis=1)
-
-
-def solved_pieces(result: xarray.Dataset | Stored) -> Iterator[xarray.Dataset]:
-    """Pieces of a result without the members of which a load has no solution, as `friction_map` leaves them out."""
-    for piece in pieces(result):
-        others = [dim for dim in piece["normal_elastic"].dims if dim != "repetition"]
-        known = piece["normal_elastic"].notnull().all(others).values
-        yield piece if known.all() else piece.isel(repetition=np.flatnonzero(known))
 
 
 def means_of_solved(result: xarray.Dataset | Stored) -> tuple[xarray.Dataset, int]:
@@ -120,7 +104,7 @@ def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArra
     figures = [name for name, (of, over) in RATIOS.items() if {of, *over} <= set(columns)]
     needed = {part for name in figures for part in (RATIOS[name][0], *RATIOS[name][1])}
     plain = sorted({"contact_area", "normal_elastic", "contact_count"} | needed)
-    directed = [name for name in LOADS if name in DIRECTED]
+    directed = [name for name in SIX if name in DIRECTED]
 
     def of_motion(name: str, m: int) -> NDArray[Any]:
         values = columns[name]
@@ -157,27 +141,15 @@ def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArra
 def sums_of_members(dataset: xarray.Dataset, cells: list[str], step: str, plain: list[str]) -> PageSums:
     """The sums of every member of measured bodies, and some statistics of its contacts.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    cells : list of str
-        Its dimensions of cells.
-    step : str
-        Its dimension of loads.
-    plain : list of str
-        Variables over cells, members and loads alone that are kept.
-
-    Raises
-    ------
-    ReportError
-        If one of the sums is not there.
+    Plain variables, over cells, members and loads alone, are kept. Raises a `ReportError` if one of the sums is not
+    there.
     """
-    for name in (*LOADS, *plain):
+    for name in (*SIX, *plain):
         if name not in dataset.variables:
             raise ReportError(f"the result has no {name}; a page is made of what `run` returns")
     data = with_two_cells(dataset, cells)
     dims = ("first", "second", "repetition", step)
-    directed = [name for name in LOADS if name in DIRECTED]
+    directed = [name for name in SIX if name in DIRECTED]
     columns = [np.asarray(data[name].transpose(*dims).values, np.float64) for name in plain]
     motions = [dim for dim in MOTIONS if dim in data.dims]
     by_name = {name: data[name].transpose(*motions, *dims).values for name in directed}
