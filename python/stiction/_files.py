@@ -127,12 +127,8 @@ class NotReadableError(Exception):
 def content(path: Path, most: int, *, link: bool = True) -> bytes:
     """What a regular file holds; devices, pipes and, where asked, links are not opened to wait or to read without end.
 
-    Raises
-    ------
-    NotReadableError
-        If it is another kind of file, or longer than `most` bytes.
-    OSError
-        If it cannot be read.
+    Raises a `NotReadableError` if it is another kind of file, or longer than `most` bytes, an `OSError` if it cannot be
+    read.
     """
     try:
         file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | (0 if link else os.O_NOFOLLOW))

@@ -37,18 +37,9 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Read "number unit".
+    """Read "number unit", such as "200 MPa", of a kind: "length", "pressure" or "force".
 
-    Parameters
-    ----------
-    text : str
-        Such as "200 MPa".
-    kind : {"length", "pressure", "force"}
-
-    Raises
-    ------
-    ValueError
-        If the text is not a number with a unit of that kind.
+    Raises a `ValueError` if the text is not a number with a unit of that kind.
     """
     if isinstance(text, Quantity):
         return text
@@ -78,10 +69,7 @@ def quantity(text: object, kind: str) -> Quantity:
 def in_core_units(name: str, value: Any, kind: str) -> Any:
     """What may be text with a unit as numbers in core units: one text, several in a list, or numbers as they are.
 
-    Raises
-    ------
-    ValueError
-        If a text is not a number with a unit of that kind; it calls the argument by its name.
+    A text that is not a number with a unit of that kind is a `ValueError` that calls the argument by its name.
     """
     if isinstance(value, str):
         try:
@@ -96,10 +84,7 @@ def in_core_units(name: str, value: Any, kind: str) -> Any:
 def loads_in_core_units(name: str, value: Any, area: float) -> Any:
     """Loads as text with a unit, of force or of pressure on an area (µm²), in mN; numbers as they are.
 
-    Raises
-    ------
-    ValueError
-        If a text is neither.
+    A text that is neither is a `ValueError`.
     """
     if isinstance(value, (list, tuple)):
         return [loads_in_core_units(name, each, area) for each in value]

@@ -10,30 +10,15 @@ from stiction.mechanics.closed_forms import effective_modulus
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Elasticity of a pair, and what is known of its softer body.
+    """Elasticity of a pair, and what is known of its softer body."""
 
-    Attributes
-    ----------
-    effective_modulus : float, GPa
-    compliance_share : float
-        The lower body's fraction of the compliance, one half unless both bodies are known.
-    poisson_ratio, hardness : float, GPa, optional
-        Of the softer body.
-    source : str
-        Where the numbers are from, if they are those of materials.
-    materials : (str, str), optional
-        Names of what the upper and the lower body are made of.
-    poisson_ratios : (float, float), optional
-        Of the upper and the lower body.
-    """
-
-    effective_modulus: float
-    compliance_share: float = 0.5
-    poisson_ratio: float | None = None
-    hardness: float | None = None
-    source: str = ""
-    materials: tuple[str, str] | None = None
-    poisson_ratios: tuple[float, float] | None = None
+    effective_modulus: float  # GPa
+    compliance_share: float = 0.5  # the lower body's fraction, one half unless both bodies are known
+    poisson_ratio: float | None = None  # of the softer body
+    hardness: float | None = None  # of the softer body, GPa
+    source: str = ""  # where the numbers are from, if they are those of materials
+    materials: tuple[str, str] | None = None  # what the upper and the lower body are made of
+    poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
 
 
 def elasticity_of(
@@ -45,10 +30,7 @@ def elasticity_of(
 ) -> Elasticity:
     """What `--effective-modulus`, or `--young` and `--poisson`, or `--upper` and `--lower` say, of which one is needed.
 
-    Raises
-    ------
-    ValueError
-        If none or several of these are given, or a value is none.
+    Raises a `ValueError` if none or several of these are given, or a value is none.
     """
     ways = {"--effective-modulus": modulus, "--young": young, "--upper and --lower": upper or lower}
     chosen = [way for way, value in ways.items() if value is not None]

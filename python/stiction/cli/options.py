@@ -22,18 +22,9 @@ def option(
 ) -> Any:  # fmt: skip
     """An option of a command, as its help shows it.
 
-    Parameters
-    ----------
-    flags : str
-        What it is called, "--output -o".
-    takes : str, optional
-        What stands behind it, in capitals; nothing behind a switch.
-    means : str
-    usually : str or bool
-        Its default in words; or whether the default is shown.
-    panel : str, optional
-        The section of help that it is in.
-    least : int, optional
+    It is called by its flags, "--output -o"; behind it stands what it `takes`, in capitals, and nothing behind a
+    switch. Its default is `usually` so in words, or it is said whether the default is shown. The panel is the section
+    of help that it is in.
     """
     return typer.Option(
         *flags.split(), metavar=takes, help=means, show_default=usually, rich_help_panel=panel, min=least

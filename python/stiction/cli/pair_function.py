@@ -194,10 +194,6 @@ def _of_each(name: str, value: Any) -> list[str]:
     return [str(each) for each in several]
 
 
-def _whole(least: int, name: str, value: Any) -> int:
-    return whole_number(name, value, least=least)
-
-
 def _as_it_is(_: str, value: Any) -> Any:
     return value
 
@@ -220,7 +216,8 @@ _TEXTS: dict[str, Callable[[str, Any], Any]] = {
     **dict.fromkeys(
         ("mechanics", "law", "level", "lay", "along", "detection", "curvature", "missing", "rotate"), _as_it_is
     ),
-    **{name: partial(_whole, least) for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0))},
+    **dict.fromkeys(("shifts", "lines", "offsets"), partial(whole_number, least=1)),
+    "seed": partial(whole_number, least=0),
     "surrogates": lambda _, value: str(value),
 }  # fmt: skip
 """What the command takes of each argument."""

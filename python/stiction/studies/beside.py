@@ -22,24 +22,10 @@ def read_beside(
     text: Mapping[str, list[str]] | None = None,
     optional: Mapping[str, tuple[str, ...]] | None = None,
 ) -> xarray.Dataset | None:
-    """A small dataset that `export` wrote beside a result, if it is there, checked.
+    """A small dataset that `export` wrote beside a result, if it is there, checked; a `StoreError` if it is not that.
 
-    Parameters
-    ----------
-    path : Path
-    variables : mapping of str to tuple of str
-        Names and dimensions of its real numbers.
-    numbers : iterable of str
-        Names of attributes that are numbers.
-    text : mapping of str to list of str, optional
-        Coordinates that are words.
-    optional : mapping of str to tuple of str, optional
-        Further variables, which are left out unless all of them are there.
-
-    Raises
-    ------
-    StoreError
-        If it is not that.
+    It has `variables` of real numbers by name, with their dimensions, attributes that are `numbers`, coordinates that
+    are `text`, and `optional` variables, which are left out unless all of them are there.
     """
     from stiction.studies.netcdf import MOST_BESIDE, DamageError, decoded_beside
 

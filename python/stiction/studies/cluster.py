@@ -23,10 +23,8 @@ class ClusterError(ValueError):
 def connected(address: str) -> Iterator[Executor]:
     """Connect to the workers of a scheduler that runs already, by an address such as "tcp://host:8786".
 
-    Raises
-    ------
-    ClusterError
-        If distributed is not installed, no scheduler answers at the address or it goes away, or the workers keep dying.
+    Raises a `ClusterError` if distributed is not installed, no scheduler answers at the address or it goes away, or the
+    workers keep dying.
     """
     distributed = _distributed()
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):

@@ -90,13 +90,7 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
 
 
 def picture_beside(result: Stored) -> xarray.Dataset | None:
-    """The picture that lies beside a stored result, if there is one.
-
-    Raises
-    ------
-    StoreError
-        If it is damaged.
-    """
+    """The picture that lies beside a stored result, if there is one; a `StoreError` if it is damaged."""
     variables: dict[str, tuple[str, ...]] = dict.fromkeys(_OF_CONTACTS, ("contact",))
     variables |= dict.fromkeys(("upper_height", "lower_height"), ("height_y", "height_x"))
     if result.study.contact.mechanics == "half-space":

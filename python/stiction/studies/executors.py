@@ -56,10 +56,7 @@ def given_or_threads(given: Executor | None) -> Iterator[Executor]:
 def threads(workers: int | None = None) -> Executor:
     """Make an executor with this many threads, by default one for each core.
 
-    Raises
-    ------
-    RuntimeError
-        If no thread can be started; this is found out before anything is begun.
+    That no thread can be started is found out before anything is begun, and is a `RuntimeError`.
     """
     pool = ThreadPoolExecutor(workers or available_cores())
     pool.submit(int).result()

@@ -33,18 +33,10 @@ def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_
 
 
 def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None) -> Floats:
-    """Loads (mN) that a measured pair is pressed to, the given ones among them.
+    """Loads (mN) that a measured pair is pressed to, the given ones (above 0) among them.
 
-    Parameters
-    ----------
-    loads : array_like of float, mN
-        Above 0.
-    press : {"areas", "lines", "surrogates"}
-        How members are made: lines have as many loads as `loads_around`, areas one below and one above all.
-    mechanics : {"half-space", "asperities"}
-        On lines half-planes have fewer loads than asperities.
-    most : float, mN, optional
-        What no load reaches, hardness times area.
+    Members that are lines have as many loads as `loads_around`, of half-planes fewer; areas have one below and one
+    above all. No load reaches `most` (mN), hardness times area.
     """
     if press == "lines" and mechanics == "asperities":
         around = loads_around(loads)

@@ -54,19 +54,11 @@ def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int
 
 @dataclass(frozen=True, eq=False)
 class Areas:
-    """Members that are pairs of areas.
-
-    Attributes
-    ----------
-    pairs : MapPairs, IsotropicPairs or SpectrumPairs
-    scans : (Body, Body)
-    surrogates : int, optional
-        How many members, the first ones, are pairs of surrogates; by default all.
-    """
+    """Members that are pairs of areas."""
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
-    surrogates: int | None = None
+    surrogates: int | None = None  # how many members, the first ones, are pairs of surrogates; by default all
 
     def member(self, index: int) -> Member:
         """A pair of surrogates, or of pieces of maps at a relative position."""

@@ -58,19 +58,11 @@ class MeasuredLines(MeasuredBodies):
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Members that are pairs of lines.
-
-    Attributes
-    ----------
-    pairs : LinePairs
-    scans : (Body, Body)
-    offsets : int
-        Positions on each pair, where there are several pairs; of one pair every member is a position.
-    """
+    """Members that are pairs of lines."""
 
     pairs: LinePairs
     scans: tuple[Body, Body]
-    offsets: int = 1
+    offsets: int = 1  # positions on each pair, where there are several pairs; of one pair every member is a position
 
     def member(self, index: int) -> Member:
         """A slider at a position on what it is carried over."""

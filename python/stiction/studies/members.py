@@ -77,10 +77,7 @@ class ProfileGenerator:
     def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
         """Unscaled heights (k, points) of one body at fractal dimensions (k,), in memory that is there already.
 
-        Returns
-        -------
-        (k, 3) ndarray, µm
-            Mean, lowest and highest of each.
+        Returns the mean, lowest and highest of each, (k, 3), µm.
         """
         return fill_family(
             heights,
@@ -219,10 +216,7 @@ def pair_of(
 class Bodies:
     """Two measured bodies, read once, and the members that they make at each cut-off.
 
-    Raises
-    ------
-    ValueError
-        If a file cannot be read, or is another than the study was written for.
+    Raises a `ValueError` if a file cannot be read, or is another than the study was written for.
     """
 
     def __init__(self, study: Study) -> None:
@@ -233,10 +227,7 @@ class Bodies:
     def members(self, wavelength: float) -> Members:
         """What makes the members at a cut-off (µm, 0 for the scans themselves).
 
-        Raises
-        ------
-        ValueError
-            If the bodies do not make what the study asks for.
+        Raises a `ValueError` if the bodies do not make what the study asks for.
         """
         if wavelength not in self._members:
             self._members[wavelength] = self._surfaces.members(self._scans, wavelength, self._seed)

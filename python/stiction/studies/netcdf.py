@@ -116,16 +116,8 @@ def write(
 ) -> None:
     """Write a dataset to a netCDF file, of which no number means that one is missing.
 
-    This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    file : path or stream
-    growing : str, optional
-        A dimension that may grow afterwards.
-    chunks : mapping of str to tuple of int, optional
-        Shape of the chunks of some variables.
+    This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one. A
+    dimension may be `growing` afterwards, and `chunks` are shapes of those of some variables.
     """
     import h5netcdf
     from xarray.conventions import cf_encoder, encode_dataset_coordinates
@@ -162,13 +154,7 @@ def seal(file: BinaryIO) -> None:
 
 
 def decoded(content: bytes) -> Members:
-    """What a file holds, checked.
-
-    Raises
-    ------
-    DamageError
-        If it is not the result of the study that it says.
-    """
+    """What a file holds, checked; a `DamageError` if it is not the result of the study that it says."""
     with _opened(content) as file:
         study, version = _study(file)
         numbers = _numbers(file, study)
@@ -178,7 +164,8 @@ def decoded(content: bytes) -> Members:
             for name, dtype in (OF_MEMBERS.items() if is_measured(study) else ())
         }
         arrays = {name: _values(file, name, each) for name, each in wanted.items()}
-        exact = {name: _is_exact(file, name, *each) for name, each in _coordinates(study).items()}
+        said = {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
+        exact = {name: _is_exact(file, name, *each) for name, each in said.items()}
         of_bodies = _about(file) if is_measured(study) else About()
     for name, values in arrays.items():
         _check_range(name, values, wanted[name], arrays.get("surrogate"))
@@ -192,13 +179,7 @@ def decoded_beside(
     text: Mapping[str, list[str]],
     optional: Mapping[str, tuple[str, ...]],
 ) -> xarray.Dataset:
-    """What a small file beside a result holds, checked; see `read_beside`.
-
-    Raises
-    ------
-    DamageError
-        If it is not that.
-    """
+    """What a small file beside a result holds, checked, see `read_beside`; a `DamageError` if it is not that."""
     import xarray
 
     sizes = {name: len(words) for name, words in text.items()}
@@ -283,11 +264,6 @@ def _values(file: h5py.File, name: str, wanted: Array) -> NDArray[Any]:
         if dims != wanted.dims:
             raise DamageError(f"has {name} over other dimensions: {', '.join(dims)}")
     return np.asarray(found[...], wanted.dtype)
-
-
-def _coordinates(study: Study) -> dict[str, tuple[Array, NDArray[Any]]]:
-    """The coordinates that the study says, with their values."""
-    return {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
 
 
 def _is_exact(file: h5py.File, name: str, wanted: Array, values: NDArray[Any]) -> bool:

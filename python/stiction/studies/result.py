@@ -181,13 +181,7 @@ def dataset_of(
     arrays: Mapping[str, NDArray[Any]],
     about: About | None = None,
 ) -> xarray.Dataset:
-    """The dataset of some repetitions, from arrays as `stacked` makes them.
-
-    Raises
-    ------
-    ValueError
-        If an array has another shape than the study says.
-    """
+    """The dataset of some repetitions, from arrays as `stacked` makes them, of the shapes that the study says."""
     import xarray
 
     variables = variables_of(study, repetitions)

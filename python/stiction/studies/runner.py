@@ -135,27 +135,9 @@ def fill(
     """Compute what a folder lacks of a study, or of a part of it: of (3, 16) every 16th block from the third on.
 
     Processes with different parts share a folder, on any file system that all of them see. What they leave is computed
-    by whoever comes without a part.
-
-    Parameters
-    ----------
-    study : Study
-    folder : path
-    part : tuple of int, optional
-    executor : concurrent.futures.Executor, optional
-    progress : bool
-    say : function, optional
-        Is told what lies ahead once the first tasks are handed out: bytes, files, hours, and who writes.
-
-    Returns
-    -------
-    int
-        How many repetitions of the study, or of the part, the folder holds.
-
-    Raises
-    ------
-    ValueError
-        As `run`; and if there is no such part.
+    by whoever comes without a part. Once the first tasks are handed out, `say` is told what lies ahead: bytes, files,
+    hours, and who writes. Returns how many repetitions of the study, or of the part, the folder holds. Raises a
+    `ValueError` as `run` does, and if there is no such part.
     """
     stored = _filled(study, Path(folder), part, executor, progress, say)
     own = _Missing(stored, part)
@@ -297,12 +279,8 @@ def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
 class _Missing:
     """The members of a study, or of a part of its blocks, that are not finished.
 
-    Attributes
-    ----------
-    block : int
-        Members in a block.
-    total, count : int
-        Members of the study, or of the part, and those of them that are missing.
+    A `block` has so many members; `total` are those of the study, or of the part, and `count` those of them that are
+    missing.
     """
 
     def __init__(self, stored: Stored, part: tuple[int, int] | None) -> None:

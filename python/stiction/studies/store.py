@@ -132,10 +132,8 @@ class Stored:
     def dataset(self) -> xarray.Dataset:
         """The whole result.
 
-        Raises
-        ------
-        StoreError
-            If it takes more than 2 GiB of memory; if nothing is finished; if a block is damaged or another study's.
+        Raises a `StoreError` if it takes more than 2 GiB of memory, if nothing is finished, or if a block is damaged or
+        another study's.
         """
         total = self.study.ensemble.repetitions
         if not self.finished.size:
@@ -269,13 +267,7 @@ def _exported(path: Path) -> xarray.Dataset:
 
 
 def open_stored(path: str | Path) -> Stored:
-    """Open the result in a folder, without reading its blocks.
-
-    Raises
-    ------
-    StoreError
-        If there is none.
-    """
+    """Open the result in a folder, without reading its blocks; a `StoreError` if there is none."""
     path = Path(path)
     if not path.exists():
         raise StoreError(f"{named(path)}: no such directory")
@@ -302,15 +294,9 @@ def info(path: str | Path) -> StoreInfo:
 
 
 def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Iterate over a result piece by piece, in order: its members are in memory some at a time.
+    """Iterate over a result, or some variables of it, piece by piece, in order: some members at a time are in memory.
 
     How many depends on the study alone, so that sums over pieces have the same bits wherever the result lies.
-
-    Parameters
-    ----------
-    result : xarray.Dataset or Stored
-    names : iterable of str, optional
-        Of the variables; all by default.
     """
     if isinstance(result, Stored):
         yield from result.pieces(names)
@@ -350,12 +336,8 @@ def begin(path: str | Path, study: Study) -> Stored:
     """Begin a result in a folder, or open one of the same study to be continued.
 
     One that holds all of its members need not be writeable. Half-written files of runs that were killed are removed.
-
-    Raises
-    ------
-    StoreError
-        If the folder cannot be written, holds another study, or lacks members and was begun by another version of
-        stiction, whose bits may differ.
+    Raises a `StoreError` if the folder cannot be written, holds another study, or lacks members and was begun by
+    another version of stiction, whose bits may differ.
     """
     path = Path(path)
     if path.is_file():
@@ -432,10 +414,7 @@ def _another_study(path: Path, differ: list[Difference]) -> StoreError:
 def put(path: Path, first: int, written: bytes, count: int) -> None:
     """Put the file of so many members, from the first on, into a folder.
 
-    Raises
-    ------
-    StoreError
-        If it cannot be written; what was finished before stays so.
+    Raises a `StoreError` if it cannot be written; what was finished before stays so.
     """
     block = Block(first, first + count - 1, zlib.crc32(written))
     for attempt in range(1, _ATTEMPTS + 1):

@@ -337,13 +337,7 @@ def study_summary(name: str) -> str:
 
 
 def study_of(dataset: xarray.Dataset) -> Study:
-    """The study that a result came from.
-
-    Raises
-    ------
-    StudyError
-        If the dataset does not say.
-    """
+    """The study that a result came from; a `StudyError` if it does not say."""
     return study_of_attributes(dataset.attrs)
 
 

@@ -32,32 +32,12 @@ class Folder:
 
 
 def block_task(version: str, text: str, members: range, folder: Folder) -> tuple[int, bytes | None]:
-    """Compute a block and write its file, wherever this runs.
+    """Compute a block of the study that a text is, and write its file, wherever this runs.
 
-    If the run has ended before the block is complete, or a member fails, what was computed is written.
-
-    Parameters
-    ----------
-    version : str
-        Of the stiction that asks for it.
-    text : str
-        The study.
-    members : range
-    folder : Folder
-
-    Returns
-    -------
-    count : int
-        How many of the members were computed, from the first on.
-    content : bytes, optional
-        The file of the block, if it could not be written because the folder is not seen from here.
-
-    Raises
-    ------
-    StudyError
-        If another version of stiction is to compute it, whose results may differ.
-    StoreError
-        If it cannot be written.
+    If the run has ended before the block is complete, or a member fails, what was computed is written. Returns how many
+    of the members were computed, from the first on, and the file of the block, if it could not be written because the
+    folder is not seen from here. Raises a `StudyError` if another version of stiction asks for it, whose results may
+    differ, and a `StoreError` if it cannot be written.
     """
     from stiction.studies.netcdf import encoded
 

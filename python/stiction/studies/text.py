@@ -47,13 +47,7 @@ def as_toml(value: Any) -> str:
 
 
 def toml(text: str) -> dict[str, Any]:
-    """What a TOML text says.
-
-    Raises
-    ------
-    ValueError
-        If it is not TOML, or is deeper than any study.
-    """
+    """What a TOML text says; a `ValueError` if it is not TOML, or is deeper than any study."""
     if any(key.group().count(".") >= MOST_PARTS for key in _DOTTED.finditer(_STRINGS.sub("s", text))):
         raise ValueError(f"a key has more than {MOST_PARTS} parts")
     try:

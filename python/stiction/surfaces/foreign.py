@@ -31,19 +31,9 @@ class Taken(NamedTuple):
 def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
     """Heights and spacing of a body of our own, or of an object of SurfaceTopography, surfalize or xarray.
 
-    Parameters
-    ----------
-    name : str
-        Of the argument, for errors.
-    other : object
-        A SurfaceTopography topography or line scan, a surfalize Surface, or an xarray DataArray with units.
-    unit : str, optional
-        Of all lengths, where the object says none.
-
-    Raises
-    ------
-    ValueError
-        If it is none of these, has no unit, or points are missing.
+    That is a topography or line scan, a Surface, or a DataArray with units; where the object says none, a unit may be
+    given of all lengths. Raises a `ValueError`, which calls the argument by its name, if it is none of these, has no
+    unit, or points are missing.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
         return Taken(other.heights, tuple(np.atleast_1d(other.spacing).tolist()), other.history)

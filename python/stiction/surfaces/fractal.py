@@ -12,7 +12,7 @@ import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
-from stiction.surfaces.surface import Surface, lengths
+from stiction.surfaces.surface import Surface, lengths, rows_and_columns
 
 Convention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
@@ -71,10 +71,7 @@ def random_phases(
 def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
     """Hurst exponent H of Eq. 1 at a fractal dimension: 4 - 2D in the paper's measure of D, 2 - D in the textbooks'.
 
-    Raises
-    ------
-    ValueError
-        If D is outside [1, 2) or the convention is unknown.
+    Raises a `ValueError` if D is outside [1, 2) or the convention is unknown.
     """
     choice("convention", convention, Convention)
     dimension = number("fractal_dimension", fractal_dimension)
@@ -165,10 +162,7 @@ def fill_family(
 ) -> Floats:
     """`weierstrass_mandelbrot_family` in memory that is there already, which new memory of this size is slower than.
 
-    Returns
-    -------
-    (k, 3) ndarray, µm
-        Mean, lowest and highest of each.
+    Returns the mean, lowest and highest of each, (k, 3), µm.
     """
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
@@ -278,11 +272,7 @@ def weierstrass_mandelbrot_surface(
     if not phase_array.size:
         raise ValueError(f"phases must have at least one direction and one frequency, got shape {phase_array.shape}")
     frequencies = phase_array.shape[1]
-    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
-        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
-    rows, columns = (whole_number("shape", size, least=2, most=MOST_POINTS) for size in shape)
-    if rows * columns > MOST_POINTS:
-        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    rows, columns = rows_and_columns(shape, least=2)
     extents = lengths("extent", extent)
     length_scale = number("length_scale", length_scale, unit="µm", above=0)
     gamma = number("gamma", gamma, above=1)

@@ -12,10 +12,10 @@ from stiction._checks import Floats, number, read_only, whole_number
 from stiction._shown import Readable
 from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import MOST_POINTS, Profile, Side
+from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
 from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import Surface, lengths
+from stiction.surfaces.surface import Surface, lengths, rows_and_columns
 from stiction.surfaces.surrogates import isotropic_spectrum
 
 TRUSTED_POINTS = 8
@@ -163,11 +163,7 @@ class JoinedSpectrum(Readable):
             Rows and columns, at least 4 each.
         spacing : float or (float, float), µm
         """
-        if not isinstance(shape, (tuple, list)) or len(shape) != 2:
-            raise ValueError(f"shape must be (rows, columns), got {shape!r}")
-        rows, columns = (whole_number("shape", size, least=4, most=MOST_POINTS) for size in shape)
-        if rows * columns > MOST_POINTS:
-            raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+        rows, columns = rows_and_columns(shape, least=4)
         from scipy.fft import ifft2
 
         steps = lengths("spacing", spacing)

@@ -67,15 +67,8 @@ def spread(index: int, dimensions: int) -> tuple[float, ...]:
 class LinePairs:
     """Pairs of lines of two scans, or of surrogates of lines: a slider, turned over, and what it is carried over.
 
-    Attributes
-    ----------
-    upper, lower, travel, level, along, surrogates, seed
-        As for `paired_lines`.
-    several : bool
-        Whether there is more than one pair: then none has room to travel unless it is asked for, and of lines of
-        different lengths the longer is cut to the shorter, each at another place.
-    count : int, optional
-        How many there will be, in equal distances; otherwise they are evenly spread however many are made.
+    All as for `paired_lines`. Of `several` pairs none has room to travel unless it is asked for, and of lines of
+    different lengths the longer is cut to the shorter, each at another place.
     """
 
     upper: Profile | Surface
@@ -86,7 +79,7 @@ class LinePairs:
     surrogates: Surrogates = "none"
     seed: int = 2016
     several: bool = False
-    count: int | None = None
+    count: int | None = None  # how many there will be, in equal distances; else evenly spread however many there are
 
     def most(self) -> int | None:
         """How many different pairs there are; None without end."""
@@ -264,21 +257,12 @@ class MapPairs:
     the upper is moved along +x by an eighth to a quarter of its length and along y by up to a quarter either way, so
     that a map on itself never lies on itself nor on its mirror image. Maps of different spacing are brought to the
     finer one.
-
-    Attributes
-    ----------
-    upper, lower : Surface
-        Heights of the upper body are up, as `turned_over` makes them.
-    level : {"plane", "quadratic", "mean"}
-        What is taken off each piece.
-    seed : int
-        Of surrogates.
     """
 
-    upper: Surface
+    upper: Surface  # heights of the upper body are up, as `turned_over` makes them
     lower: Surface
-    level: SurfaceTrend = "plane"
-    seed: int = 2016
+    level: SurfaceTrend = "plane"  # what is taken off each piece
+    seed: int = 2016  # of surrogates
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
@@ -299,13 +283,7 @@ class MapPairs:
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece.
-
-        Raises
-        ------
-        ValueError
-            If these are too few to be pressed.
-        """
+        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
         rows, columns = ((least := min(lengths)) - least // REACH for lengths in zip(*self._points, strict=True))
         if min(rows, columns) < FEWEST_POINTS:
             raise ValueError(
@@ -370,20 +348,11 @@ class MapPairs:
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPairs:
-    """Pairs of isotropic surfaces of which two profiles may be sections.
+    """Pairs of isotropic surfaces of which two profiles may be sections."""
 
-    Attributes
-    ----------
-    upper, lower : Profile
-        Levelled, heights of the upper body up.
-    level : {"plane", "quadratic", "mean"}
-        What is taken off each piece.
-    seed : int
-    """
-
-    upper: Profile
+    upper: Profile  # levelled, heights of the upper body up
     lower: Profile
-    level: SurfaceTrend = "plane"
+    level: SurfaceTrend = "plane"  # what is taken off each piece
     seed: int = 2016
 
     @cached_property
@@ -403,13 +372,7 @@ class IsotropicPairs:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece.
-
-        Raises
-        ------
-        ValueError
-            If these are too few to be pressed.
-        """
+        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
         points = self._whole - self._whole // REACH
         if points < FEWEST_POINTS:
             raise ValueError(f"at least {FEWEST_POINTS} rows and columns must be pressed, got {points}")

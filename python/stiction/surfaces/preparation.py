@@ -275,16 +275,11 @@ def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[i
 def resampled_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """A piece of a surface on a grid of another spacing that begins where the surface does.
+    """A piece of a surface on a grid of another spacing (µm, of rows and columns) that begins where the surface does.
 
-    Parameters
-    ----------
-    surface : Surface
-    spacing : (float, float), µm
-        Of rows and columns; heights of an axis that has it already are taken as they are, others are interpolated by
-        natural cubic splines, from enough points beyond the piece that its ends do not matter.
-    origin, shape : (int, int)
-        First row and column on the new grid, and how many of them.
+    It has so many rows and columns from the `origin`, the first ones on the new grid. Heights of an axis that has the
+    spacing already are taken as they are, others are interpolated by natural cubic splines, from enough points beyond
+    the piece that its ends do not matter.
     """
     heights = surface.heights
     for axis in (0, 1):

@@ -12,7 +12,7 @@ from stiction._checks import Floats, choice, number, read_only, truth, whole_num
 from stiction.surfaces.fractal import SIDE_KEY, random_phases
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import Surface, lengths
+from stiction.surfaces.surface import Surface, lengths, rows_and_columns
 
 Amplitudes = Literal["rayleigh", "fixed"]
 
@@ -189,11 +189,7 @@ def self_affine_surface(
     if hurst > 2:
         raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
     rms = number("rms", rms, unit="µm", above=0)
-    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
-        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
-    rows, columns = (whole_number("shape", size, least=4, most=MOST_POINTS) for size in shape)
-    if rows * columns > MOST_POINTS:
-        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    rows, columns = rows_and_columns(shape, least=4)
     along_y, along_x = lengths("spacing", spacing)
     extent_y, extent_x = rows * along_y, columns * along_x
     longer = max(extent_y, extent_x)

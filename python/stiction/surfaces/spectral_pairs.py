@@ -30,26 +30,14 @@ class SpectrumPairs:
     The points are a quarter of the shortest wave apart, and there are `MOST_POINTS` of them along each axis or as many
     as the longest wave has in `LONGEST` of a side; longer waves are left out. So with a cut-off the surfaces are the
     larger.
-
-    Attributes
-    ----------
-    upper, lower : JoinedSpectrum
-        Random phases are the same whether a surface is turned over or not.
-    level : {"plane", "quadratic", "mean"}
-        What is taken off each piece.
-    seed : int
-    cut_off : float, µm
-        Waves shorter than this are taken off; 0 for none.
-    finest : float, µm
-        The shortest of several cut-offs, which decides the grid, so that members are the same surfaces at each.
     """
 
-    upper: JoinedSpectrum
+    upper: JoinedSpectrum  # random phases are the same whether a surface is turned over or not
     lower: JoinedSpectrum
-    level: SurfaceTrend = "plane"
+    level: SurfaceTrend = "plane"  # what is taken off each piece
     seed: int = 2016
-    cut_off: float = 0.0
-    finest: float = 0.0
+    cut_off: float = 0.0  # µm, waves shorter than this are taken off; 0 for none
+    finest: float = 0.0  # µm, shortest of several cut-offs, which decides the grid: members are the same at each
 
     @cached_property
     def _step(self) -> float:
@@ -72,13 +60,7 @@ class SpectrumPairs:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece.
-
-        Raises
-        ------
-        ValueError
-            If these are too few to be pressed.
-        """
+        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
         points = self._whole - self._whole // REACH
         if points < FEWEST_POINTS:
             raise ValueError(

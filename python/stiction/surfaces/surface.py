@@ -11,7 +11,7 @@ import numpy as np
 import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction._shown import Shown, axes_for
-from stiction.surfaces.profile import Profile, steps
+from stiction.surfaces.profile import MOST_POINTS, Profile, steps
 
 if TYPE_CHECKING:
     import xarray
@@ -187,6 +187,16 @@ def lengths(name: str, value: Any) -> tuple[float, float]:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {value!r}")
     along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)
     return along_y, along_x
+
+
+def rows_and_columns(shape: Any, *, least: int) -> tuple[int, int]:
+    """The shape of a surface, so many rows and columns at least and no more points than one may have."""
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+    rows, columns = (whole_number("shape", size, least=least, most=MOST_POINTS) for size in shape)
+    if rows * columns > MOST_POINTS:
+        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    return rows, columns
 
 
 def refuse_flat(body: Profile | Surface) -> None:

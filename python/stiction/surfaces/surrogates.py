@@ -7,11 +7,11 @@ from typing import overload
 
 import numpy as np
 
-from stiction._checks import Floats, truth, whole_number
+from stiction._checks import Floats, truth
 from stiction.surfaces.fractal import random_phases
-from stiction.surfaces.profile import MOST_POINTS, Profile, Side
+from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
-from stiction.surfaces.surface import Surface, refuse_flat
+from stiction.surfaces.surface import Surface, refuse_flat, rows_and_columns
 
 _RINGS = 12
 """Rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring."""
@@ -222,12 +222,7 @@ def isotropic_surface(
     (1.28, 1.28)
     """
     most = min(len(profile), _MOST)
-    given = (most, most) if shape is None else shape
-    if not isinstance(given, (tuple, list)) or len(given) != 2:
-        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
-    rows, columns = (whole_number("shape", size, least=4, most=MOST_POINTS) for size in given)
-    if rows * columns > MOST_POINTS:
-        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    rows, columns = rows_and_columns((most, most) if shape is None else shape, least=4)
     edges, density, _ = _fitted(profile, periodic)
     from scipy.fft import ifft2
 

@@ -56,26 +56,15 @@ KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 
 @dataclass(frozen=True)
 class RuleValue:
-    """Coefficient of static friction by one sliding rule.
+    """Coefficient of static friction by one sliding rule."""
 
-    Attributes
-    ----------
-    rule : {"all", "opposing"}
-    value, lower, upper : float
-        Mean over the directions of the result, and its 95 % interval.
-    low, high : float
-        Four of five single members lie between them.
-    slopes : float
-        By the slopes of the gap alone (`gentle_friction`); NaN of generated bodies.
-    """
-
-    rule: str
-    value: float
+    rule: str  # "all" or "opposing"
+    value: float  # mean over the directions of the result, and its 95 % interval
     lower: float
     upper: float
-    low: float = math.nan
+    low: float = math.nan  # four of five single members lie between this and the next
     high: float = math.nan
-    slopes: float = math.nan
+    slopes: float = math.nan  # by the slopes of the gap alone (`gentle_friction`); NaN of generated bodies
 
 
 @dataclass(frozen=True)
@@ -158,38 +147,20 @@ class Answer:
         first, *others = self.rules
         words = f"μ_s = {two_digits(first.value, first.lower, first.upper)} {RULES[first.rule]}"
         words += "".join(f", {two_digits(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
-        return f"{words}, at {self.inputs}; {self.note}{self._finer}."
-
-    @property
-    def _finer(self) -> str:
-        return f"; {bracket_text(self.bracket)}" if self.bracket is not None else ""
+        finer = f"; {bracket_text(self.bracket)}" if self.bracket is not None else ""
+        return f"{words}, at {self.inputs}; {self.note}{finer}."
 
 
 def answers(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> list[Answer]:
-    """The answers of every cell, load, mu0 and tau0 of what `at_load` gives, in this order.
+    """The answers of every cell, load, mu0 and tau0 of what `at_load` gives of a study, in this order.
 
-    Parameters
-    ----------
-    at : xarray.Dataset
-        What `at_load` returns.
-    study : Study
-        Of which the result is.
-    beside : sequence of Doubt
-        Doubts that come from the bodies and not from the result, as `doubts_of_inputs` gives them.
+    Doubts `beside` come from the bodies and not from the result, as `doubts_of_inputs` gives them.
     """
     return [answer(point, study, beside=beside) for point in points(at)]
 
 
 def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> Answer:
-    """The answer of one point of what `at_load` gives: one cell, load, mu0 and tau0.
-
-    Parameters
-    ----------
-    point : xarray.Dataset
-    study : Study
-    beside : sequence of Doubt
-        Doubts that come from the bodies.
-    """
+    """The answer of one point of what `at_load` gives, one cell, load, mu0 and tau0, with doubts from the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(_of_rule(point["status"], rules[0].rule))
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]

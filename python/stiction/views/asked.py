@@ -32,13 +32,7 @@ def in_memory(result: xarray.Dataset | Stored) -> xarray.Dataset | Stored:
 
 
 def asked_loads(result: xarray.Dataset | Stored) -> Floats:
-    """The loads (mN) of its study, or if that has none, a few of those that are reached.
-
-    Raises
-    ------
-    ValueError
-        If nothing touches.
-    """
+    """The loads (mN) of its study, or if that has none, a few that are reached; an error if nothing touches."""
     friction = study_of_result(result).friction
     if isinstance(friction, MeasuredFriction):
         return np.array([float(load) for load in friction.load])

@@ -71,12 +71,7 @@ def from_to(value: float, low: float, high: float) -> str:
 
 
 def with_unit(value: float, unit: str) -> str:
-    """A length (µm), pressure (GPa) or force (mN) by three digits, in the unit in which it has the fewest zeros.
-
-    Parameters
-    ----------
-    value : float
-    unit : {"um", "GPa", "mN"}
+    """A length (um), pressure (GPa) or force (mN) by three digits, in the unit in which it has the fewest zeros.
 
     Examples
     --------

@@ -82,17 +82,7 @@ ADVICE = {
 
 
 def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str) -> Iterator[Doubt]:
-    """What is doubtful of one point.
-
-    Parameters
-    ----------
-    point : xarray.Dataset
-    study : Study
-    value : Interval
-        The coefficient that would be quoted.
-    status : str
-        Whether there is one.
-    """
+    """What is doubtful of one point, of which this value would be quoted if its status is "ok"."""
     if status != friction.STATUS_OK or math.isnan(value.value):
         text, cure = ADVICE.get(status, ("there is no coefficient", "see how many members have an answer"))
         yield Doubt(text, cure, "fault")

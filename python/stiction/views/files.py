@@ -33,10 +33,7 @@ WRITERS: dict[str, tuple[str, Callable[[Stored, Path], None]]] = {
 def write_result(stored: Stored, path: Path) -> None:
     """Write a result to a new file, in the format that its name says.
 
-    Raises
-    ------
-    ValueError
-        If the file exists, cannot be written, or its name has no ending of `WRITERS`.
+    Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `WRITERS`.
     """
     check_name(path)
     WRITERS[path.suffix.lower()][1](stored, path)

@@ -18,26 +18,14 @@ LINES = 3
 
 
 def first_result(study: Study) -> Result:
-    """What the first members of a study of asperities give, in memory.
-
-    Raises
-    ------
-    ValueError
-        If the bodies cannot be pressed.
-    """
+    """What the first members of a study of asperities give, in memory; a `ValueError` if they cannot be pressed."""
     members = range(min(MEMBERS, study.ensemble.repetitions))
     arrays = stacked(study, [member_sums(study, member) for member in members])
     return Result(dataset_of(study, members, arrays, about(study)))
 
 
 def first_text(study: Study) -> str:
-    """The answers that the first members of a study of asperities give, a line each.
-
-    Raises
-    ------
-    ValueError
-        If nothing touches.
-    """
+    """The answers that the first members of a study of asperities give, a line each; an error if nothing touches."""
     result = first_result(study)
     members = result.dataset.sizes["repetition"]
     lines = [f"at first, by asperities at {members} positions, while the half-space is solved:"]

@@ -44,17 +44,7 @@ WHOLE_PART = 0.1
 
 
 def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
-    """A doubt for each thing that is seldom meant.
-
-    Parameters
-    ----------
-    upper, lower : Profile, Surface or JoinedSpectrum
-        As they were read.
-    study : Study
-        That presses them.
-    loads : sequence of float, mN
-        Those that were asked for.
-    """
+    """A doubt for each thing that is seldom meant, of two bodies as they were read, their study, and loads (mN)."""
     bowed = getattr(study.surfaces, "level", "") == "quadratic"  # what is taken off is no doubt
     lengths = [float(each) for each in getattr(study.surfaces, "cut_off", ())]
     of_upper, of_lower = (

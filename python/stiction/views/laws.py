@@ -39,24 +39,12 @@ _OF_LAWS = ("area_factor", "stiffness_factor", "stiffness_exponent", "area_devia
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """A row for each sliding rule, H, Sq, pressure, mu0 and tau0; units in the header.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        What `friction_table` returns.
-    """
+    """What `friction_table` returns: a row for each rule, H, Sq, pressure, mu0 and tau0; units in the header."""
     return _csv(table[list(_OF_LOADS)], _PLACES)
 
 
 def laws_csv(table: xarray.Dataset) -> str:
-    """The fitted laws A/A0 = a p and k/A0 = b p^c, with p in GPa: a row for each H and Sq.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        What `friction_table` returns.
-    """
+    """The fitted laws A/A0 = a p and k/A0 = b p^c of a `friction_table`, with p in GPa: a row for each H and Sq."""
     return _csv(table[list(_OF_LAWS)], _PLACES[1:3])
 
 
@@ -81,13 +69,7 @@ def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
 
 
 def friction_table_text(table: xarray.Dataset) -> str:
-    """The fitted laws of each roughness, and between which values its coefficients are.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        What `friction_table` returns.
-    """
+    """The fitted laws of each roughness of a `friction_table`, and between which values its coefficients are."""
     ends = " to ".join(with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     lines = [
         fitted(f"Pressures of {ends}; A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"),

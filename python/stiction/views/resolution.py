@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-AT_HARDNESS = 0.5
-"""Fraction of the load at the hardness from which on the scan has reached it."""
-
 Rows = list[list[str]]
 
 RULE_TITLES = {"all": "all rub", "opposing": "the paper's rule"}
@@ -56,13 +53,9 @@ def waves_record(found: Seen) -> dict[str, Any]:
 
 
 def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
-    """A table of one load, mu0 and tau0 over cut-offs, headings first; the plastic limit is its last row.
+    """A table over cut-offs of what `resolution_at` gives at one load, mu0 and tau0, headings first.
 
-    Parameters
-    ----------
-    at : xarray.Dataset
-        What `resolution_at` gives, at one load, mu0 and tau0.
-    study : Study
+    The plastic limit is its last row.
     """
     rules = rules_of(study)
     rows = [["waves below", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
@@ -209,19 +202,11 @@ def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | N
 def limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
     """What a picture over cut-offs draws besides: the limit of a hardness, and what is continued, as plain arrays.
 
-    Parameters
-    ----------
-    at : xarray.Dataset
-        What `resolution_at` gives, at one load, mu0 and tau0.
-    study : Study
-
-    Returns
-    -------
-    dict
-        friction and area_fraction, the plastic limit (None without a hardness); shortest (µm), below which nothing was
-        seen (None where the files are gone); wavelength (µm), finer_area_fraction and finer_friction ("all"), each
-        (n, 3) value, lower, upper, of the elastic answer continued by the Hurst exponent (empty with a hardness);
-        spectral, what `spectral_resolution` says of spectra that several scans have (None of single scans).
+    Of what `resolution_at` gives at one load, mu0 and tau0: friction and area_fraction, the plastic limit (None without
+    a hardness); shortest (µm), below which nothing was seen (None where the files are gone); wavelength (µm),
+    finer_area_fraction and finer_friction ("all"), each (n, 3) value, lower, upper, of the elastic answer continued by
+    the Hurst exponent (empty with a hardness); spectral, what `spectral_resolution` says of spectra that several scans
+    have (None of single scans).
     """
     limit, found = plastic_limit(at, study), seen(study)
     table: dict[str, Any] = {

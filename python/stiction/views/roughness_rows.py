@@ -21,16 +21,9 @@ Characterised = Sequence[tuple[str, Profile | Surface, list[dict[str, Any]]]]
 def characterisation(
     body: Profile | Surface, band: tuple[float, float] | None = None, tip_radius: float | None = None
 ) -> list[dict[str, Any]]:
-    """Roughness of one profile or surface as values.
+    """Roughness of one levelled profile or surface as values, for a probe of this radius (µm).
 
-    Parameters
-    ----------
-    body : Profile or Surface
-        Levelled.
-    band : (float, float), µm, optional
-        Wavelengths to fit the Hurst exponent to.
-    tip_radius : float, µm, optional
-        Of the stylus or the probe.
+    The Hurst exponent is fitted to a band of wavelengths (µm), or to one that is found.
     """
     from stiction.surfaces.roughness import roughness_parameters, surface_parameters
     from stiction.surfaces.spectrum import spectral_moments

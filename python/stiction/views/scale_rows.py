@@ -24,14 +24,7 @@ def scale_rows(
 ) -> list[tuple[str, str]]:
     """Slope over the shortest wave that is counted, and from which wave on the scan may be trusted, in words.
 
-    Parameters
-    ----------
-    body : Profile or Surface
-        Not flat.
-    tip_radius : float, µm, optional
-        Of the stylus or the probe.
-    periodic : bool
-        As in `power_spectrum`.
+    The body is not flat, and `periodic` as in `power_spectrum`; the tip is that of the stylus or the probe, µm.
     """
     found = scale_dependent_roughness(body, periodic=periodic)
     limit = instrument_limit(body, tip_radius=tip_radius, periodic=periodic)

@@ -187,13 +187,7 @@ _MADE_BY = {".png": b"Software\0stiction", ".pdf": b"%PDF", ".svg": b"stiction"}
 
 
 def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Formats of figures, each once.
-
-    Raises
-    ------
-    ValueError
-        If there is none, or one is not of `FORMATS`.
-    """
+    """Formats of figures, each once; a `ValueError` if there is none, or one is not of `FORMATS`."""
     found = tuple(dict.fromkeys(str(each).lower().removeprefix(".") for each in formats))
     if not found or not set(found) <= set(FORMATS):
         raise ValueError(f"formats must be some of {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
@@ -203,12 +197,8 @@ def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
 def save_picture(figure: Figure, path: Path) -> None:
     """Write a figure as PNG, PDF or SVG, over no other file than one of this package.
 
-    Instruments write PNGs beside their data, so a picture of another origin is never replaced.
-
-    Raises
-    ------
-    ValueError
-        If the name ends in none of these, another file has it, or it cannot be written.
+    Instruments write PNGs beside their data, so a picture of another origin is never replaced. Raises a `ValueError` if
+    the name ends in none of these, another file has it, or it cannot be written.
     """
     import matplotlib as mpl
 

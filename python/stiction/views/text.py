@@ -6,7 +6,7 @@ import math
 import re
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,17 +57,10 @@ _TOGETHER = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|
 
 
 def aligned(rows: Rows, width: int | None = None) -> str:
-    """A table whose columns are aligned and which fits the width of the terminal.
+    """A table whose columns are aligned and which fits a width, that of the terminal by default; rows may be short.
 
     Columns that do not fit go into further tables below, each with the first column again; where this itself is too
     wide, its cells go on in the next line.
-
-    Parameters
-    ----------
-    rows : sequence of rows
-        Each a sequence of cells; a row may be shorter than the others.
-    width : int, optional
-        That of the terminal by default.
 
     Examples
     --------
@@ -127,7 +120,7 @@ def result_text(
         What `resolution_at` and `onset_beside` give.
     """
     found = answers(at, study, beside=beside)
-    first = _first_cell(at)
+    first = at.isel({name: 0 for name in CELLS if name in at.dims})
     point = next(points(first))
     slopes = slopes_text(found[0], point, study)
     parts = [answers_text(found), doubts_text(found), fitted(slopes) if slopes and verbose else ""]
@@ -144,10 +137,6 @@ def result_text(
     if verbose:
         parts.insert(0, history_text(at, study))
     return "\n\n".join(part for part in parts if part) + "\n"
-
-
-def _first_cell(at: xarray.Dataset) -> xarray.Dataset:
-    return at.isel({name: 0 for name in CELLS if name in at.dims})
 
 
 def answers_text(found: Sequence[Answer]) -> str:
@@ -211,7 +200,7 @@ def _block(one: Answer) -> str:
 def doubts_text(found: Sequence[Answer]) -> str:
     """The verdict on every answer, with its doubts and what to do about them."""
     if len({(one.verdict, one.doubts) for one in found}) == 1:
-        return _judged(found[0].verdict, found[0].doubts)
+        return "\n".join([found[0].verdict, *(_doubt(doubt) for doubt in found[0].doubts)])
     # Doubts of one kind have one cure, and differ in their numbers.
     kinds: dict[tuple[str, str], list[Doubt]] = {}
     for doubt in (doubt for one in found for doubt in one.doubts):
@@ -220,19 +209,12 @@ def doubts_text(found: Sequence[Answer]) -> str:
         _doubt(same[0], f" ({len(same)} of {len(found)})")
         for same in sorted(kinds.values(), key=lambda same: same[0].severity != "fault")
     ]
-    return "\n".join(["Doubts, in the first answer that has each:", *lines[:MOST_DOUBTS], *_rest(len(lines))])
+    rest = [f"  … and {len(lines) - MOST_DOUBTS} more (--json)"] if len(lines) > MOST_DOUBTS else []
+    return "\n".join(["Doubts, in the first answer that has each:", *lines[:MOST_DOUBTS], *rest])
 
 
 MOST_DOUBTS = 6
 """Most doubts that are printed of several answers; JSON and CSV have all."""
-
-
-def _rest(number: int) -> list[str]:
-    return [f"  … and {number - MOST_DOUBTS} more (--json)"] if number > MOST_DOUBTS else []
-
-
-def _judged(verdict: str, doubts: Iterable[Doubt]) -> str:
-    return "\n".join([verdict, *(_doubt(doubt) for doubt in doubts)])
 
 
 def _doubt(doubt: Doubt, more: str = "") -> str:
@@ -351,13 +333,7 @@ def directions_text(point: xarray.Dataset) -> str:
 def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | None) -> str:
     """Which waves were seen, how the first answer moves with a cut-off, and what lies beyond.
 
-    Parameters
-    ----------
-    at : xarray.Dataset
-        What `at_load` returns.
-    study : Study
-    over : xarray.Dataset, optional
-        What `resolution_at` gives.
+    It is of what `at_load` returns, and over cut-offs of what `resolution_at` gives.
     """
     found, parts = seen(study), []
     if found is not None:

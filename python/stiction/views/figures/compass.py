@@ -30,12 +30,8 @@ RINGS = 5
 def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Friction coefficient against the direction of the motion, by each sliding rule; 80 mm wide.
 
-    Parameters
-    ----------
-    points : xarray.Dataset
-        What `at_load` returns, at one load and of one cell, mu0 and tau0. Between directions a smooth curve is drawn.
-    title : str
-        Whose figure it is.
+    It is of what `at_load` returns at one load and of one cell, mu0 and tau0. Between directions a smooth curve is
+    drawn.
     """
     from matplotlib.figure import Figure
 

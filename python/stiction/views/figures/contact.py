@@ -41,21 +41,8 @@ def contact_figure(
 ) -> Figure:
     """Two profiles in contact: all of them, and the contact that carries most with the forces on the upper body.
 
-    Parameters
-    ----------
-    upper, lower : Profile
-        On the same grid.
-    approach : float, µm
-    mu0 : float
-    tau0 : float, GPa
-    load : float, mN, optional
-        What the title says that they carry.
-    offset : float, µm, optional
-        Where the title says that the upper profile lies on a longer one.
-    title : str
-        Whose figure it is.
-    **contact
-        As for `contacts`.
+    They are on the same grid, at an approach (µm) at which they carry a load (mN), as the title says; where the upper
+    one lies on a longer one it is moved by an offset (µm). Contacts are as `contacts` finds them; tau0 is in GPa.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure

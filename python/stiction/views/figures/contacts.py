@@ -38,16 +38,8 @@ def contacts_figure(
 ) -> Figure:
     """Contacts over the heights of the lower body, and the pressure about the one that carries most; 80 mm wide.
 
-    Parameters
-    ----------
-    picture : xarray.Dataset
-        What `contact_picture` returns.
-    direction : float, degrees
-        Of the motion of the upper body, from +x towards +y.
-    hardness : float, GPa, optional
-        Is marked on the scale of pressures.
-    title : str
-        Whose figure it is.
+    It is of what `contact_picture` returns, for a motion of the upper body in a direction (degrees, from +x towards
+    +y); a hardness (GPa) is marked on the scale of pressures.
     """
     from matplotlib.figure import Figure
 

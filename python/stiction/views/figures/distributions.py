@@ -29,15 +29,8 @@ BINS = 12
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
     """Friction coefficient of each member, and how the members are distributed; 80 mm wide.
 
-    Parameters
-    ----------
-    values : xarray.DataArray
-        Of each member and sliding rule, over repetition and sliding. Members of several offsets along one line are
-        drawn over the offset, others in the order of their values.
-    points : xarray.Dataset
-        The means of these, as for `compass_figure`.
-    title : str
-        Whose figure it is.
+    Values are over repetition and sliding, and `points` are their means, as for `compass_figure`. Members of several
+    offsets along one line are drawn over the offset, others in the order of their values.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
@@ -94,16 +87,8 @@ def sizes_figure(
 ) -> Figure:
     """Fraction of the contacts against their area, and of the true area against pressure; 80 mm wide.
 
-    Parameters
-    ----------
-    members : xarray.Dataset
-        patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below: each is a thin line.
-    points : xarray.Dataset
-        Their means over members, as `at_load` returns them, of one cell.
-    hardness : float, GPa, optional
-        Is marked.
-    title : str
-        Whose figure it is.
+    Members have patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, each a thin line;
+    `points` are their means, as `at_load` returns them, of one cell. A hardness (GPa) is marked.
     """
     from matplotlib.figure import Figure
 

@@ -35,14 +35,7 @@ MOST_SINGLE_DIRECTIONS = 2
 def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: str = "") -> Figure:
     """Friction coefficient by both sliding rules, and true contact area, against load; 80 mm wide.
 
-    Parameters
-    ----------
-    points : xarray.Dataset
-        What `at_load` returns, of one cell and one mu0 and tau0.
-    asked : sequence of float, mN
-        Loads that are marked.
-    title : str
-        Whose figure it is.
+    It is of what `at_load` returns, of one cell and one mu0 and tau0; loads that were asked for (mN) are marked.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
     figure = _against(points, "load", loads, title)
@@ -63,18 +56,9 @@ def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: s
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
     """Friction coefficient and true contact area against the cut-off wavelength, at one load; 80 mm wide.
 
-    A cut-off of 0 leaves the surfaces as they were measured; it is drawn at their shortest wave where that is known,
-    else to the left of the first one.
-
-    Parameters
-    ----------
-    points : xarray.Dataset
-        What `resolution_at` returns, at one load, mu0 and tau0.
-    title : str
-        Whose figure it is.
-    limits : mapping, optional
-        What `limits` returns of it: the plastic limit is a line, what is continued dashed, and grey is where nothing
-        was seen.
+    It is of what `resolution_at` returns, at one load, mu0 and tau0. A cut-off of 0 leaves the surfaces as they were
+    measured; it is drawn at their shortest wave where that is known, else to the left of the first one. Of the `limits`
+    the plastic one is a line, what is continued dashed, and grey is where nothing was seen.
     """
     limits = limits or {}
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)

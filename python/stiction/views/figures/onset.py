@@ -21,12 +21,7 @@ CYCLES = ("0.55", FRICTION)
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     """Tangential load against displacement with cycles, and the fractions that slip against the load; 80 mm wide.
 
-    Parameters
-    ----------
-    onset : xarray.Dataset
-        What `onset_of_result` returns. Of a free half-plane, which has no displacement, only what slips is drawn.
-    title : str
-        Whose figure it is.
+    It is of what `onset_of_result` returns. Of a free half-plane, which has no displacement, only what slips is drawn.
     """
     from matplotlib.figure import Figure
 

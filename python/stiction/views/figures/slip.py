@@ -30,13 +30,8 @@ def has_slip_map(onset: xarray.Dataset) -> bool:
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     """At which tangential load each point of the contacts begins to slip, over the heights; 80 mm wide.
 
-    Parameters
-    ----------
-    onset : xarray.Dataset
-        What `onset_of_result` returns of areas. Of asperities each contact is a mark, at the load at which it slides as
-        a whole.
-    title : str
-        Whose figure it is.
+    It is of what `onset_of_result` returns of areas. Of asperities each contact is a mark, at the load at which it
+    slides as a whole.
     """
     import matplotlib as mpl
     from matplotlib.cm import ScalarMappable

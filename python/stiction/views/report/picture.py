@@ -34,10 +34,7 @@ FEWEST_WAVES = 16
 def pictured(picture: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
     """Facts and packed numbers of a picture as `contact_picture` makes it.
 
-    Raises
-    ------
-    ReportError
-        If something is not there, or is no number.
+    Raises a `ReportError` if something is not there, or is no number.
     """
     try:
         along_y, along_x = picture["height_y"].values, picture["height_x"].values

@@ -84,20 +84,10 @@ def report_page(
 ) -> str:
     """The page of a result, or of two side by side, as HTML, which needs nothing else.
 
-    Parameters
-    ----------
-    result : xarray.Dataset or Stored, or two of them
-        What `run` returns; both of generated or both of measured bodies.
-    names : sequence of str
-        What each is called on the page; a built-in study, and a pair of files, have names of their own.
-    picture : xarray.Dataset, optional
-        What `contact_picture` returns, of a single result; that beside a stored result by default.
-
-    Raises
-    ------
-    ReportError
-        If there are more than two, they are not of a kind, one is too large for a page or has no members, or one of
-        its numbers is not what a page can show.
+    Both are of generated or both of measured bodies. The names are what each is called on the page; a built-in study,
+    and a pair of files, have names of their own. A single result has a picture as `contact_picture` returns it, that
+    beside a stored result by default. Raises a `ReportError` if there are more than two, they are not of a kind, one is
+    too large for a page or has no members, or one of its numbers is not what a page can show.
     """
     return _report(result, names, picture).html()
 
