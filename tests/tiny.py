@@ -41,3 +41,14 @@ def assert_same_bits(one, other):
     xarray.testing.assert_identical(one, other)
     for name in one.variables:
         assert one[name].values.tobytes() == other[name].values.tobytes(), name
+
+
+def rewritten(file, name, change):
+    """A variable of a netCDF file becomes another one over the same dimensions."""
+    scales = [[each[i] for i in range(len(each))] for each in file[name].dims]
+    values = change(file[name][...])
+    del file[name]
+    new = file.create_dataset(name, data=values)
+    for axis, each in enumerate(scales[: new.ndim]):
+        for scale in each:
+            new.dims[axis].attach_scale(scale)

@@ -1,7 +1,21 @@
 """What tests of stores and of parts share."""
 
 import pytest
-from stiction.studies import tasks
+from stiction import run
+from stiction.studies import runner, tasks
+from tiny import TINY
+
+
+@pytest.fixture
+def blocks_of_four(monkeypatch):
+    """Blocks of a result hold four members."""
+    monkeypatch.setattr(runner, "block_size", lambda study: 4)
+
+
+@pytest.fixture(scope="session")
+def undisturbed():
+    """The result of `TINY`; nothing may change it."""
+    return run(TINY)
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from stiction.studies.netcdf import SEAL
 from stiction.studies.onset import onset_beside, onset_of_result
 from stiction.studies.runner import fill
 from stiction.studies.store import StoreError, open_stored, read
+from tiny import rewritten
 
 FILES = {"picture.nc": picture_beside, "onset.nc": onset_beside}
 
@@ -93,16 +94,7 @@ def elsewhere(file, name):
 def put(change):
     """A lie: the values of a variable are others."""
 
-    def lie(file, name):
-        scales = [[each[i] for i in range(len(each))] for each in file[name].dims]
-        values = change(file[name][...])
-        del file[name]
-        new = file.create_dataset(name, data=values)
-        for axis, each in enumerate(scales[: new.ndim]):
-            for scale in each:
-                new.dims[axis].attach_scale(scale)
-
-    return lie
+    return lambda file, name: rewritten(file, name, change)
 
 
 LIES = {

@@ -12,15 +12,7 @@ from stiction.studies.runner import fill
 from stiction.studies.tasks import Folder
 from tiny import TINY, Inline, assert_same_bits, repetitions
 
-
-@pytest.fixture(autouse=True)
-def blocks_of_four(monkeypatch):
-    monkeypatch.setattr(runner, "block_size", lambda study: 4)
-
-
-@pytest.fixture(scope="module")
-def undisturbed():
-    return run(TINY)
+pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
 
 def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):

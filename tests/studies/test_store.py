@@ -24,17 +24,9 @@ from stiction.studies import result as results
 from stiction.studies.export import ExportError, export
 from stiction.studies.runner import fill
 from stiction.studies.store import BLOCKS, STUDY, Block, StoreError
-from tiny import TINY, Inline, assert_same_bits, repetitions
+from tiny import TINY, Inline, assert_same_bits, repetitions, rewritten
 
-
-@pytest.fixture(autouse=True)
-def blocks_of_four(monkeypatch):
-    monkeypatch.setattr(runner, "block_size", lambda study: 4)
-
-
-@pytest.fixture(scope="module")
-def undisturbed():
-    return run(TINY)
+pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
 
 @pytest.fixture(scope="module")
@@ -364,17 +356,7 @@ def test_what_is_no_result_is_one_sentence(tmp_path, where):
 def replaced(name, make):
     """A lie: a variable is replaced by another one over the same dimensions."""
 
-    def lie(file):
-        old = file[name]
-        scales = [[each[i] for i in range(len(each))] for each in old.dims]
-        values = make(old[...])
-        del file[name]
-        new = file.create_dataset(name, data=values)
-        for axis, each in enumerate(scales[: new.ndim]):
-            for scale in each:
-                new.dims[axis].attach_scale(scale)
-
-    return lie
+    return lambda file: rewritten(file, name, make)
 
 
 def with_first(value):

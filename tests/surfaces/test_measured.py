@@ -390,7 +390,8 @@ def test_workbooks_that_are_none_are_refused(file, monkeypatch):
     assert "is a damaged workbook" in refusal(file(data[:-60], "a.xlsx"))
     assert "is a damaged workbook" in refusal(file(x3p(METRES), "a.xlsx"))
     assert "is named .xlsx, but what it holds is not a zip archive" in refusal(file("1,2\n", "a.xlsx"))
-    for tags, said in (("<row>" * 11_000_000, "tags of XML"), ("<row>" + "<c/>" * 200_000, "more cells in a row")):
+    monkeypatch.setattr(excel, "MOST_TAGS", 300_000)
+    for tags, said in (("<row>" * 300_000, "tags of XML"), ("<row>" + "<c/>" * 200_000, "more cells in a row")):
         bomb = io.BytesIO()
         with zipfile.ZipFile(io.BytesIO(data)) as source, zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as copy:
             for name in source.namelist():
@@ -845,7 +846,7 @@ def test_numbers_of_x3p_are_those_of_xml_schema(file, number):
 
 def test_very_long_lines_are_read_in_time(file):
     # A line is looked at whole once, whatever the number of ways in which cells may be parted.
-    path = file("\n".join([",".join(["1.5", "2", "0"] * 50_000)] * 4), "a.csv")
+    path = file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     began = time.process_time()
-    assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 150_000)
-    assert time.process_time() - began < 20  # 2 s in a trial
+    assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)
+    assert time.process_time() - began < 4  # 0.4 s in a trial
