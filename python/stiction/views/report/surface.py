@@ -185,8 +185,8 @@ def _spectrum(spectrum: Any, estimate: HurstEstimate | None, title: str) -> dict
     """Means of a spectrum, and the power law that was fitted to it."""
     series = [_series("measured", spectrum.wave_number, spectrum.density)]
     if estimate is not None:
-        ends = 2 * math.pi / np.array([estimate.longest_wavelength, estimate.shortest_wavelength])
-        q = np.geomspace(*ends, BINS)
+        first, last = (2 * math.pi / end for end in (estimate.longest_wavelength, estimate.shortest_wavelength))
+        q = np.exp(np.linspace(math.log(first), math.log(last), BINS))
         series.append(_series(f"H = {estimate.value:.2f}", q, estimate.density(q), dash="7 4"))
     return _plot("spectrum", "Spectrum", series, (WAVES, title), log=True)
 
