@@ -174,7 +174,7 @@ def _along(profile: Profile) -> dict[str, Any]:
     heights = 1000 * (profile.heights - profile.heights.min())
     groups = np.pad(heights, (0, -len(profile) % every), mode="edge").reshape(-1, every)
     band = {"lower": listed(groups.min(axis=1)), "upper": listed(groups.max(axis=1))} if every > 1 else {}
-    x = profile.spacing * (every * np.arange(len(groups)) + (every - 1) / 2)
+    x = np.asarray(profile.spacing * (every * np.arange(len(groups)) + (every - 1) / 2), dtype=float)
     return _plot(
         "heights", "Heights", [_series("", x, groups.mean(axis=1), **band)],
         ("position _x_ (µm)", "height above the lowest point (nm)"),
@@ -186,7 +186,7 @@ def _spectrum(spectrum: Any, estimate: HurstEstimate | None, title: str) -> dict
     series = [_series("measured", spectrum.wave_number, spectrum.density)]
     if estimate is not None:
         first, last = (2 * math.pi / end for end in (estimate.longest_wavelength, estimate.shortest_wavelength))
-        q = np.exp(np.linspace(math.log(first), math.log(last), BINS))
+        q = np.asarray(np.geomspace(first, last, BINS), dtype=float)
         series.append(_series(f"H = {estimate.value:.2f}", q, estimate.density(q), dash="7 4"))
     return _plot("spectrum", "Spectrum", series, (WAVES, title), log=True)
 
