@@ -28,15 +28,15 @@ STICTION_INLINE double least(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double most(double a, double b) { return a > b ? a : b; }
 
 // Cells of a row that are left out together where no coefficient is low enough; they have three columns more.
-constexpr Index block = 29;
+constexpr Index cells_at_once = 29;
 
 // Whether a block in a row of coefficients is low enough.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double highest, unsigned char* marks) {
-  for (Index first = 0; first < cells; first += block) {
+  for (Index first = 0; first < cells; first += cells_at_once) {
     unsigned char any = 0;
-    if (first + block <= cells) {
-      for (Index i = first; i < first + block + 3; ++i) {
+    if (first + cells_at_once <= cells) {
+      for (Index i = first; i < first + cells_at_once + 3; ++i) {
         any |= static_cast<unsigned char>(coefficients[i] <= highest);
       }
     } else {
@@ -394,7 +394,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, 
   const Index columns = coefficients.cols() - 3;
   const Index stride = coefficients.outerStride();
   std::vector<Minimum> found;
-  const Index blocks = (where.columns + block - 1) / block;
+  const Index blocks = (where.columns + cells_at_once - 1) / cells_at_once;
   std::vector<unsigned char> low(static_cast<std::size_t>((where.rows + 3) * blocks));
   for (Index row = 0; row < where.rows + 3; ++row) {
     mark_low(coefficients.data() + (where.row + row) * stride + where.column, where.columns, highest,
@@ -431,11 +431,11 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, 
       if (!is_low(row, at)) {
         continue;
       }
-      const Index first = where.column + at * block;
+      const Index first = where.column + at * cells_at_once;
       while (at + 1 < blocks && is_low(row, at + 1)) {
         ++at;
       }
-      const Index cells = std::min(where.columns, (at + 1) * block) - (first - where.column);
+      const Index cells = std::min(where.columns, (at + 1) * cells_at_once) - (first - where.column);
       screen_columns(coefficients.data() + row * stride + first, stride, cells + 3, ranges.lowest(), ranges.x_low(),
                      ranges.x_high(), ranges.y_low(), ranges.y_high());
       screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), cells, highest,
