@@ -25,6 +25,7 @@ from stiction import (
 )
 from stiction.surfaces.measured import excel, raw
 from stiction.surfaces.measured import npy as npy_files
+from stiction.surfaces.measured import text as text_files
 from stiction.surfaces.measured.raw import Raw
 from stiction.surfaces.measured.reading import READERS
 
@@ -551,6 +552,16 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr(npy_files, "MOST_POINTS", 8)
     (tmp_path / "b.npy").write_bytes(npy(np.zeros(9)))
     assert "holds 9 points; at most 8" in refusal(tmp_path / "b.npy")
+
+
+@pytest.mark.parametrize("separator", [",", ", ", ";", "\t", " "])
+def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_apart(file, monkeypatch, separator):
+    monkeypatch.setattr(text_files, "MOST_LINES", 20)
+    monkeypatch.setattr(text_files, "MOST_CELLS", 10)
+    wide = separator.join(["1.5"] * 5) + "\n"
+    assert read_surface(file(20 * wide), unit="um", spacing="1 um").heights.shape == (20, 5)
+    assert "has 21 lines; at most 20" in refusal(file("1.5\n" * 21))
+    assert "cells; at most 10 can be read" in refusal(file(separator.join(["1.5"] * 11)))
 
 
 @pytest.mark.parametrize(

@@ -175,7 +175,7 @@ def _of_the_contacts(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     if fraction > 1:
         yield Doubt(f"a true area of {percent(fraction)} cannot be", "give less load", "fault")
     if count * (ok if math.isfinite(ok) else 1) < FEWEST_CONTACTS:
-        text = f"there are {count:.2g} contacts, fewer than ten in all members together"
+        text = f"all members together have fewer than ten contacts, on average {count:.2g}"
         yield Doubt(text, "more load, larger bodies or more members have more", "fault")
     elif count < FEW_CONTACTS and not fraction > MERGED:
         text = f"{count:.2g} contacts on average are few, so μ_s is that of single contacts"

@@ -72,6 +72,9 @@ _SIZES = tuple(
 _LONGEST_STEP, _MOST_STEPS = 1000, 1000
 """Characters of a step of the history above the data, and steps of it."""
 
+MOST_LINES, MOST_CELLS = 25_000_000, 4_000_000
+"""Lines of a text, and cells of one: each is a Python object for a while, so that more of them need gigabytes."""
+
 _SAMPLE = 200
 _SAMPLE_WIDTH = 20_000
 
@@ -104,7 +107,16 @@ _DIALECTS = [
 
 def read_text(data: bytes) -> Table:
     """Take a text apart into columns of numbers."""
-    return read_lines(_decoded(data).split("\n"))
+    text = _decoded(data)
+    if (count := text.count("\n")) > MOST_LINES:
+        raise FormatError(f"has {count} lines; at most {MOST_LINES} can be read as text: save it as .npy")
+    lines = text.split("\n")
+    longest = max(lines, key=len)
+    if (cells := _most_cells(longest)) > MOST_CELLS:
+        raise FormatError(
+            f"has a line of up to {cells} cells; at most {MOST_CELLS} can be read: write one number a line, or .npy"
+        )
+    return read_lines(lines)
 
 
 def read_lines(lines: list[str]) -> Table:
@@ -113,6 +125,11 @@ def read_lines(lines: list[str]) -> Table:
     if dialect.point == ",":
         _refuse_thousands(lines, dialect)
     return _interpreted(_numbers(lines, dialect), lines, dialect)
+
+
+def _most_cells(line: str) -> int:
+    """Not more than it has in any dialect."""
+    return 1 + max(line.count(";"), sum(line.count(character) for character in "\t ,"))
 
 
 def _decoded(data: bytes) -> str:
