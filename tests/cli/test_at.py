@@ -104,7 +104,7 @@ def test_at_in_one_direction_is_not_the_mean_of_all(folder):
 def test_at_says_why_there_is_no_answer(folder):
     text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", cwd=folder)
     assert text.startswith("μ_s = not-reached")
-    assert "! no step of the result carries this load: give less load" in text
+    assert "! no step of the result carries this load; give less load" in text
 
 
 @pytest.mark.parametrize(
