@@ -51,8 +51,8 @@ def rows() -> list[tuple[str, str]]:
             begun = time.perf_counter() - start
             size(driver, 1280, 720)
             driver.get(address)
-            paint = driver.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
             seen = until(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
+            paint = driver.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
             shot(driver, "scans")
             time.sleep(5)  # as somebody who reads takes
             driver.execute_script("document.querySelector('#pair .go').click()")
