@@ -28,8 +28,11 @@ BAD_INPUT = 2
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-LEAST_MEMORY = 400_000_000
-"""Bytes of address space that a command begins with, where it is limited; libraries alone take about 250 million."""
+LEAST_MEMORY = 1_000_000_000
+"""Bytes of address space that a command begins with, where it is limited.
+
+Libraries and threads take about 500 million; with 440 to 550 million a thread of Python 3.11.2 may end without a word,
+and what it was to compute is waited for."""
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 """What the parser raises of options: click's UsageError, of the copy of click that typer brings or imports."""
