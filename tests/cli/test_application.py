@@ -85,8 +85,8 @@ def test_a_limit_that_leaves_a_library_no_room_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr("stiction.cli.running.fill", fail)
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "stiction: it needs an extra")
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (500_000_000, resource.RLIM_INFINITY))
-    said = "stiction: memory is limited to 500 MB here, too little for the libraries of this command"
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (1_500_000_000, resource.RLIM_INFINITY))
+    said = "stiction: memory is limited to 1.5 GB here, too little for the libraries of this command"
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), said)
 
 
