@@ -186,7 +186,7 @@ def _spectrum(spectrum: Any, estimate: HurstEstimate | None, title: str) -> dict
     series = [_series("measured", spectrum.wave_number, spectrum.density)]
     if estimate is not None:
         first, last = (2 * math.pi / end for end in (estimate.longest_wavelength, estimate.shortest_wavelength))
-        q = np.asarray(np.geomspace(first, last, BINS), dtype=float)
+        q = np.geomspace(first, last, BINS)
         series.append(_series(f"H = {estimate.value:.2f}", q, estimate.density(q), dash="7 4"))
     return _plot("spectrum", "Spectrum", series, (WAVES, title), log=True)
 
