@@ -69,3 +69,10 @@ def test_a_scheduler_that_is_not_there_is_said_so(monkeypatch):
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
         with pytest.raises(ClusterError, match=address or "such as tcp://host:8786"), cluster.connected(address):
             pass
+
+
+def test_a_scheduler_without_workers_is_waited_for_with_a_word():
+    with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
+        address = running.scheduler_address
+        with pytest.warns(UserWarning, match="has no workers yet; waiting for them"), cluster.connected(address):
+            pass

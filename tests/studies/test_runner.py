@@ -3,11 +3,14 @@
 import builtins
 import contextlib
 import importlib.util
+import itertools
 import math
 import multiprocessing
+import os
 import shutil
+import signal
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,7 +21,9 @@ from stiction.mechanics.quantities import SUMS
 from stiction.studies import executors, members, pressed, runner, tasks
 from stiction.studies.pressed import cost_of_member
 from stiction.studies.result import bytes_of_member
+from stiction.studies.store import StoreError, open_stored
 from stiction.studies.study import study_of
+from stiction.studies.text import StudyError
 from tiny import TINY, Inline, assert_same_bits, repetitions
 
 SMALL = TINY.with_changes(
@@ -171,6 +176,50 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
             held = error  # and with it every frame of the run
     assert held is not None
     assert len(computed) < 800
+
+
+# ---- Workers that end ------------------------------------------------------------------------------------------------
+
+
+def ending(monkeypatch, number):
+    """The thread that takes the task of this number ends, without a word, as Python 3.11 ends one without memory."""
+    tasks_taken, take = itertools.count(), Future.set_running_or_notify_cancel
+
+    def taken(future):
+        if next(tasks_taken) == number:
+            raise SystemError("error return without exception set")
+        return take(future)
+
+    monkeypatch.setattr(Future, "set_running_or_notify_cancel", taken)
+    for module in (executors, runner):
+        monkeypatch.setattr(module, "LOOK", 0.05)
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 4])
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_thread_that_ends_is_not_waited_for(tmp_path, monkeypatch, number, workers):
+    monkeypatch.setattr(executors, "available_cores", lambda: workers)
+    undisturbed = run(TINY)
+    with monkeypatch.context() as patched:
+        ending(patched, number)
+        with pytest.raises(StudyError, match=r"^a worker has ended before its time; perhaps memory is limited here$"):
+            run(TINY)
+    with monkeypatch.context() as patched:
+        ending(patched, number)
+        with pytest.raises(ValueError, match=r"^a worker has ended before its time; perhaps") as caught:
+            run(TINY, store=tmp_path)
+    if number > workers:
+        kept = len(open_stored(tmp_path).finished)
+        assert f"\n{kept} of 22 repetitions are finished and kept; running" in str(caught.value)
+    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
+
+
+def test_a_process_that_ends_is_said(tmp_path):
+    for folder, kind in ((None, StudyError), (tmp_path, StoreError)):
+        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+            os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
+            with pytest.raises(kind, match=r"^a worker has ended before its time; perhaps"):
+                run(TINY, executor=pool, store=folder)
 
 
 # ---- Progress -------------------------------------------------------------------------------------------------------

@@ -31,8 +31,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 LEAST_MEMORY = 1_000_000_000
 """Bytes of address space that a command begins with, where it is limited.
 
-Libraries and threads take about 500 million; with 440 to 550 million a thread of Python 3.11.2 may end without a word,
-and what it was to compute is waited for."""
+Libraries and threads take about 500 million. With 440 to 550 million a thread of Python 3.11 that finds none for a call
+ends, which is noticed, or neither begins nor ends, which cannot be told from work; and libraries abort."""
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 """What the parser raises of options: click's UsageError, of the copy of click that typer brings or imports."""

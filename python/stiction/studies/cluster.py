@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from typing import Any
@@ -36,6 +37,8 @@ def connected(address: str) -> Iterator[Executor]:
             f"no Dask scheduler answers at {shortened(address)}: {printable(str(error).splitlines()[0], LONGEST_NAME)}"
         ) from None
     with client, _failures(distributed):
+        if not client.nthreads():
+            warnings.warn(f"the scheduler at {shortened(address)} has no workers yet; waiting for them", stacklevel=3)
         yield client.get_executor()
 
 

@@ -7,13 +7,25 @@ import contextlib
 import itertools
 import os
 import sys
+import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from typing import TypeVar
+
+from stiction.studies.text import StudyError
 
 MOST_AHEAD = 16
 """Tasks of `in_order` that wait on an executor at a time, because their arguments may be whole profiles."""
+
+ENDED = "a worker has ended before its time"
+BROKEN = f"{ENDED}; perhaps memory is limited here"
+
+MOST_THREADS = 1000
+"""As many as tasks of a run wait at a time."""
+
+LOOK = 1.0
+"""Seconds after which whoever waits for a task looks whether the threads are still there."""
 
 _Argument = TypeVar("_Argument")
 _Result = TypeVar("_Result")
@@ -34,7 +46,7 @@ def in_order(
         waiting = collections.deque(pool.submit(function, each) for each in itertools.islice(rest, MOST_AHEAD))
         try:
             while waiting:
-                result = waiting.popleft().result()
+                result = result_of(waiting.popleft(), pool)
                 waiting.extend(pool.submit(function, each) for each in itertools.islice(rest, 1))
                 advance()
                 yield result
@@ -45,22 +57,69 @@ def in_order(
 
 @contextlib.contextmanager
 def given_or_threads(given: Executor | None) -> Iterator[Executor]:
-    """Enter an executor that the caller shuts down, or where there is none, one with a thread for each core."""
-    if given is not None:
-        yield given
-    else:
-        with threads() as own:
-            yield own
+    """Enter an executor that the caller shuts down, or where there is none, one with a thread for each core.
+
+    Of a worker that ends meanwhile, a thread or a process, a `StudyError` tells.
+    """
+    try:
+        if given is not None:
+            yield given
+        else:
+            with threads() as own:
+                yield own
+    except BrokenExecutor:
+        raise StudyError(BROKEN) from None
 
 
 def threads(workers: int | None = None) -> Executor:
-    """Make an executor with this many threads, by default one for each core.
+    """Make an executor with this many threads, at most 1000, by default one for each core.
 
-    That no thread can be started is found out before anything is begun, and is a `RuntimeError`.
+    That a thread cannot be started is found out before anything is begun, and is a `RuntimeError`.
     """
-    pool = ThreadPoolExecutor(workers or available_cores())
-    pool.submit(int).result()
-    return pool
+    return _Threads(min(workers or available_cores(), MOST_THREADS))
+
+
+class _Threads(ThreadPoolExecutor):
+    """Threads that all begin at once, so that one that is missing later has ended."""
+
+    _numbers = itertools.count()
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.name = f"stiction-{next(self._numbers)}_"
+        super().__init__(count, thread_name_prefix=self.name)
+        begin = threading.Event()
+        try:
+            begun = [self.submit(begin.wait) for _ in range(count)]  # none is free for the next one before all are
+        finally:
+            begin.set()
+        for each in begun:
+            result_of(each, self)
+
+    def check(self) -> None:
+        """Raise a `BrokenExecutor` if a thread has ended."""
+        if sum(each.name.startswith(self.name) for each in threading.enumerate()) < self.count:
+            raise BrokenExecutor(ENDED)
+
+
+def check_workers(pool: Executor) -> None:
+    """Raise a `BrokenExecutor` if a thread of `threads` has ended: its task never will. Others notice that themselves.
+
+    Python 3.11 ends a thread without a word that finds no memory for a call.
+    """
+    if isinstance(pool, _Threads):
+        pool.check()
+
+
+def result_of(future: Future[_Result], pool: Executor) -> _Result:
+    """What a task of an executor returns; a `BrokenExecutor` if a worker has ended, as `check_workers` says."""
+    while True:
+        try:
+            return future.result(LOOK)
+        except TimeoutError:
+            if future.done():  # just now, or by an error of this kind
+                return future.result()
+            check_workers(pool)
 
 
 def available_cores() -> int:

@@ -20,7 +20,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import ONSET, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.executors import threads
+from stiction.studies.executors import result_of, threads
 from stiction.studies.store import Stored, pieces
 from stiction.studies.study import Study, step_of, study_of
 
@@ -227,7 +227,8 @@ def ensemble_map(
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
                     at[cell].add(*asked.curves(cell, *sums, slice(first, first + at_a_time)))
 
-            list(pool.map(add, at, both))
+            for done in [pool.submit(add, *each) for each in zip(at, both, strict=True)]:
+                result_of(done, pool)
     return asked.dataset_of(at, averages, others)
 
 

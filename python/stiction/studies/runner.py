@@ -8,7 +8,7 @@ import math
 import queue
 import shutil
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Executor, Future, wait
+from concurrent.futures import BrokenExecutor, Executor, Future, wait
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import half_written
 from stiction._text import bytes_text, duration_text, named
-from stiction.studies.executors import given_or_threads, progress_bar
+from stiction.studies.executors import BROKEN, LOOK, check_workers, given_or_threads, progress_bar, result_of
 from stiction.studies.members import about
 from stiction.studies.pressed import cost_of_member
 from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of
@@ -181,7 +181,7 @@ def _compute(
     with contextlib.ExitStack() as stack:
         stack.callback(wait, waiting, PATIENCE)  # after the token is gone, and workers write what they have
         folder = stack.enter_context(_token(stored.path))
-        is_seen = pool.submit(folder.is_seen).result()
+        is_seen = result_of(pool.submit(folder.is_seen), pool)
         most = MOST_SUBMITTED
         if not is_seen:
             most = max(32, min(most, MOST_WAITING // (missing.block * bytes_of_member(stored.study))))
@@ -216,16 +216,17 @@ def _token(path: Path) -> Iterator[Folder]:
 
 @contextlib.contextmanager
 def _kept(path: Path, study: Study) -> Iterator[None]:
-    """Say in a StoreError how many members are finished."""
+    """Say in a StoreError how many members are finished, also where a worker has ended."""
     try:
         yield
-    except StoreError as error:
+    except (StoreError, BrokenExecutor) as error:
         try:
             kept = Stored(path, study, open_stored(path).blocks).finished.size
         except StoreError:
             raise error from None
+        said = BROKEN if isinstance(error, BrokenExecutor) else error
         raise StoreError(
-            f"{error}\n{kept} of {study.ensemble.repetitions} repetitions are finished and kept; running the study on "
+            f"{said}\n{kept} of {study.ensemble.repetitions} repetitions are finished and kept; running the study on "
             "it again continues from there"
         ) from None
 
@@ -337,7 +338,11 @@ def _results(
                 submit(members)
             if not waiting:
                 return
-            future = done.get()
+            try:
+                future = done.get(timeout=LOOK)
+            except queue.Empty:
+                check_workers(pool)
+                continue
             members = waiting.pop(future)
             count, result = future.result()
             if count < len(members):
