@@ -62,6 +62,7 @@ TEXTS = {
     "semicolon": "x (um);z (um)\n0;0.5\n0.1;-.25\n0.2;1.\n0.3;0.125\n0.4;2\n",
     "decimal comma": "x (mm);z (µm)\r\n0,0000;0,5\r\n0,0001;-0,25\r\n0,0002;1\r\n0,0003;0,125\r\n0,0004;2,0\r\n",
     "decimal comma and tab": "x/um\tz/um\n0,0\t0,5\n0,1\t-0,25\n0,2\t1\n0,3\t0,125\n0,4\t2,0\n",
+    "bar": "x (um)|z (um)\n0|0,5\n0,1|-0,25\n0,2|1\n0,3|0,125\n0,4|2\n",
     "tab": "Lateral um\tHeight nm\n0\t500\n0.1\t-250\n0.2\t1000\n0.3\t125\n0.4\t2000\n",
     "spaces": "# x (um)   z (um)\n  0.0   0.5\n  0.1  -0.25\n  0.2   1.0\n  0.3   0.125\n  0.4   2.0",
     "units in a line of their own": "x,z\num,nm\n0,500\n0.1,-250\n0.2,1000\n0.3,125\n0.4,2000\n",
@@ -322,7 +323,7 @@ def test_a_column_has_the_digits_with_which_it_is_printed(file):
     assert "is not uniform" in refusal(file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um")
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize("separator", [",", ";", "|", "\t"])
 def test_the_column_in_which_pandas_numbers_the_rows_is_left_out(file, separator):
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
@@ -554,7 +555,7 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
     assert "holds 9 points; at most 8" in refusal(tmp_path / "b.npy")
 
 
-@pytest.mark.parametrize("separator", [",", ", ", ";", "\t", " "])
+@pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
 def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_apart(file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MOST_LINES", 20)
     monkeypatch.setattr(text_files, "MOST_CELLS", 10)

@@ -100,8 +100,8 @@ class Dialect:
 
 
 _DIALECTS = [
-    Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect(",", "."),
-    Dialect(None, "."), Dialect(None, ","),
+    Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect("|", "."), Dialect("|", ","),
+    Dialect(",", "."), Dialect(None, "."), Dialect(None, ","),
 ]  # fmt: skip
 
 
@@ -129,7 +129,7 @@ def read_lines(lines: list[str]) -> Table:
 
 def _most_cells(line: str) -> int:
     """Not more than it has in any dialect."""
-    return 1 + max(line.count(";"), sum(line.count(character) for character in "\t ,"))
+    return 1 + max(line.count(";"), line.count("|"), sum(line.count(character) for character in "\t ,"))
 
 
 def _decoded(data: bytes) -> str:
@@ -194,7 +194,7 @@ def _dialect(lines: list[str]) -> Dialect:
 
 def _beginning(line: str) -> str:
     """A line that can be looked at several times: of a long one the first cells."""
-    return line if len(line) <= _SAMPLE_WIDTH else re.sub(r"[^\t;, ]*$", "", line[:_SAMPLE_WIDTH]).rstrip("\t;, ")
+    return line if len(line) <= _SAMPLE_WIDTH else re.sub(r"[^\t;|, ]*$", "", line[:_SAMPLE_WIDTH]).rstrip("\t;|, ")
 
 
 def _refuse_thousands(lines: list[str], dialect: Dialect) -> None:
