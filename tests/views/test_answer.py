@@ -111,6 +111,19 @@ def test_a_scan_that_is_much_coarser_than_the_other_is_said():
         assert said.verdict == ("Quote with care" if words else "Quote it")
 
 
+def test_pieces_that_are_much_smaller_than_the_scan_are_said():
+    made = measured_study()
+    made.surfaces.press = "surrogates"
+    for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
+        at = measured().assign_attrs(shape=[shape, shape], spacing_um=[0.1, 0.1])
+        for side in ("upper", "lower"):
+            at = at.assign_attrs({f"{side}_spacing_um": [0.1], f"{side}_extent_um": [100.0]})
+        said = one(at, made)
+        assert said.verdict == verdict
+        words = "pieces of 30 µm are pressed, without the longer waves that were scanned on 100 µm"
+        assert (words in said.judgement) == (shape == 300)
+
+
 def test_few_contacts_that_have_merged_are_many():
     assert one(measured(contact_count=9.0, contact_area_fraction=0.4), measured_study()).verdict == "Quote it"
 

@@ -33,7 +33,7 @@ MERGED = 0.3
 """True over nominal area from which on contacts are few because they have merged."""
 
 HALF = 0.5
-"""Fraction of the load, or of the members, that decides."""
+"""Fraction of the load, of the members or of the length of a scan that decides."""
 
 SMALL_PART = 0.1
 """Fraction of the load on merging asperities from which on their answer is doubted."""
@@ -90,7 +90,7 @@ def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str)
     yield from _of_the_mean(point, value)
     yield from _of_the_bodies(point, study)
     yield from _of_the_hardness(point, study)
-    yield from _of_the_scans(point)
+    yield from _of_the_scans(point, study)
     yield from _of_the_contacts(point, study)
     yield from _of_the_model(point)
 
@@ -157,7 +157,7 @@ def _of_the_hardness(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         yield Doubt(text, "give the hardness that was measured", "caution")
 
 
-def _of_the_scans(point: xarray.Dataset) -> Iterator[Doubt]:
+def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     sides = ("upper", "lower")
     if not all(f"{side}_spacing_um" in point.attrs for side in sides):
         return
@@ -167,6 +167,12 @@ def _of_the_scans(point: xarray.Dataset) -> Iterator[Doubt]:
         ratio = max(steps) / min(steps)
         text = f"the {coarser} scan is {ratio:.2g} times coarser than the {finer}, so its fine waves are missing"
         yield Doubt(text, "scan both alike", "caution")
+    if getattr(study.surfaces, "press", "") == "surrogates":
+        piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
+        whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
+        if piece < HALF * whole:
+            text = f"pieces of {with_unit(piece, 'um')} are pressed, without the longer waves that were scanned"
+            yield Doubt(f"{text} on {with_unit(whole, 'um')}", "lines, without --lay isotropic, have them", "caution")
 
 
 def _of_the_contacts(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
