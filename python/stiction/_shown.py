@@ -9,12 +9,14 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 DPI = 110
 """Of pictures in a notebook."""
@@ -24,6 +26,9 @@ SIZE = (4.6, 3.2)
 
 SMALL = 4.0
 """Inches."""
+
+COMPRESSION = 4
+"""Of PNG: half of the time of 6, the usual, for a tenth more bytes of maps and hardly any of curves."""
 
 _PREFIXES = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """Of each unit the next smaller one, which serves below a tenth."""
@@ -162,8 +167,25 @@ def picture_of(figure: Any, seen: str = "picture") -> str:
 def png_of(figure: Any) -> bytes:
     """A figure of matplotlib as PNG; those that are as small as a column of print by more points."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI if figure.get_size_inches()[0] > SMALL else 1.5 * DPI)
+    write_png(figure, buffer, dpi=DPI if figure.get_size_inches()[0] > SMALL else 1.5 * DPI)
     return buffer.getvalue()
+
+
+def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: dict[str, str] | None = None) -> None:
+    """Write a figure of matplotlib as PNG, of so many points an inch.
+
+    It is drawn once, where `Figure.savefig` draws one that lays itself out twice.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    before = figure.canvas, figure.dpi
+    try:
+        figure.dpi = dpi
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.print_png(file, metadata=metadata, pil_kwargs={"compress_level": COMPRESSION})
+    finally:
+        figure.dpi = before[1]
+        figure.set_canvas(before[0])
 
 
 def axes_for(ax: Axes | None) -> Axes:

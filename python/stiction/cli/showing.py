@@ -65,14 +65,17 @@ def show_result(
 
 def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str], None]) -> None:
     """Write the page, the table and the figures of a measured pair into its folder, and say so in two lines."""
+    from stiction.views.figures import drawn
+    from stiction.views.figures.standard import picture_of
     from stiction.views.files import write_table
     from stiction.views.report import save_report
 
     write_table(stored, stored.path / "result.csv", beside=beside)
-    drawings: list[str] = []
-    draw_result(stored, stored.path, drawings.append)
+    picture = picture_of(stored)
+    announce("drawing")
+    drawings = drawn(stored, stored.path, picture=picture)
     page = stored.path / "report.html"
-    save_report([stored], page, names=[stored.path.resolve().name])
+    save_report([stored], page, names=[stored.path.resolve().name], picture=picture)
     said(f"wrote {page}: everything, to look at and to share")
     said(f"wrote {stored.path / 'result.csv'} and {len(drawings)} figures")
 

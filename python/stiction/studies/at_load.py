@@ -215,18 +215,20 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
 
     order = OverMembers.of(study, members)
     several = members.sizes["direction"] > 1
-    dims = [dim for dim in members["friction_coefficient"].dims if dim != "repetition"]
+    there = members.variables
+    dims = [str(dim) for dim in there["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
-    for name, values in members.data_vars.items():
+    for name in members.data_vars:
+        values = there[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
             found = order.mean(values.transpose("repetition", *own).values)
             if "share" in str(name) or "fraction" in str(name):
                 found = np.where(found > 1, np.maximum(1.0, found[..., :1]), found) if name not in _NOT_ONE else found
             variables[str(name)] = ((*own, "statistic"), found, values.attrs)
-    coefficient = members["friction_coefficient"].transpose("repetition", *dims).values
+    coefficient = there["friction_coefficient"].transpose("repetition", *dims).values
     at = dims.index("direction") + 1
-    status = members["status"].transpose("repetition", *dims).values
+    status = there["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     words = attributes_of("friction_coefficient")
     rest = [dim for dim in dims if dim != "direction"]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, VALIDITY, attributes_of
+from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.crossing import Crossing
 from stiction.studies.maps import MOTIONS, cells_of, head_of, material_of
@@ -95,12 +95,13 @@ def piece_at(
 
     cells, step = cells_of(piece), step_of(piece)
     lead = (*cells, "repetition")
-    elastic = _over(piece["normal_elastic"], (*lead, step))
+    there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
+    elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
     off = _Off.of(curve, loads, ratio=ratio)
     motions = [name for name in MOTIONS if name in piece.dims]
     sums = {
-        name: _over(piece[name], (*lead, "sliding", "direction", step), missing=True) for name in SIX
+        name: _over(there[name], (*lead, "sliding", "direction", step), missing=True) for name in SIX
     }  # fmt: skip
     six = {name: off.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
@@ -126,16 +127,16 @@ def piece_at(
             opposing = both[0] / both[1]  # of the sum of F |t·s|, which is the load but for squares of slopes
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
     for name in (*_OF_STEPS, *ONSET, *STATISTICS, "load_share_at_hardness", "area_share_at_hardness", *_VALIDITY_LOADS):
-        if name in piece and step in piece[name].dims:
-            there = off.at(_over(piece[name], (*lead, step)), sums=name in _PROPORTIONAL)
-            variables[name] = ((*lead, "load"), there, piece[name].attrs)
+        if name in there and step in there[name].dims:
+            read = off.at(_over(there[name], (*lead, step)), sums=name in _PROPORTIONAL)
+            variables[name] = ((*lead, "load"), read, there[name].attrs)
     for name in DISTRIBUTIONS:
-        if name in piece:
-            there = off.at(_over(piece[name], (*lead, "fraction_below", step)), sums=False)
-            variables[name] = ((*lead, "fraction_below", "load"), there, piece[name].attrs)
+        if name in there:
+            read = off.at(_over(there[name], (*lead, "fraction_below", step)), sums=False)
+            variables[name] = ((*lead, "fraction_below", "load"), read, there[name].attrs)
     for name in ("rms_gradient", "rms_slope"):
-        if name in piece:
-            variables[name] = piece[name].variable
+        if name in there:
+            variables[name] = there[name]
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
@@ -147,7 +148,7 @@ def piece_at(
         "mu0": ("mu0", mu0, attributes_of("mu0")),
         "tau0": ("tau0", tau0, attributes_of("tau0")),
     }
-    return _with_derived(xarray.Dataset(variables, coordinates, piece.attrs))
+    return xarray.Dataset(_with_derived(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
 
 
 _OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "approach")
@@ -166,28 +167,28 @@ def _motion_of(piece: xarray.Dataset, name: str) -> tuple[list[Any], dict[str, s
     return [value], attributes_of(name)
 
 
-def _with_derived(members: xarray.Dataset) -> xarray.Dataset:
-    """With the fractions that follow from the sums."""
-    if "nominal_area" in members.coords:
-        members["contact_area_fraction"] = members["contact_area"] / members["nominal_area"]
+def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
+    """With the fractions that follow from the sums, in place of what only they are made of."""
+    dims, elastic = variables["normal_elastic"][:2]
+    found: dict[str, Any] = {}
+    if nominal_area is not None:
+        found["contact_area_fraction"] = variables["contact_area"][1] / float(nominal_area)
     with np.errstate(divide="ignore", invalid="ignore"):
-        members["mean_pressure"] = members["normal_elastic"] / members["contact_area"]
+        found["mean_pressure"] = elastic / variables["contact_area"][1]
         for name, load in (
             ("share_beyond_hertz", "load_beyond_hertz"), ("share_below_grid", "load_below_grid"),
             ("relative_overlap", "overlap_load"), ("share_overlapping", "load_overlapping"),
         ):  # fmt: skip
-            if load in members:
-                members[name] = members[load] / members["normal_elastic"]
-        if "crossed_count" in members:
-            crossed = members["crossed_count"]
-            members["share_crossed"] = crossed / (crossed + members["contact_count"])
-    for name in ("contact_area_fraction", "mean_pressure", *VALIDITY, "share_overlapping"):
-        if name in members:
-            members[name].attrs = attributes_of(name)
-    return members.drop_vars([name for name in (*_VALIDITY_LOADS, "normal_elastic") if name in members])
+            if load in variables:
+                found[name] = variables[load][1] / elastic
+        if "crossed_count" in variables:
+            crossed = variables["crossed_count"][1]
+            found["share_crossed"] = crossed / (crossed + variables["contact_count"][1])
+    kept = {name: each for name, each in variables.items() if name not in (*_VALIDITY_LOADS, "normal_elastic")}
+    return kept | {name: (dims, values, attributes_of(name)) for name, values in found.items()}
 
 
-def _over(array: xarray.DataArray, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
+def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
     """Values over dimensions in this order, as floating-point numbers; those that are missing have one element."""
     own = [dim for dim in dims if dim in array.dims]
     values = array.transpose(*own).values.astype(np.float64)
@@ -274,7 +275,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     step = step_of(piece)
     if "status" in piece:
         # Why a member has no answer is said at the step that is nearest above.
-        codes = _over(piece["status"], (*cells_of(piece), "repetition", step)).astype(int)
+        codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
         place = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
         why = np.array(STATUSES)[codes[..., place]][..., None, None, :, None, None]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import io
+import threading
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -63,6 +64,10 @@ MOST_BESIDE = 2**26
 """Bytes of a file that lies beside a result."""
 
 
+WORDS = ("units", "long_name")
+"""Attributes of a variable of such a file."""
+
+
 class DamageError(Exception):
     """Why a file is not the result that its study says."""
 
@@ -84,12 +89,18 @@ class Members:
 
 def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
     """The file of some members, from arrays as `stacked` makes them; equal members give equal bytes."""
-    image = io.BytesIO(_template(study, len(numbers)))
+    with _making:
+        template = _template(study, len(numbers))
+    image = io.BytesIO(template)
     with h5py.File(image, "r+") as file:
         file["repetition"][...] = numbers
         for name, values in arrays.items():
             file[name][...] = values
     return image.getvalue()
+
+
+_making = threading.Lock()
+"""So that threads, whose first blocks end at the same time, make one template and not one each."""
 
 
 @functools.lru_cache(maxsize=4)
@@ -183,6 +194,7 @@ def decoded_beside(
     import xarray
 
     sizes = {name: len(words) for name, words in text.items()}
+    held: dict[str, Any] = {}
     with _opened(content) as file:
         wanted = {**variables, **(optional if all(name in file for name in optional) else {})}
         for name, dims in wanted.items():
@@ -191,17 +203,21 @@ def decoded_beside(
             if found.shape != tuple(map(sizes.get, dims)) or not 0 < 8 * found.size <= MOST_BESIDE:
                 raise DamageError(f"has {name} of another shape: {found.shape}")
             dtype = np.dtype(np.float32 if found.dtype == np.float32 else np.float64)
-            values = _values(file, name, Array(dims, found.shape, dtype, {})).astype(np.float64)
-            if (np.abs(values) > LARGEST).any():
+            values = _values(file, name, Array(dims, found.shape, dtype, {}))
+            if (np.abs(values.astype(np.float64)) > LARGEST).any():
                 raise DamageError(f"has a {name} that cannot be")
+            held[name] = (dims, values, {each: found.attrs[each] for each in WORDS if each in found.attrs})
         for name, words in text.items():
             if not _is_exact(file, name, Array((name,), (len(words),), np.dtype("U1"), {}), np.array(words)):
                 raise DamageError(f"has another {name}")
+            held[name] = ((name,), np.array(words))
         for name in numbers:
             _numbers_of(file, name, unknown=True)  # surrogates are not moved over each other
-        # Neither units nor scales are taken from the file.
-        whole = xarray.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_cf=False)
-        return whole[[name for name in wanted if name not in whole.dims]]
+        said = {name: np.asarray(value) for name, value in file.attrs.items() if not name.startswith("_")}
+    # No scales are taken from the file.
+    attributes = {name: each.item() if each.size == 1 else each for name, each in said.items()}
+    coordinates = {name: each for name, each in held.items() if name in sizes}
+    return xarray.Dataset({name: held[name] for name in wanted if name not in sizes}, coordinates, attributes)
 
 
 @contextmanager

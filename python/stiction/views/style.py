@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
+from stiction._shown import write_png
 from stiction.mechanics.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -206,13 +207,16 @@ def save_picture(figure: Figure, path: Path) -> None:
     if suffix not in _MADE_BY:
         raise ValueError(f"{path}: cannot be written: its name must end in .png, .pdf or .svg")
     maker = f"stiction {__version__}"
-    metadata = {
+    metadata: dict[str, dict[str, Any]] = {
         ".png": {"Software": maker},
         ".pdf": {"Creator": maker, "CreationDate": None},
         ".svg": {"Title": maker, "Date": None},
-    }[suffix]
+    }
     mark = _MADE_BY[suffix]
     if suffix == ".pdf" and path.is_file() and b"(stiction " not in path.read_bytes():
         mark = b"\0 a PDF of somebody else"  # what it is of stands at the end of a PDF
     with mpl.rc_context(STYLE), replaced_file(path, mark, ValueError) as partial:
-        figure.savefig(partial, format=suffix[1:], metadata=metadata)
+        if suffix == ".png":
+            write_png(figure, partial, dpi=figure.dpi, metadata=metadata[suffix])
+        else:
+            figure.savefig(partial, format=suffix[1:], metadata=metadata[suffix])
