@@ -6,8 +6,9 @@ import itertools
 import math
 import weakref
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
@@ -27,6 +28,9 @@ STENCIL_SUM = 0.04
 
 IN_CACHE = 2**17
 """Complex numbers that are transformed at a time on areas: half of that to twice as many measure fastest."""
+
+OF_A_THREAD = 4 * IN_CACHE
+"""Complex numbers of which there are so many for each thread: to begin one takes as long as a part of them."""
 
 MOST_KEPT = 2**20
 """Points of a grid whose kernels are kept when nobody uses them: 35 MB; a quarter of a free load takes to make them."""
@@ -189,26 +193,31 @@ def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ..
     def back(part: slice) -> None:
         result[part] = scipy.fft.irfft(waves[part], padded[1], overwrite_x=True)[:, :columns]
 
-    if filled.size:
-        _in_parts(along_x, filled.size, count)
-    _in_parts(along_y, count, padded[0])
-    result = np.empty(values.shape, values.dtype)
-    _in_parts(back, rows, count)
+    with _threads(count * padded[0]) as each_of:
+        if filled.size:
+            each_of(along_x, _parts(filled.size, count))
+        each_of(along_y, _parts(count, padded[0]))
+        result = np.empty(values.shape, values.dtype)
+        each_of(back, _parts(rows, count))
     return result
 
 
-def _in_parts(work: Callable[[slice], None], count: int, size: int) -> None:
-    """Do some of `count` pieces of so many numbers at a time, on as many threads as `scipy.fft` is told to use."""
+def _parts(count: int, size: int) -> list[slice]:
+    """Some of `count` pieces of so many numbers at a time."""
     parts = -(-count * size // IN_CACHE)
     ends = [count * part // parts for part in range(parts + 1)]
-    slices = [slice(*pair) for pair in itertools.pairwise(ends)]
-    threads = min(scipy.fft.get_workers(), parts)
-    if threads == 1:
-        for each in slices:
-            work(each)
+    return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+
+@contextmanager
+def _threads(size: int) -> Iterator[Callable[[Callable[[slice], None], list[slice]], object]]:
+    """What does some work for every part of so many numbers, on as many threads as `scipy.fft` is told to use."""
+    threads = min(scipy.fft.get_workers(), size // OF_A_THREAD)
+    if threads <= 1:
+        yield lambda work, parts: deque(map(work, parts), maxlen=0)
         return
     with ThreadPoolExecutor(threads) as pool:
-        deque(pool.map(work, slices), maxlen=0)  # which raises what a part did
+        yield lambda work, parts: deque(pool.map(work, parts), maxlen=0)  # which raises what a part did
 
 
 def _filter(factors: Floats, shape: tuple[int, ...], padded: tuple[int, ...]) -> _Filter | _FoldedFilter:
