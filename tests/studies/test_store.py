@@ -690,6 +690,16 @@ def test_a_file_of_something_else_is_no_result(tmp_path, undisturbed):
             store.read(tmp_path / "x.nc")
 
 
+def test_equal_members_give_equal_bytes_whenever_they_are_written(undisturbed):
+    """Files are named by their bytes, in which old versions of h5py put the second."""
+    images = []
+    for _ in range(2):
+        netcdf.write(undisturbed, image := io.BytesIO())
+        images.append(image.getvalue())
+        time.sleep(1.01)
+    assert images[0] == images[1]
+
+
 def test_a_file_is_that_which_xarray_writes(undisturbed):
     """Every dimension, kind, attribute and number, and no more bytes; xarray itself asks Dask for locks."""
     part = undisturbed.isel(repetition=slice(4, 8))

@@ -126,7 +126,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     path = Path(path)
     try:
         text = content(path, MOST_TEXT_BYTES).decode("utf-8-sig", "replace")
-        table = pandas.read_csv(io.StringIO(text), comment="#")
+        table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)  # pandas before 3 rounds numbers
     except OSError as error:
         raise FormatError(f"{named(path)}: cannot be read: {error.strerror}") from None
     except NotReadableError as error:
