@@ -86,6 +86,31 @@ def infinite_number(file, name):
     del name
 
 
+def several_numbers(file, name):
+    file.attrs["load_mN"] = [2.0, 2.0]
+    del name
+
+
+def other_numbers(file, name):
+    file.attrs["lugre_sigma0_mN_per_um"] = np.arange(9.0)
+    del name
+
+
+def bytes_for_a_number(file, name):
+    file.attrs["lugre_sigma0_mN_per_um"] = np.void(b"x")
+    del name
+
+
+def words_of_a_model(file, name):
+    file.attrs["lugre_sigma0_mN_per_um"] = "ten"
+    del name
+
+
+def unknown_number(file, name):
+    file.attrs["load_mN"] = np.nan
+    del name
+
+
 def elsewhere(file, name):
     del file[name]
     file[name] = h5py.ExternalLink("other.nc", name)
@@ -111,6 +136,11 @@ LIES = {
     "without a number": without_number,
     "with words for a number": without_words,
     "with an infinite number": infinite_number,
+    "with several numbers for one": several_numbers,
+    "with other numbers for one": other_numbers,
+    "with bytes for a number": bytes_for_a_number,
+    "with words of a model": words_of_a_model,
+    "with an unknown number": unknown_number,
 }
 
 

@@ -60,6 +60,9 @@ SEAL = b"stiction crc32 "
 """What an exported file ends with, before the checksum of all that precedes, because HDF5 may run for ever in a damaged
 file. HDF5 reads no further than its own end, and what else writes into the file takes the seal off."""
 
+EXEMPT = ("title", "mechanics", "poisson_ratio", "x", "y")
+"""Attributes of files beside a result that need not be one finite number: text, two, or unknown of surrogates."""
+
 MOST_BESIDE = 2**26
 """Bytes of a file that lies beside a result."""
 
@@ -216,6 +219,9 @@ def decoded_beside(
         said = {name: np.asarray(value) for name, value in file.attrs.items() if not name.startswith("_")}
     # No scales are taken from the file.
     attributes = {name: each.item() if each.size == 1 else each for name, each in said.items()}
+    for name, value in attributes.items():
+        if name not in EXEMPT and not (isinstance(value, int | float) and np.isfinite(value)):
+            raise DamageError(f"has a {name} that is no number")
     coordinates = {name: each for name, each in held.items() if name in sizes}
     return xarray.Dataset({name: held[name] for name in wanted if name not in sizes}, coordinates, attributes)
 
