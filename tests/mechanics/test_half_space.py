@@ -828,11 +828,11 @@ def test_ctrl_c_ends_it_within_two_transforms(monkeypatch):
 
     timer = threading.Timer(0.005, ctrl_c)  # while a transform runs
 
-    def counted(kernel, step):
+    def counted(kernel, *arguments):
         begun.append(kernel.shape)
         if len(begun) == 30:
             timer.start()
-        return respond(kernel, step)
+        return respond(kernel, *arguments)
 
     monkeypatch.setattr(Kernel, "response", counted)
     with pytest.raises(KeyboardInterrupt):

@@ -130,9 +130,9 @@ class Kernel:
         """E*|k|/2, GPa/µm."""
         return 0.5 * self.effective_modulus * _wave_numbers(self.shape, self.spacing)
 
-    def displacement(self, pressure: Floats) -> Floats:
+    def displacement(self, pressure: Floats, room: Room | None = None) -> Floats:
         """µm, of a pressure in GPa."""
-        return _filtered(pressure, self.compliance, self.padded)
+        return _filtered(pressure, self.compliance, self.padded, room)
 
     def among(self, points: NDArray[np.integer[Any]]) -> Floats:
         """µm/GPa, (n, n), of a cell's pressure on each other one, of points given by their indices (n, dimensions)."""
@@ -147,16 +147,31 @@ class Kernel:
         whole = scipy.fft.irfftn(self.compliance, self.padded)
         return np.ascontiguousarray(whole[tuple(slice(n) for n in self.shape)])
 
-    def response(self, step: Singles) -> Singles:
+    def response(self, step: Singles, room: Room | None = None) -> Singles:
         """As `displacement`, of a step of pressure, in single precision."""
-        return self._response(step)
+        return self._response(step, room)
 
     def preconditioned(self, residual: Singles) -> Singles:
         """E*|k|/2 times a residual of displacement."""
         return self._near_inverse(residual)
 
 
-def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ...]) -> NDArray[Any]:
+class Room:
+    """Memory for the waves of one transform after the other: what is new the system has to clear."""
+
+    def __init__(self) -> None:
+        self._numbers = np.empty(0, np.complex128)
+
+    def array(self, shape: tuple[int, int], kind: np.dtype[Any]) -> NDArray[Any]:
+        """Of complex numbers, whatever they are, in single or double precision; it is used again for the next one."""
+        if self._numbers.size != (count := math.prod(shape)):
+            self._numbers = np.empty(count, np.complex128)
+        return self._numbers.view(kind)[:count].reshape(shape)
+
+
+def _filtered(
+    values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ...], room: Room | None = None
+) -> NDArray[Any]:
     """Values times factors of their waves, on a grid that zeros fill up.
 
     An area that zeros fill up is taken a few columns, then a few rows at a time, which stay in the cache and are shared
@@ -177,7 +192,7 @@ def _filtered(values: NDArray[Any], factors: NDArray[Any], padded: tuple[int, ..
     filled = np.flatnonzero(values.any(axis=1))
     count = padded[1] // 2 + 1
     # At first the waves along x of filled rows, one after the other; then those of all rows in their place.
-    waves = np.empty((rows, count), np.result_type(values, np.complex64))
+    waves = (room or Room()).array((rows, count), np.result_type(values, np.complex64))
 
     def along_x(part: slice) -> None:
         waves[part] = scipy.fft.rfft(values[filled[part]], padded[1])
@@ -230,8 +245,8 @@ class _Filter:
     def __init__(self, factors: Floats, padded: tuple[int, ...]) -> None:
         self.factors, self.padded = factors.astype(np.float32), padded
 
-    def __call__(self, values: Singles) -> Singles:
-        return _filtered(values, self.factors, self.padded)
+    def __call__(self, values: Singles, room: Room | None = None) -> Singles:
+        return _filtered(values, self.factors, self.padded, room)
 
 
 class _FoldedFilter:
@@ -251,7 +266,7 @@ class _FoldedFilter:
         self.turn = np.exp(-2j * np.pi / self.points * (first * np.arange(columns))).astype(np.complex64)
         self.turn_back = self.turn.conj()
 
-    def __call__(self, values: Singles) -> Singles:
+    def __call__(self, values: Singles, room: Room | None = None) -> Singles:
         if self.used != self.points:
             values = np.concatenate((values, np.zeros(self.points - self.used, np.float32)))
         waves = scipy.fft.rfft(values.reshape(self.rows, -1), axis=0)

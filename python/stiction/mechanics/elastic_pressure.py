@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats
-from stiction.mechanics.elastic_kernel import MOST_KEPT, Grids, Kernel
+from stiction.mechanics.elastic_kernel import MOST_KEPT, Grids, Kernel, Room
 
 COARSE_TOLERANCE = 3e-3
 """Of the solutions on coarser grids, whose own distance from the finest is larger."""
@@ -202,7 +202,7 @@ class _Descent:
     """A search and the kernel that it asks, begun from pressures on some grid that are brought to a mean (GPa)."""
 
     def __init__(self, kernel: Kernel, gap: Floats, bound: Floats, start: Floats, mean: float) -> None:
-        self.kernel, self.gap = kernel, gap
+        self.kernel, self.gap, self.room = kernel, gap, Room()
         pressure = _resampled(start, gap.shape, periodic=kernel.periodic)
         pressure = np.multiply(pressure, mean / pressure.mean(), out=None if pressure is start else pressure)
         self.search = _core.PressureSearch(pressure.ravel(), total=mean * gap.size, bound=bound, line=gap.ndim == 1)
@@ -214,7 +214,7 @@ class _Descent:
 
     def renew(self) -> None:
         """Computes the potential in double precision."""
-        potential = self.kernel.displacement(self.search.pressure.reshape(self.gap.shape))
+        potential = self.kernel.displacement(self.search.pressure.reshape(self.gap.shape), self.room)
         potential += self.gap
         self.search.restart(potential.ravel())
         self.response = np.empty(0, np.float32)
@@ -227,7 +227,7 @@ class _Descent:
             residual = search.sharpened(self.near, shape[-1])
         elif not search.plain:
             residual = self.kernel.preconditioned(residual.reshape(shape)).ravel()
-        self.response = self.kernel.response(search.step(residual, self.response).reshape(shape)).ravel()
+        self.response = self.kernel.response(search.step(residual, self.response).reshape(shape), self.room).ravel()
         if not search.advance(self.response):
             self.response = np.empty(0, np.float32)
 
