@@ -692,12 +692,11 @@ def test_a_file_of_something_else_is_no_result(tmp_path, undisturbed):
 
 def test_equal_members_give_equal_bytes_whenever_they_are_written(undisturbed):
     """Files are named by their bytes, in which old versions of h5py put the second."""
-    images = []
-    for _ in range(2):
-        netcdf.write(undisturbed, image := io.BytesIO())
-        images.append(image.getvalue())
-        time.sleep(1.01)
-    assert images[0] == images[1]
+    first, second = io.BytesIO(), io.BytesIO()
+    netcdf.write(undisturbed, first)
+    time.sleep(1.01)
+    netcdf.write(undisturbed, second)
+    assert first.getvalue() == second.getvalue()
 
 
 def test_a_file_is_that_which_xarray_writes(undisturbed):

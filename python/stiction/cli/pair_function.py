@@ -10,7 +10,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -136,7 +136,7 @@ def pair(
     True
     """
     from stiction.cli.pair_study import Asked
-    from stiction.studies.executors import threads
+    from stiction.studies.executors import given_or_threads
     from stiction.studies.members import about
     from stiction.views.result import read_result
 
@@ -151,7 +151,7 @@ def pair(
         asked = Asked.asking(options | dict(zip(("upper", "lower"), files, strict=True)), defaults())
         study = asked.studies()[0]
         about(study)  # refuses what cannot be pressed, before anything is computed
-        with threads(None) if executor is None else nullcontext(executor) as workers:
+        with given_or_threads(executor) as workers:
             _fill(study, folder, workers, replace=replace, onset=onset, progress=progress)
     return read_result(folder)
 

@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from stiction.studies.text import StudyError
 
@@ -120,6 +120,12 @@ def result_of(future: Future[_Result], pool: Executor) -> _Result:
             if future.done():  # just now, or by an error of this kind
                 return future.result()
             check_workers(pool)
+
+
+def all_of(pool: Executor, function: Callable[..., _Result], *arguments: Iterable[Any]) -> list[_Result]:
+    """As `pool.map`, but that a worker that ends is noticed, as by `result_of`."""
+    computing = [pool.submit(function, *each) for each in zip(*arguments, strict=True)]
+    return [result_of(future, pool) for future in computing]
 
 
 def available_cores() -> int:

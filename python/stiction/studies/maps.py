@@ -20,7 +20,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import ONSET, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.executors import result_of, threads
+from stiction.studies.executors import all_of, given_or_threads
 from stiction.studies.store import Stored, pieces
 from stiction.studies.study import Study, step_of, study_of
 
@@ -219,7 +219,7 @@ def ensemble_map(
         normal, values = (each[..., 0] for each in asked.curves(cell, averages, others))
         at[cell] = intervals.AtLoads(normal, values, count, load_values)
     at_a_time = asked.members_at_a_time()
-    with threads() as pool:
+    with given_or_threads(None) as pool:
         for piece in solved_pieces(result, asked.names(), change):
             both = [_sums_of(piece, what, asked.step)] * len(at)
 
@@ -227,8 +227,7 @@ def ensemble_map(
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
                     at[cell].add(*asked.curves(cell, *sums, slice(first, first + at_a_time)))
 
-            for done in [pool.submit(add, *each) for each in zip(at, both, strict=True)]:
-                result_of(done, pool)
+            all_of(pool, add, at, both)
     return asked.dataset_of(at, averages, others)
 
 

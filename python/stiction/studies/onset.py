@@ -13,7 +13,7 @@ import numpy as np
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 from stiction.studies.at_load import OverMembers
 from stiction.studies.beside import read_beside
-from stiction.studies.executors import result_of
+from stiction.studies.executors import all_of
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
@@ -86,8 +86,7 @@ def onset_of_result(
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
     of_member = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
-    computing = [executor.submit(of_member, index) for index in indices]
-    found = [each for each in (result_of(future, executor) for future in computing) if each]
+    found = [each for each in all_of(executor, of_member, indices) if each]
     if not found:
         return None
     onset = _over_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
