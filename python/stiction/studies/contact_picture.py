@@ -9,12 +9,12 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
-from stiction.studies.beside import read_beside
 from stiction.studies.contact_statistics import Table
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
+from stiction.studies.store import read_beside
 from stiction.studies.tables import MeasuredFriction
 from stiction.surfaces.surface import Surface
 
@@ -91,12 +91,8 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
 
 def picture_beside(result: Stored) -> xarray.Dataset | None:
     """The picture that lies beside a stored result, if there is one; a `StoreError` if it is damaged."""
-    variables: dict[str, tuple[str, ...]] = dict.fromkeys(_OF_CONTACTS, ("contact",))
-    variables |= dict.fromkeys(("upper_height", "lower_height"), ("height_y", "height_x"))
-    if result.study.contact.mechanics == "half-space":
-        variables |= dict.fromkeys(("zoom_pressure", "zoom_height"), ("zoom_y", "zoom_x"))
-    variables |= {dim: (dim,) for dims in set(variables.values()) for dim in dims if dim != "contact"}
-    return read_beside(result.path / FILE, variables, ("member", "load_mN", "x", "y"))
+    zoom = ("zoom_pressure", "zoom_height") if result.study.contact.mechanics == "half-space" else ()
+    return read_beside(result.path / FILE, (*_OF_CONTACTS, "upper_height", "lower_height", *zoom))
 
 
 def typical(area: Floats) -> int:

@@ -12,12 +12,12 @@ import numpy as np
 
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 from stiction.studies.at_load import OverMembers
-from stiction.studies.beside import read_beside
 from stiction.studies.executors import all_of
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
-from stiction.studies.slip_map import dims_of_map, slip_map
+from stiction.studies.slip_map import slip_map
+from stiction.studies.store import read_beside
 from stiction.studies.study import Study
 from stiction.studies.tables import MeasuredFriction
 
@@ -56,8 +56,6 @@ _NUMBERS = {
 }
 
 _STATISTICS = ["mean", "lower", "upper"]
-
-_ATTRIBUTES = ("load_mN", "mu0", "tau0_GPa", "members", "poisson_ratio", "poisson_given")
 
 
 def onset_of_result(
@@ -172,12 +170,7 @@ def onset_beside(result: Stored) -> xarray.Dataset | None:
     friction = result.study.friction
     if not isinstance(friction, MeasuredFriction):
         return None
-    variables: dict[str, tuple[str, ...]] = {"fraction": ("fraction",)}
-    variables |= dict.fromkeys(_NUMBERS, ("statistic",)) | dict.fromkeys(_CURVES, ("fraction", "statistic"))
-    of_map = dims_of_map(result.study.contact.mechanics)
-    onset = read_beside(
-        Path(result.path) / FILE, variables, _ATTRIBUTES, text={"statistic": _STATISTICS}, optional=of_map
-    )
+    onset = read_beside(Path(result.path) / FILE, ("fraction", "statistic", *_NUMBERS, *_CURVES))
     if onset is None or onset["fraction"].values.tolist() != list(FRACTIONS):
         return None
     of = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]

@@ -55,15 +55,6 @@ def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
     }
 
 
-def dims_of_map(mechanics: str) -> dict[str, tuple[str, ...]]:
-    """Dimensions of what `slip_map` gives of areas, by name."""
-    of_map = ("slip_y", "slip_x")
-    names = {"slip_y": of_map[:1], "slip_x": of_map[1:], "lower_height": of_map}
-    if mechanics == "half-space":
-        return names | {"slip": of_map}
-    return names | dict.fromkeys(("contact_slip", "contact_x", "contact_y", "contact_area"), ("contact",))
-
-
 def _first_of_blocks(values: Floats, step: int) -> Floats:
     """The least number of each block of some rows and columns; NaN where there is none."""
     rows, columns = (-(-size // step) * step for size in values.shape)

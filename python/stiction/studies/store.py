@@ -45,6 +45,9 @@ MARK = "# Written by stiction"
 MOST_MEMORY = 2**31
 """Bytes of a result that is read into memory at once."""
 
+MOST_BESIDE = 2**26
+"""Bytes of a file that lies beside a result."""
+
 _NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 
 _ATTEMPTS = 3
@@ -105,6 +108,11 @@ class Stored:
                 covered = last
         return used
 
+    @property
+    def count(self) -> int:
+        """Number of members that are there."""
+        return sum(last - first for _, first, last in self._used)
+
     @cached_property
     def finished(self) -> NDArray[np.intp]:
         """The members that are there, in order."""
@@ -113,7 +121,7 @@ class Stored:
     @cached_property
     def version(self) -> str:
         """Of the stiction that began the result; of this one, if nothing is finished yet."""
-        return self.begun().version if self.blocks else __version__
+        return self.begun.version if self.blocks else __version__
 
     @cached_property
     def size(self) -> int:
@@ -123,8 +131,9 @@ class Stored:
     @property
     def nbytes(self) -> int:
         """Bytes of the result in memory."""
-        return int(self.finished.size) * bytes_of_member(self.study)
+        return self.count * bytes_of_member(self.study)
 
+    @cached_property
     def begun(self) -> Members:
         """The members of the first block, of whatever study they are."""
         return self._read(self._used[0][0] if self._used else self.blocks[0])
@@ -136,7 +145,7 @@ class Stored:
         another study's.
         """
         total = self.study.ensemble.repetitions
-        if not self.finished.size:
+        if not self.count:
             raise StoreError(f"{named(self.path)}: none of its {total} repetitions is finished yet")
         if self.nbytes > MOST_MEMORY:
             raise StoreError(
@@ -144,11 +153,11 @@ class Stored:
                 f"{MOST_MEMORY / 2**30:.0f}; stiction.studies.store.pieces reads it piece by piece, and "
                 f"xarray.open_mfdataset opens {named(self.path / BLOCKS)}"
             )
-        return self._piece.copy(deep=True) if self._step >= self.finished.size else self._some(0, self.finished.size)
+        return self._piece.copy(deep=True) if self._step >= self.count else self._some(0, self.count)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Read the result piece by piece, in order, so that one piece is in memory at a time; see `pieces`."""
-        wanted, count = None if names is None else list(names), self.finished.size
+        wanted, count = None if names is None else list(names), self.count
         for first in range(0, count, self._step):
             piece = self._piece if self._step >= count else self._some(first, min(first + self._step, count))
             yield piece.copy() if wanted is None else piece[wanted]
@@ -161,14 +170,14 @@ class Stored:
     @cached_property
     def _piece(self) -> xarray.Dataset:
         """The whole result, whose numbers must not be changed: every table and figure reads it again."""
-        whole = self._some(0, self.finished.size)
+        whole = self._some(0, self.count)
         for variable in whole.data_vars.values():
             variable.values.flags.writeable = False
         return whole
 
     def _some(self, first: int, last: int) -> xarray.Dataset:
         """The finished members from one to before another, counted among the finished ones."""
-        numbers = self.finished[first:last]
+        version, numbers = self.version, self.finished[first:last]  # of a block that holds what it says
         axis = len(self.study.surfaces.cells())
         arrays: Arrays = {
             name: np.empty(each.shape, each.dtype) for name, each in variables_of(self.study, numbers).items()
@@ -181,7 +190,7 @@ class Stored:
             end = begin + other - one
             if first < end and begin < last:
                 low, high = max(first, begin) - begin + one, min(last, end) - begin + one
-                members = self._read(block)
+                members = self.begun if block is self._used[0][0] else self._read(block)
                 if differ := computed_otherwise(members.study, self.study):
                     raise _damaged(self.path, block, f"is of another study than {STUDY}: {listed(differ[:1])}")
                 of_bodies = of_bodies or members.about
@@ -191,10 +200,10 @@ class Stored:
                     values[(*lead, slice(done, done + high - low))] = members.arrays[name][(*lead, there)]
                 done += high - low
             begin = end
-        return dataset_of(self.study, numbers, arrays, of_bodies).assign_attrs(stiction_version=self.version)
+        return dataset_of(self.study, numbers, arrays, of_bodies).assign_attrs(stiction_version=version)
 
     def _read(self, block: Block) -> Members:
-        """A block, checked."""
+        """A block whose checksum is that of its name: it is ours, and taken as it is."""
         from stiction.studies.netcdf import DamageError, decoded
 
         try:
@@ -247,9 +256,9 @@ def read(path: str | Path) -> xarray.Dataset:
     stored = open_stored(path)
     result = stored.dataset()
     total = stored.study.ensemble.repetitions
-    if stored.finished.size < total:
+    if stored.count < total:
         warnings.warn(
-            f"{named(path)}: {stored.finished.size} of {total} repetitions are finished; the result has only those",
+            f"{named(path)}: {stored.count} of {total} repetitions are finished; the result has only those",
             stacklevel=2,
         )
     return result
@@ -264,6 +273,22 @@ def _exported(path: Path) -> xarray.Dataset:
         raise StoreError(f"{named(path)}: {reason(error) if isinstance(error, OSError) else error}") from None
     result = dataset_of(members.study, members.numbers, members.arrays, members.about)
     return result.assign_attrs(stiction_version=members.version)
+
+
+def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
+    """The small dataset with variables of these names that `export` wrote beside a result, if it is there.
+
+    Raises a `StoreError` if it is damaged.
+    """
+    from stiction.studies.netcdf import DamageError, decoded_beside
+
+    try:
+        return decoded_beside(content(path, MOST_BESIDE, link=False), names)
+    except FileNotFoundError:
+        return None
+    except (OSError, NotReadableError, DamageError) as error:
+        why = reason(error) if isinstance(error, OSError) else error
+        raise StoreError(f"{named(path)}: {why}; to have it made again, remove it and run the study again") from None
 
 
 def open_stored(path: str | Path) -> Stored:
@@ -290,7 +315,7 @@ def info(path: str | Path) -> StoreInfo:
         If there is no result at that path, or it is damaged.
     """
     stored = open_stored(path)
-    return StoreInfo(stored.study, stored.finished.size, stored.size, {"stiction": printable(stored.version)})
+    return StoreInfo(stored.study, stored.count, stored.size, {"stiction": printable(stored.version)})
 
 
 def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
@@ -354,7 +379,7 @@ def begin(path: str | Path, study: Study) -> Stored:
         if not _says(path, study):
             _files.replace(path / STUDY, f"{MARK} {__version__}.\n\n{study.to_toml()}".encode())
     except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link to itself
-        if stored.finished.size < study.ensemble.repetitions:
+        if stored.count < study.ensemble.repetitions:
             why = reason(error) if isinstance(error, OSError) else error
             raise StoreError(f"{named(path)}: cannot be written: {why}") from None
     return stored
@@ -362,7 +387,7 @@ def begin(path: str | Path, study: Study) -> Stored:
 
 def _check(stored: Stored) -> None:
     """That a folder with blocks can be continued as the study says."""
-    path, begun, total = stored.path, stored.begun(), stored.study.ensemble.repetitions
+    path, begun, total = stored.path, stored.begun, stored.study.ensemble.repetitions
     if differ := computed_otherwise(begun.study, stored.study):
         raise _another_study(path, differ)
     last = max(block.last for block in stored.blocks)
@@ -371,7 +396,7 @@ def _check(stored: Stored) -> None:
             f"{named(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would drop it; ask for "
             f"at least {last + 1}, or choose another place"
         )
-    if stored.finished.size == total:
+    if stored.count == total:
         return
     if begun.version != __version__:
         version = printable(begun.version)
