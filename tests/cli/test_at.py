@@ -12,7 +12,7 @@ from stiction import run, self_affine, self_affine_surface, write_profile, write
 from stiction.studies.at_load import at_load
 from stiction.studies.store import open_stored
 from stiction.views.answer import answers
-from stiction.views.digits import two_digits
+from stiction.views.digits import quoted
 from stiction.views.rows import SCHEMA
 
 MATERIAL = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
@@ -77,7 +77,7 @@ def test_at_is_what_the_library_says_at_any_mu0_and_tau0(folder, name):
         assert [rule["value"] for rule in one["rules"]] == pytest.approx([rule.value for rule in other.rules])
     text = said("at", name, *arguments, cwd=folder)
     first = expected[0].rules[0]
-    assert two_digits(first.value, first.lower, first.upper) in text
+    assert quoted(first.value, first.lower, first.upper) in text
     assert expected[0].verdict in text
 
 

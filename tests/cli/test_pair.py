@@ -22,7 +22,7 @@ from stiction.cli.pair_study import Asked
 from stiction.studies import store
 from stiction.studies.at_load import at_load
 from stiction.studies.members import Bodies
-from stiction.views.digits import two_digits
+from stiction.views.digits import quoted
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
 LOAD = ["--load", "20 uN"]
@@ -286,7 +286,7 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     with contextlib.chdir(where):
         by_asperities = asked(where, *command[1:]).first_study()
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
-    assert f"μ_s = {two_digits(*value.sel(sliding='all').values.ravel())} if all contacts rub" in done.stderr
+    assert f"μ_s = {quoted(*value.sel(sliding='all').values.ravel())} if all contacts rub" in done.stderr
     again = stiction_command(*command, cwd=where)
     assert "at first" not in again.stderr, "what is there already has its answer"
 

@@ -23,7 +23,7 @@ def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
     assert (said.value, said.lower, said.upper) == pytest.approx((0.21, 0.1995, 0.2205))
     assert (said.verdict, said.doubts, said.judgement) == ("Quote it", (), "Quote it.")
     for words in (
-        "μ_s = 0.21 [0.20, 0.22] if all contacts rub", "0.11 [0.10, 0.12] if only climbing contacts rub",
+        "μ_s = 0.21 [0.20, 0.22] if all contacts rub", "0.110 [0.104, 0.116] if only climbing contacts rub",
         "10 mN (1 MPa)", "μ0 = 0.2", "τ0 = 50 MPa", "E* = 100 GPa", "hardness 3 GPa", "points 100 nm apart",
         "the mean over 4 directions all round", "over 16 members",
     ):  # fmt: skip
@@ -131,6 +131,25 @@ def test_few_contacts_that_have_merged_are_many():
 @pytest.mark.parametrize("study", [{"hardness": 2.0}, {"mechanics": "asperities", "law": "jackson-green"}], ids=str)
 def test_a_limit_of_the_pressure_takes_the_doubt_about_it_away(study):
     assert one(measured(mean_pressure=20.0), measured_study(**study)).verdict == "Quote it"
+
+
+@pytest.mark.parametrize("kind", ["measured", "generated"])
+def test_rubber_that_does_not_yield_is_not_doubted_by_what_other_materials_do(kind):
+    at, study = (measured(), measured_study()) if kind == "measured" else (generated(), generated_study())
+    at["mean_pressure"] = 0 * at["mean_pressure"] + 2e-4
+    for modulus, doubted in ((0.003, False), (0.2, False)):
+        study.contact.effective_modulus = modulus
+        at = at.assign_coords(effective_modulus=modulus)
+        assert any("pressure" in doubt.text for doubt in answers(at, study)[0].doubts) == doubted
+    at["mean_pressure"] = 0 * at["mean_pressure"] + 0.02
+    assert any("pressure" in doubt.text for doubt in answers(at, study)[0].doubts)
+
+
+def test_soft_bodies_are_compared_with_a_hardness_that_is_known():
+    study = measured_study(mechanics="asperities")
+    study.contact.materials = ("mild steel", "brass")
+    at = measured(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
+    assert any("brass yields" in doubt.text for doubt in answers(at, study)[0].doubts)
 
 
 def test_pressures_of_generated_bodies_are_a_caution_at_most():

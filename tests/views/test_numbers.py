@@ -1,5 +1,7 @@
 """The page's own arithmetic, held to that of the library without a browser."""
 
+import itertools
+
 import numpy as np
 import pytest
 from measured_results import lines_result, maps_result
@@ -20,7 +22,10 @@ from stiction.studies import intervals
 from stiction.studies.at_load import at_load
 from stiction.studies.result import empty_dataset
 from stiction.studies.study import study_of
-from stiction.views.digits import two_digits, with_unit
+from stiction.views.answer import answers
+from stiction.views.digits import percent, quoted, significant, with_unit
+from stiction.views.inputs import doubts_of_study
+from stiction.views.point import rules_of
 from stiction.views.report import report_page
 from stiction.views.report.example import MOST_CONTACTS, WINDOW
 
@@ -197,6 +202,72 @@ def test_what_is_packed_comes_out_again(numbers, result):
         assert np.array(kept) == pytest.approx(expected.ravel(), rel=relative, abs=0)
 
 
+# ---- The verdict -----------------------------------------------------------------------------------------------------
+
+JUDGED = """(d, a, m, loads, mu0, tau0) => loads.map((load) => {
+  const at = readOff(results[m], 'friction', d, a, [load], mu0, tau0)[0];
+  const doubts = doubtsOfEnsemble(facts, at, readOff(results[m], 'area', d, a, [load], mu0, tau0)[0].value);
+  return [verdictOf(facts, doubts), doubts];
+})"""
+
+
+def verdicts_held_to_the_library(data, loads, material, changes=None):
+    """Verdict and doubts of every cell, load and rule of a page are those of the terminal; returns the verdicts."""
+    data = data if changes is None else data.assign_attrs(study=study_of(data).with_changes(changes).to_toml())
+    study, numbers = study_of(data), PageNumbers(report_page(data))
+    assert numbers("() => facts.quotedRule") == rules_of(study)[0]
+    rules = numbers("() => facts.rules")
+    verdicts = set()
+    for (m, rule), (mu0, tau0) in itertools.product(enumerate(rules), material):
+        own = data.sel(sliding=rule) if "sliding" in data.dims else data
+        alone = study.with_changes({"contact.sliding": rule})
+        wanted = {
+            (one.at["fractal_dimension"], one.at["amplitude"], one.at["load"]): one
+            for one in answers(at_load(own, loads, mu0=[mu0], tau0=[tau0]), alone)
+        }
+        for d, a in np.ndindex(data.sizes["fractal_dimension"], data.sizes["amplitude"]):
+            cell = float(data["fractal_dimension"][d]), float(data["amplitude"][a])
+            for load, (verdict, doubts) in zip(loads, numbers(JUDGED, d, a, m, loads, mu0, tau0), strict=True):
+                one = wanted[(*cell, load)]
+                said = [{"text": each.text, "cure": each.cure, "severity": each.severity} for each in one.doubts]
+                assert (verdict, sorted(doubts, key=lambda each: each["severity"] != "fault")) == (one.verdict, said)
+                verdicts.add(verdict)
+    return verdicts
+
+
+def test_the_verdict_of_a_page_of_asperities_is_that_of_the_library(result):
+    loads = np.geomspace(1e-4, 0.3, 9).tolist()
+    for modulus, wanted in (("10 GPa", "Quote with care"), ("50 MPa", "Quote it")):
+        changes = {"contact.effective_modulus": modulus}
+        assert verdicts_held_to_the_library(result, loads, [(0.1, 0.0), (0.4, 0.002)], changes) == {
+            wanted,
+            "Do not quote",
+        }
+
+
+@pytest.mark.parametrize("reached", [0.0, 1.0])
+def test_the_verdict_where_nothing_is_as_it_should_be_is_that_of_the_library(reached):
+    loads = np.geomspace(0.05, 60, 7).tolist()
+    assert "Do not quote" in verdicts_held_to_the_library(invented(reached), loads, [(0.0, 0.0), (1.2, 0.4)])
+
+
+def test_the_verdict_of_a_page_of_half_planes_is_that_of_the_library():
+    data = run(Study.named("quick").with_changes(HALF_PLANES))
+    assert len(verdicts_held_to_the_library(data, [0.02, 0.3, 0.9], [(0.2, 0.0), (0.6, 0.3)])) > 1
+
+
+def test_the_answers_on_a_page_of_measured_bodies_are_those_of_the_library(measured):
+    data, numbers = measured
+    study = study_of(data)
+    asked = [float(load) for load in study.friction.load]
+    wanted = answers(at_load(data, asked), study, beside=doubts_of_study(study))
+    found = numbers("() => facts.answers.map(({verdict, doubts}) => [verdict, doubts])")
+    assert found == [
+        [one.verdict, [{"text": each.text, "cure": each.cure, "severity": each.severity} for each in one.doubts]]
+        for one in wanted
+    ]
+
+
 # ---- Members of measured bodies --------------------------------------------------------------------------------------
 
 
@@ -347,10 +418,13 @@ def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result)
 
 @pytest.mark.parametrize("value", [0.0, 5e-4, 0.1147, 0.99951, 17.251, 1234.0])
 def test_numbers_for_people_are_those_of_the_terminal(numbers, value):
-    assert numbers("(value) => twoDigits(value)", value) == two_digits(value)
-    assert numbers("(value) => twoDigits(value, 0.98 * value, 1.03 * value)", value) == two_digits(
-        value, 0.98 * value, 1.03 * value
-    )
+    assert numbers("(value) => quoted(value)", value) == quoted(value)
+    assert numbers("(value) => percent(value)", value) == percent(value)
+    for low, high in ((0.98, 1.03), (0.9999, 1.0002), (1.0, 1.0), (0.2, 300.0)):
+        ends = (value, low * value, high * value)
+        assert numbers("(...ends) => quoted(...ends)", *ends) == quoted(*ends)
+    for digits in (1, 2, 3):
+        assert numbers("(...at) => significant(...at)", value, digits) == significant(value, digits)
     for unit in ("mN", "GPa", "um"):
         assert numbers("(value, unit) => withUnit(value, unit)", value, unit) == with_unit(value, unit)
 

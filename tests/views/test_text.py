@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from points import generated, generated_study, interval, measured, measured_study
 from stiction.views.answer import Doubt
-from stiction.views.digits import from_to, percent, two_digits, with_interval, with_unit
+from stiction.views.digits import from_to, percent, quoted, significant, with_interval, with_unit
 from stiction.views.text import aligned, axes_text, fitted, overview_text, quantities_text, result_text
 
 
@@ -147,13 +147,17 @@ def test_numbers_have_the_digits_that_their_interval_carries():
     assert with_interval(1.0, 1.0, 1.0) == "1"
 
 
-def test_numbers_to_quote_have_two_digits():
-    assert two_digits(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
-    assert two_digits(0.1147, 0.1136, 0.1158) == "0.11 [0.11, 0.12]"
-    assert two_digits(0.1147, 0.1141, 0.1149) == "0.115 [0.114, 0.115]"
-    assert two_digits(0.0, 0.0, 0.0) == "0.000 [0.000, 0.000]"
-    assert two_digits(np.nan) == "none"
-    assert from_to(0.2093, 0.0413, 0.188) == "0.04 to 0.19"
+def test_numbers_to_quote_have_quoted():
+    assert quoted(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
+    assert quoted(0.1147, 0.1136, 0.1158) == "0.115 [0.114, 0.116]"
+    assert quoted(0.1147, 0.1141, 0.1149) == "0.1147 [0.1141, 0.1149]"
+    assert quoted(0.304, 0.302, 0.306) == "0.304 [0.302, 0.306]"
+    assert quoted(0.2, 0.2 - 1e-6, 0.2 + 1e-6) == "0.2"
+    assert quoted(0.0, 0.0, 0.0) == "0"
+    assert quoted(np.nan) == "none"
+    assert [from_to(0.0413, 0.188), from_to(0.2192, 0.2213)] == ["0.04 to 0.19", "0.219 to 0.221"]
+    assert [significant(each) for each in (128.0, 96.4, 2.04e-5, 0.0)] == ["130", "96", "0.00002", "0"]
+    assert [with_unit(each, "pJ") for each in (0.0204, 102.0, 2040.0)] == ["20.4 fJ", "102 pJ", "2.04 nJ"]
 
 
 @pytest.mark.parametrize(
@@ -170,4 +174,6 @@ def test_a_quantity_is_written_in_the_unit_with_the_fewest_zeros(value, unit, te
 
 
 def test_fractions_are_percent():
-    assert [percent(each) for each in (0.0042, 0.0421, 0.37, np.nan)] == ["0.42 %", "4.21 %", "37 %", "none"]
+    assert [percent(each) for each in (3.4e-7, 0.0042, 0.0421, 0.37, np.nan)] == [
+        "less than 0.001 %", "0.42 %", "4.21 %", "37 %", "none",
+    ]  # fmt: skip

@@ -198,7 +198,7 @@ function say(answer, by, isLast) {
   if (!answer) return;
   for (const {rule, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
     const line = node("p", {className: "value", hidden: isLast}, node("i", {}, "μ"), node("sub", {}, "s"),
-      ` = ${twoDigits(mean, lower ?? NaN, upper ?? NaN)} `, node("small", {className: "hint"}, WORDS[rule]));
+      ` = ${quoted(mean, lower ?? NaN, upper ?? NaN)} `, node("small", {className: "hint"}, WORDS[rule]));
     Object.assign(line.dataset, {rule, value: mean, lower, upper});
     place.append(line);
   }

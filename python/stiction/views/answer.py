@@ -10,17 +10,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.views.digits import percent, two_digits, with_unit
+from stiction.views.digits import percent, quoted, with_unit
+from stiction.views.doubts import VERDICTS, doubts_of
 from stiction.views.doubts import WIDE as WIDE
 from stiction.views.doubts import Doubt as Doubt
-from stiction.views.doubts import doubts_of
 from stiction.views.point import (
     CELLS,
     hardness_range,
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.study import Study
-
-Verdict = Literal["Quote it", "Quote with care", "Do not quote"]
 
 READINGS_DIFFER = 0.01
 """Relative difference between the readings of a load from which on the answer says which it is."""
@@ -123,10 +121,10 @@ class Answer:
         return self.rules[1:]
 
     @property
-    def verdict(self) -> Verdict:
-        """Whether the value is to be quoted."""
-        worst = {doubt.severity for doubt in self.doubts}
-        return "Do not quote" if "fault" in worst else "Quote with care" if worst else "Quote it"
+    def verdict(self) -> str:
+        """Whether the value is to be quoted: "Quote it", "Quote with care" or "Do not quote"."""
+        severities = {doubt.severity for doubt in self.doubts}
+        return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
     @property
     def judgement(self) -> str:
@@ -145,8 +143,8 @@ class Answer:
             faults = "; ".join(doubt.text for doubt in self.doubts if doubt.severity == "fault")
             return f"There is no coefficient to quote at {self.inputs}: {faults}."
         first, *others = self.rules
-        words = f"μ_s = {two_digits(first.value, first.lower, first.upper)} {RULES[first.rule]}"
-        words += "".join(f", {two_digits(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
+        words = f"μ_s = {quoted(first.value, first.lower, first.upper)} {RULES[first.rule]}"
+        words += "".join(f", {quoted(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
         finer = f"; {bracket_text(self.bracket)}" if self.bracket is not None else ""
         return f"{words}, at {self.inputs}; {self.note}{finer}."
 
@@ -284,7 +282,7 @@ def slopes_text(answer: Answer, point: xarray.Dataset, study: Study) -> str:
     known = [rule for rule in answer.rules if math.isfinite(rule.slopes)]
     if not known:
         return ""
-    values = " and ".join(f"{two_digits(rule.slopes)} {RULES[rule.rule]}" for rule in known)
+    values = " and ".join(f"{quoted(rule.slopes)} {RULES[rule.rule]}" for rule in known)
     words = f"The slopes alone predict {values}"
     if is_capped(study):
         words += ", without regard to the hardness"

@@ -5,23 +5,25 @@ from __future__ import annotations
 import math
 
 MOST_DIGITS = 4
-"""Of any number: nothing here is known better, however narrow its interval."""
+"""Most significant digits of a value: nothing here is known better, however narrow its interval."""
 
 HUGE = 100.0
-"""Times a value above which the end of its interval is known by its size alone."""
+"""Ratio of the upper end of an interval to its value, from which on that end is printed by one digit."""
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
     "GPa": ((1.0, 1.0, "GPa"), (1e-3, 1e-3, "MPa"), (0.0, 1e-6, "kPa")),
     "um": ((1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
+    "pJ": ((1e3, 1e3, "nJ"), (1.0, 1.0, "pJ"), (0.0, 1e-3, "fJ")),
 }
-"""Of each unit the least value that is written in it, its factor to core units, and its name."""
+"""Smallest value that is written with a prefix, its factor to core units, and its name, for each unit."""
 
 
-def with_interval(mean: float, lower: float, upper: float) -> str:
-    """Two digits of half the width of the interval in all three numbers, as in "0.157 [0.102, 0.216]".
+def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
+    """A value and its interval, by so many digits of half the width in all three: "0.157 [0.102, 0.216]".
 
-    A value that is missing is "none", one without an interval says so, and of one that is exact there is no interval.
+    A value has at least two digits and at most four. One that is missing is "none", one without an interval says so,
+    and there is no interval where its ends are one number in four digits.
 
     Examples
     --------
@@ -31,61 +33,95 @@ def with_interval(mean: float, lower: float, upper: float) -> str:
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
-        return f"{mean:.3g} no interval"
-    if lower == upper:
-        return f"{mean:.{MOST_DIGITS}g}"
-    digits = 1 - math.floor(math.log10((upper - lower) / 2))
-    if mean != 0:
-        digits = min(digits, MOST_DIGITS - 1 - math.floor(math.log10(abs(mean))))
-    return _in_brackets(mean, lower, upper, digits)
+        return f"{significant(mean, 3)} no interval"
+    decimals = _decimals(mean, lower, upper, digits)
+    ends = [_in_decimals(end, decimals) for end in (lower, upper)]
+    if ends[0] == ends[1]:
+        return significant(mean, MOST_DIGITS)
+    if upper > HUGE * abs(mean) > 0:
+        ends[1] = significant(upper, 1)
+    return f"{_in_decimals(mean, decimals)} [{ends[0]}, {ends[1]}]"
 
 
-def two_digits(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """A number to quote: two digits, and its interval with the same; a third where the ends would be one number.
+def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
+    """A number to quote, by one digit of half the width of its interval; by two digits where there is none.
 
     Examples
     --------
-    >>> two_digits(0.2093, 0.1911, 0.2302), two_digits(0.1147, 0.1141, 0.1149)
-    ('0.21 [0.19, 0.23]', '0.115 [0.114, 0.115]')
+    >>> quoted(0.2093, 0.1911, 0.2302), quoted(0.1147, 0.1141, 0.1149)
+    ('0.21 [0.19, 0.23]', '0.1147 [0.1141, 0.1149]')
     """
     if math.isnan(mean):
         return "none"
-    digits = 1 - math.floor(math.log10(abs(mean))) if mean != 0 else 2
     if math.isnan(lower) or math.isnan(upper):
-        return _in_decimals(mean, digits)
-    if _in_decimals(lower, digits) == _in_decimals(upper, digits):
-        digits += 1
-    return _in_brackets(mean, lower, upper, digits)
+        return _in_decimals(mean, _decimals(mean, math.nan, math.nan, 2) - MOST_DIGITS + 2)
+    return with_interval(mean, lower, upper, digits=1)
 
 
-def from_to(value: float, low: float, high: float) -> str:
-    """Between which numbers others lie, by the digits with which a value is quoted.
+def from_to(low: float, high: float) -> str:
+    """Two ends by one digit of half of what is between them, and at least two.
 
     Examples
     --------
-    >>> from_to(0.2093, 0.0413, 0.188)
-    '0.04 to 0.19'
+    >>> from_to(0.0413, 0.188), from_to(0.2192, 0.2213)
+    ('0.04 to 0.19', '0.219 to 0.221')
     """
-    digits = 1 - math.floor(math.log10(abs(value))) if value else 2
-    return f"{_in_decimals(low, digits)} to {_in_decimals(high, digits)}"
+    decimals = _decimals(max(abs(low), abs(high)), low, high, 1)
+    ends = [_in_decimals(end, decimals) for end in (low, high)]
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+
+
+def significant(value: float, digits: int = 2) -> str:
+    """A number by so many significant digits, without zeros at its end, nor an exponent from a millionth to a million.
+
+    Examples
+    --------
+    >>> significant(96.4, 1), significant(0.00002036, 3), significant(0.2)
+    ('100', '0.0000204', '0.2')
+    """
+    text = f"{value:.{digits}g}"
+    if "e" not in text or not 1e-6 <= abs(value) < 1e6:
+        return text
+    rounded = float(text)
+    return f"{rounded:.0f}" if abs(rounded) >= 1 else f"{rounded:.{digits + 5}f}".rstrip("0")
+
+
+def _decimals(mean: float, lower: float, upper: float, digits: int) -> int:
+    """Decimals that show so many digits of half the width of an interval, and two to four of its value."""
+    size = -math.floor(math.log10(abs(mean))) if mean else 0
+    if not upper > lower:
+        return size + MOST_DIGITS - 1
+    width = digits - 1 - math.floor(math.log10((upper - lower) / 2))
+    if not mean:
+        return width
+    least, most = size + 1, size + MOST_DIGITS - 1
+    return min(max(width, least), most)
 
 
 def with_unit(value: float, unit: str) -> str:
-    """A length (um), pressure (GPa) or force (mN) by three digits, in the unit in which it has the fewest zeros.
+    """A length (um), pressure (GPa), force (mN) or energy (pJ) by three digits, by the prefix of the fewest zeros.
 
     Examples
     --------
     >>> with_unit(0.0005336, "mN"), with_unit(0.05, "GPa"), with_unit(0.039, "um")
     ('0.534 µN', '50 MPa', '39 nm')
     """
-    prefixes = _PREFIXES[unit]
-    if value == 0:
-        return f"0 {unit.replace('um', 'µm')}"
-    # As it is shown, by three digits: 0.99996 mN is 1 mN.
-    shown_value = float(f"{abs(value):.3g}")
-    factor, name = next((factor, name) for least, factor, name in prefixes if shown_value >= least)
+    factor, name = prefix(value, unit)
     shown = f"{value / factor:.3g}"
     return f"{float(shown):g} {name}" if "e" in shown else f"{shown} {name}"
+
+
+def prefix(value: float, unit: str) -> tuple[float, str]:
+    """Factor and name of the unit in which a value has the fewest zeros."""
+    if value == 0:
+        return 1.0, unit.replace("um", "µm")
+    # As it is shown, by three digits: 0.99996 mN is 1 mN.
+    shown = float(f"{abs(value):.3g}")
+    return next((factor, name) for least, factor, name in _PREFIXES[unit] if shown >= least)
+
+
+SMALLEST_PERCENT = 0.001
+"""Percentage below which no digit is printed."""
 
 
 def percent(fraction: float) -> str:
@@ -93,14 +129,9 @@ def percent(fraction: float) -> str:
     if math.isnan(fraction):
         return "none"
     value = 100 * fraction
+    if 0 < abs(value) < SMALLEST_PERCENT:
+        return f"less than {SMALLEST_PERCENT:g} %"
     return f"{value:.2g} %" if abs(value) < 1 else f"{value:.3g} %" if abs(value) < 10 else f"{value:.0f} %"
-
-
-def _in_brackets(mean: float, lower: float, upper: float, digits: int) -> str:
-    shown = [_in_decimals(value, digits) for value in (mean, lower, upper)]
-    if upper > HUGE * abs(mean) > 0:
-        shown[2] = f"{upper:.1g}"
-    return f"{shown[0]} [{shown[1]}, {shown[2]}]"
 
 
 def _in_decimals(value: float, digits: int) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from stiction.mechanics import friction
-from stiction.views.digits import percent, with_unit
+from stiction.views.digits import from_to, percent, significant, with_unit
 from stiction.views.point import hardness_range, is_capped, modulus_of, pressure_of, softer_material, value_of
 
 if TYPE_CHECKING:
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 Severity = Literal["caution", "fault"]
 
-STEEPEST = 1.0
-"""Root-mean-square gradient of the gap above which no model of contact here holds."""
-
 HIGHEST_PRESSURE, HIGH_PRESSURE = 1 / 20, 1 / 100
 """Mean pressure in contact over E*, above which every material has yielded, and most metals."""
 
+SOFT = 0.1
+"""Effective modulus (GPa) below which bodies are taken to be rubber or gels, which do not yield."""
+
 FEWEST_CONTACTS, FEW_CONTACTS = 10, 10
-"""Of all members together, below which there is no mean; of a member, below which μ_s is that of single ones."""
+"""Contacts of all members together below which there is no mean, and of one below which μ_s is that of single ones."""
 
 MERGED = 0.3
 """True over nominal area from which on contacts are few because they have merged."""
@@ -35,17 +35,11 @@ MERGED = 0.3
 HALF = 0.5
 """Fraction of the load, of the members or of the length of a scan that decides."""
 
-SMALL_PART = 0.1
-"""Fraction of the load on merging asperities from which on their answer is doubted."""
-
-ONE_PLACE = 0.4
-"""Fraction of the load on one contact from which on a result is that of one place."""
-
 COARSER = 3.0
-"""Times the spacing of one scan above which the other is too coarse beside it."""
+"""Ratio of spacings above which one scan is too coarse beside the other."""
 
 RANGE = 0.1
-"""Relative width of what the range of a hardness leaves open, from which on it is said."""
+"""Relative width of μ0 + τ0/H over the range of a hardness, from which on the range is said."""
 
 WIDE = 0.5
 """Half the width of an interval over its value above which a coefficient says too little."""
@@ -60,6 +54,109 @@ class Doubt:
     severity: Severity
 
 
+class Check(NamedTuple):
+    """A number of a point with the limit above which it is doubted, and what is said then; {} stands for the number."""
+
+    name: str
+    limit: float
+    text: str
+    cure: str
+    severity: Severity = "fault"
+    shown: str = "digits"  # or "percent", or a unit
+
+    def doubt(self, value: float) -> Doubt:
+        """What is said of a value above the limit."""
+        if self.shown == "digits":
+            words = significant(value)
+        else:
+            words = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
+        return Doubt(self.text.replace("{}", words), self.cure, self.severity)
+
+
+Checks = Sequence[Sequence[Check]]
+"""Groups of checks: in each the first that is not passed is said."""
+
+VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
+"""Verdict by the worst severity of all doubts."""
+
+ADVICE = {
+    "not-reached": ("no step of the result carries this load", "give less load, or larger steps of contact"),
+    "below-range": ("the first step of the result carries more than this load", "give more load, or smaller steps"),
+    "not-solved": ("the half-space did not reach its tolerance", "try another load, or mechanics asperities"),
+    "self-locked": ("friction on such slopes holds at any tangential load", "check μ0 and τ0"),
+    "no-contact": ("the bodies do not touch", "give more load or a larger approach"),
+    "": ("there is no coefficient", "see how many members have an answer"),
+}
+"""What a status means, and what to do about it; the last of any other."""
+
+OF_VALUE: Checks = (
+    (
+        Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
+        Check("missing_interval", HALF, "there is no interval", "that takes at least 8 members that differ"),
+        Check("half_width", WIDE, f"its interval is wider than ±{100 * WIDE:.0f} %", "more members narrow it"),
+    ),
+)
+
+OF_ASPERITIES: Checks = (
+    (
+        Check(
+            "share_beyond_hertz", HALF, "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
+            "give less load, or press by the half-space", "fault", "percent",
+        ),
+    ),
+    (
+        Check(
+            "share_below_grid", HALF, "{} of the load is on radii below the spacing of points: a finer grid differs",
+            "take a finer grid, or filter the bodies", "fault", "percent",
+        ),
+    ),
+)  # fmt: skip
+
+_OVERLAPPING = Check(
+    "share_overlapping", HALF, "{} of the load is on ellipses that overlap, where contacts merge",
+    "press by the half-space", "fault", "percent",
+)  # fmt: skip
+
+OF_ELLIPSES: Checks = ((_OVERLAPPING, _OVERLAPPING._replace(limit=0.1, severity="caution")),)
+
+OF_SLOPES: Checks = (
+    (
+        Check(
+            "rms_gradient", 1.0,
+            "the gap has a root-mean-square gradient of {}, too steep for any contact model here",
+            "check the units of heights and spacing, or filter the scan",
+        ),
+    ),
+)  # fmt: skip
+
+AT_EDGE: Checks = (
+    (
+        Check(
+            "share_at_edge", HALF, "{} of the load is on contacts that the edge cuts",
+            "larger maps or less load have fewer", "fault", "percent",
+        ),
+    ),
+)  # fmt: skip
+
+_FINER = "scan more finely, filter the scan, or give a hardness"
+
+OF_SIZES: Checks = (
+    (
+        Check("single_cells", HALF, "the contacts are single points of the grid", _FINER),
+        Check(
+            "fraction_on_small", HALF, "{} of the load is on contacts of at most 4 points: a finer scan differs",
+            _FINER, "caution", "percent",
+        ),
+    ),
+    (
+        Check(
+            "share_on_largest", 0.4, "one contact carries {} of the load", "larger maps or more load say more",
+            "caution", "percent",
+        ),
+    ),
+)  # fmt: skip
+
+
 class Interval(Protocol):
     """A value with its 95 % interval."""
 
@@ -71,76 +168,91 @@ class Interval(Protocol):
     def upper(self) -> float: ...  # noqa: D102
 
 
-ADVICE = {
-    "not-reached": ("no step of the result carries this load", "give less load, or larger steps of contact"),
-    "below-range": ("the first step of the result carries more than this load", "give more load, or smaller steps"),
-    "not-solved": ("the half-space did not reach its tolerance", "try another load, or mechanics asperities"),
-    "self-locked": ("friction on such slopes holds at any tangential load", "check μ0 and τ0"),
-    "no-contact": ("the bodies do not touch", "give more load or a larger approach"),
-}
-"""What a status means, and what to do about it."""
-
-
 def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str) -> Iterator[Doubt]:
     """What is doubtful of one point, of which this value would be quoted if its status is "ok"."""
     if status != friction.STATUS_OK or math.isnan(value.value):
-        text, cure = ADVICE.get(status, ("there is no coefficient", "see how many members have an answer"))
+        text, cure = ADVICE.get(status, ADVICE[""])
         yield Doubt(text, cure, "fault")
         return
-    yield from _of_the_mean(point, value)
-    yield from _of_the_bodies(point, study)
-    yield from _of_the_hardness(point, study)
-    yield from _of_the_scans(point, study)
-    yield from _of_the_contacts(point, study)
-    yield from _of_the_model(point)
-
-
-def _of_the_mean(point: xarray.Dataset, value: Interval) -> Iterator[Doubt]:
     members, ok = value_of(point, "members"), _fewest_with_an_answer(point)
     if ok < HALF * members:
-        yield Doubt(
-            f"only {ok:.0f} of {members:.0f} members have an answer",
-            "see their statuses, and try another load",
-            "fault",
-        )
-    if value.value < 0:
-        yield Doubt("the mean is below 0", "check the units of heights and spacing", "fault")
-    elif not math.isfinite(value.lower) or not math.isfinite(value.upper):
-        yield Doubt("there is no interval", "that takes at least 8 members that differ", "fault")
-    elif value.upper - value.lower > 2 * WIDE * value.value:
-        yield Doubt(f"its interval is wider than ±{WIDE:.0%}".replace("%", " %"), "more members narrow it", "fault")
+        text = f"only {ok:.0f} of {members:.0f} members have an answer"
+        yield Doubt(text, "see their statuses, and try another load", "fault")
+    numbers = _numbers(point, study, value)
+    pressures = pressure_checks(study, modulus_of(point, study))
+    yield from doubted((*OF_VALUE, *OF_SLOPES, *pressures), numbers)
+    yield from _of_the_hardness(point, study)
+    yield from _of_the_scans(point, study)
+    yield from _of_the_contacts(point, ok)
+    yield from doubted((*AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES), numbers)
 
 
-def _of_the_bodies(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
-    gradient = value_of(point, "rms_gradient")
-    if gradient > STEEPEST:
-        yield Doubt(
-            f"the gap has a root-mean-square gradient of {gradient:.2g}, too steep for any contact model here",
-            "check the units of heights and spacing, or filter the scan", "fault",
-        )  # fmt: skip
-    pressure, modulus = pressure_of(point), modulus_of(point, study)
+def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
+    """The first check of each group that the numbers of a point do not pass; a number that is not there passes."""
+    for group in checks:
+        failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
+        yield from (check.doubt(numbers[check.name]) for check in [next(failed, None)] if check is not None)
+
+
+def _numbers(point: xarray.Dataset, study: Study, value: Interval) -> dict[str, float]:
+    """The numbers of a point that checks are about."""
+    width = value.upper - value.lower
+    area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
+    cell = _cell_area(point, study)
+    return {
+        "deficit": -value.value,
+        "missing_interval": float(not (math.isfinite(value.lower) and math.isfinite(value.upper))),
+        "half_width": width / (2 * value.value) if value.value else math.inf * width,
+        "mean_pressure": pressure_of(point),
+        "single_cells": float(count > 0 and area / count <= cell),
+        **{
+            name: value_of(point, name)
+            for name in (
+                "rms_gradient", "share_at_edge", "fraction_on_small", "share_on_largest", "share_beyond_hertz",
+                "share_below_grid", "share_overlapping",
+            )
+        },
+    }  # fmt: skip
+
+
+def pressure_checks(study: Study, modulus: float) -> Checks:
+    """Whether elastic bodies of this modulus (GPa) have yielded: by a hardness that is known, else by what others have.
+
+    None where pressures are limited, or where bodies are so soft that they do not yield.
+    """
     if is_capped(study):
-        return
-    measured = study.surfaces.kind == "measured"
-    shown, softer = with_unit(pressure, "GPa"), softer_material(study)
-    if softer is not None and pressure > softer.hardness.low:
-        hardness = softer.hardness
-        ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (hardness.low, hardness.high)))
-        text = f"the mean pressure in contact is {shown}, and {softer.name} yields at {ends}"
-        severity: Severity = "fault" if pressure > hardness.high else "caution"
-        yield Doubt(text, "take --mechanics half-space or --law jackson-green", severity)
-        return
-    if not pressure > HIGH_PRESSURE * modulus or softer is not None:
-        return
-    if pressure > HIGHEST_PRESSURE * modulus and measured:
-        text = f"the mean pressure in contact is {shown}, at which nearly every material has yielded"
-        yield Doubt(text, "give the hardness of the softer body", "fault")
-    elif measured:
-        text = f"it holds only if the softer body is harder than {shown}, the mean pressure in contact"
-        yield Doubt(text, "give its hardness", "caution")
-    elif pressure > HIGHEST_PRESSURE * modulus:
-        text = f"the mean pressure in contact is {shown}, at which hardly any material is still elastic"
-        yield Doubt(text, "take lower heights or D, or a hardness", "caution")
+        return ()
+
+    def check(limit: float, text: str, cure: str, severity: Severity) -> Check:
+        return Check("mean_pressure", limit, text, cure, severity, "GPa")
+
+    softer = softer_material(study)
+    if softer is not None:
+        low, high = softer.hardness.low, softer.hardness.high
+        ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (low, high)))
+        text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
+        cure = "take --mechanics half-space or --law jackson-green"
+        return ((check(high, text, cure, "fault"), check(low, text, cure, "caution")),)
+    if modulus < SOFT:
+        return ()
+    highest, high = HIGHEST_PRESSURE * modulus, HIGH_PRESSURE * modulus
+    if study.surfaces.kind == "measured":
+        yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
+        harder = "it holds only if the softer body is harder than {}, the mean pressure in contact"
+        return (
+            (
+                check(highest, yielded, "give the hardness of the softer body", "fault"),
+                check(high, harder, "give its hardness", "caution"),
+            ),
+        )
+    text = "the mean pressure in contact is {}, at which hardly any material is still elastic"
+    return ((check(highest, text, "take lower heights or D, or a hardness", "caution"),),)
+
+
+def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
+    """The checks of a point of generated bodies, as a page has them: it does what `doubted` does."""
+    groups = (*OF_VALUE, *pressure_checks(study, float(study.contact.effective_modulus)), *OF_ASPERITIES)
+    return [[check._asdict() for check in group] for group in groups]
 
 
 def _of_the_hardness(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
@@ -152,7 +264,7 @@ def _of_the_hardness(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     if high > (1 + RANGE) * low:
         text = (
             f"the softer material's hardness is anything from {with_unit(ends[0], 'GPa')} to "
-            f"{with_unit(ends[1], 'GPa')}, and μ0 + τ0/H from {low:.2g} to {high:.2g}"
+            f"{with_unit(ends[1], 'GPa')}, and μ0 + τ0/H from {from_to(low, high)}"
         )
         yield Doubt(text, "give the hardness that was measured", "caution")
 
@@ -164,8 +276,8 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     steps = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
     coarser, finer = (sides[steps.index(choose(steps))] for choose in (max, min))
     if max(steps) > COARSER * min(steps):
-        ratio = max(steps) / min(steps)
-        text = f"the {coarser} scan is {ratio:.2g} times coarser than the {finer}, so its fine waves are missing"
+        ratio = significant(max(steps) / min(steps), 2)
+        text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so its fine waves are missing"
         yield Doubt(text, "scan both alike", "caution")
     if getattr(study.surfaces, "press", "") == "surrogates":
         piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
@@ -175,50 +287,22 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
             yield Doubt(f"{text} on {with_unit(whole, 'um')}", "lines, without --lay isotropic, have them", "caution")
 
 
-def _of_the_contacts(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
-    count, ok = value_of(point, "contact_count"), _fewest_with_an_answer(point)
-    fraction, area = value_of(point, "contact_area_fraction"), value_of(point, "contact_area")
+def _of_the_contacts(point: xarray.Dataset, ok: float) -> Iterator[Doubt]:
+    count, fraction = value_of(point, "contact_count"), value_of(point, "contact_area_fraction")
     if fraction > 1:
         yield Doubt(f"a true area of {percent(fraction)} cannot be", "give less load", "fault")
     if count * (ok if math.isfinite(ok) else 1) < FEWEST_CONTACTS:
-        text = f"all members together have fewer than ten contacts, on average {count:.2g}"
+        text = f"all members together have fewer than ten contacts, on average {significant(count)}"
         yield Doubt(text, "more load, larger bodies or more members have more", "fault")
     elif count < FEW_CONTACTS and not fraction > MERGED:
-        text = f"{count:.2g} contacts on average are few, so μ_s is that of single contacts"
+        text = f"{significant(count)} contacts on average are few, so μ_s is that of single contacts"
         yield Doubt(text, "larger bodies or more load have more", "caution")
-    edge = value_of(point, "share_at_edge")
-    if edge > HALF:
-        text = f"{percent(edge)} of the load is on contacts that the edge cuts"
-        yield Doubt(text, "larger maps or less load have fewer", "fault")
-    if count > 0 and area / count <= _cell_area(point, study):
-        text = "the contacts are single points of the grid"
-        yield Doubt(text, "scan more finely, filter the scan, or give a hardness", "fault")
-    elif (small := value_of(point, "fraction_on_small")) > HALF:
-        text = f"{percent(small)} of the load is on contacts of at most 4 points: a finer scan differs"
-        yield Doubt(text, "scan more finely, filter the scan, or give a hardness", "caution")
-    if (largest := value_of(point, "share_on_largest")) > ONE_PLACE:
-        text = f"one contact carries {percent(largest)} of the load"
-        yield Doubt(text, "larger maps or more load say more", "caution")
 
 
 def _cell_area(point: xarray.Dataset, study: Study) -> float:
     """µm² of a cell of the grid of maps that are pressed by the half-space; NaN of others."""
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     return float(np.prod(steps)) if steps.size == 2 and study.contact.mechanics == "half-space" else math.nan
-
-
-def _of_the_model(point: xarray.Dataset) -> Iterator[Doubt]:
-    beyond, below = value_of(point, "share_beyond_hertz"), value_of(point, "share_below_grid")
-    if beyond > HALF:
-        text = f"{percent(beyond)} of the load is beyond Hertz (overlap above a tenth of the radius)"
-        yield Doubt(text, "give less load, or press by the half-space", "fault")
-    if below > HALF:
-        text = f"{percent(below)} of the load is on radii below the spacing of points: a finer grid differs"
-        yield Doubt(text, "take a finer grid, or filter the bodies", "fault")
-    overlapping = value_of(point, "share_overlapping")
-    if overlapping > SMALL_PART:
-        text = f"{percent(overlapping)} of the load is on ellipses that overlap, where contacts merge"
-        yield Doubt(text, "press by the half-space", "fault" if overlapping > HALF else "caution")
 
 
 def _fewest_with_an_answer(point: xarray.Dataset) -> float:

@@ -6,7 +6,7 @@ from stiction.studies.members import about
 from stiction.studies.pressed import member_sums
 from stiction.studies.result import dataset_of, stacked
 from stiction.studies.study import Study
-from stiction.views.digits import two_digits, with_unit
+from stiction.views.digits import quoted, with_unit
 from stiction.views.point import RULES
 from stiction.views.result import Result
 
@@ -31,7 +31,7 @@ def first_text(study: Study) -> str:
     lines = [f"at first, by asperities at {members} positions, while the half-space is solved:"]
     for one in result.answers[:LINES]:
         rules = ", ".join(
-            f"{two_digits(rule.value, rule.lower, rule.upper)} {RULES[rule.rule]}" for rule in one.rules
+            f"{quoted(rule.value, rule.lower, rule.upper)} {RULES[rule.rule]}" for rule in one.rules
         )  # fmt: skip
         lines.append(f"μ_s = {rules}, at {with_unit(one.at['load'], 'mN')}")
     return "\n".join(lines)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.views.digits import finite, two_digits, with_interval, with_unit
+from stiction.views.digits import finite, quoted, with_interval, with_unit
 
 if TYPE_CHECKING:
     import xarray
@@ -28,12 +28,12 @@ def onset_text(onset: xarray.Dataset) -> str:
     parts = []
     creep = _ends(onset["displacement_at_sliding"], 1000.0)
     if math.isfinite(creep[0]):
-        parts.append(f"it creeps {two_digits(*creep)} nm before it slides")
+        parts.append(f"it creeps {quoted(*creep)} nm before it slides")
     slipped = _ends(onset["slipped_area"].sel(fraction=HALF), 100.0)
     parts.append(f"at half of the load {slipped[0]:.2g} % of the contact slips")
     stiffness = _ends(onset["stiffness"])
     if math.isfinite(stiffness[0]):
-        parts.append(f"its tangential stiffness at rest is {two_digits(*stiffness)} mN/µm")
+        parts.append(f"its tangential stiffness at rest is {quoted(*stiffness)} mN/µm")
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
 

@@ -13,7 +13,7 @@ from stiction.mechanics.spectral_resolution import spectral_resolution
 from stiction.studies.resolution import Seen, seen
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.spectral_pairs import spectrum_of
-from stiction.views.digits import finite, percent, two_digits, with_unit
+from stiction.views.digits import finite, percent, quoted, with_unit
 from stiction.views.point import modulus_of, points, pressure_of, rules_of, value_of
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
         cut_off = float(point["cut_off"])
         rows.append([
             with_unit(cut_off, "um") if cut_off else "none off",
-            two_digits(value_of(point, "rms_gradient")),
+            quoted(value_of(point, "rms_gradient")),
             percent(value_of(point, "contact_area_fraction")),
             _pressure(point),
             *(f"{float(friction.sel(sliding=rule, statistic='mean')):.3f}" for rule in rules),

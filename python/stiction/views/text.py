@@ -16,7 +16,7 @@ from stiction.mechanics.quantities import ONSET, QUANTITIES
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
-from stiction.views.digits import from_to, two_digits, with_interval, with_unit
+from stiction.views.digits import from_to, quoted, with_interval, with_unit
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import CELLS, RULES, has_nominal_area, is_capped, load_text, points, value_of, way_text
 from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
@@ -155,7 +155,7 @@ def answers_text(found: Sequence[Answer]) -> str:
 def _coefficient(one: Answer, index: int) -> str:
     rule = one.rules[index]
     if math.isfinite(rule.value):
-        return two_digits(rule.value, rule.lower, rule.upper)
+        return quoted(rule.value, rule.lower, rule.upper)
     return "none" if one.status == friction.STATUS_OK else one.status
 
 
@@ -188,7 +188,7 @@ def _block(one: Answer) -> str:
         if index == 0 and rule.rule == "all":
             words += ": take this if μ0 was measured on smooth faces"
         if math.isfinite(rule.low) and math.isfinite(rule.value):
-            words += f"; four of five members {from_to(rule.value, rule.low, rule.high)}"
+            words += f"; four of five members {from_to(rule.low, rule.high)}"
         lines.append(fitted(words, hang=" " * 8))
     lines.append(fitted(f"at {one.inputs}; {one.note}", indent="  "))
     if one.bracket is not None:

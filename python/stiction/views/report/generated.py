@@ -12,7 +12,9 @@ from stiction.studies.at_load import reached_loads
 from stiction.studies.maps import MOTIONS
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
+from stiction.views.doubts import checks_of_ensemble
 from stiction.views.figures.ensemble import FRACTION_LIMIT
+from stiction.views.point import rules_of
 from stiction.views.report.example import Example
 from stiction.views.report.onset import dimension_panel
 from stiction.views.report.page import ReportError, counted, packed
@@ -100,6 +102,8 @@ def _facts_of(averages: xarray.Dataset, study: Study, result: xarray.Dataset | S
         "directions": angles,
         "ways": [{"words": f"to {way(angle)}", "directions": [d]} for d, angle in enumerate(angles)],
         "validity": _validity(averages),
+        "checks": checks_of_ensemble(study),
+        "quotedRule": rules_of(study)[0],
         "touched": counts.any(axis=2).tolist(),
         "touchedAtLast": counts[:, :, -1].tolist(),
         "loads": _loads(result) if counts.any() else [],

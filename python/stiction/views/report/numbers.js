@@ -337,6 +337,38 @@ function overDimensions(result, quantity, a, load, mu0, tau0) {
   }));
 }
 
+// ---- The verdict ---------------------------------------------------------------------------------------------------
+
+/** The first check of each group that the numbers of a point do not pass; as `doubts.doubted`. */
+function doubted(checks, numbers) {
+  return checks.map((group) => group.find(({name, limit}) => numbers[name] > limit)).filter(Boolean)
+    .map(({name, text, cure, severity, shown: by}) => {
+      const words = {percent, digits: significant}[by] ?? ((value) => withUnit(value, by));
+      return {text: text.replace("{}", words(numbers[name])), cure, severity};
+    });
+}
+
+/** Why the friction coefficient of an ensemble at a load, with this mean contact area, is not to be quoted or with care:
+ * the checks and words are the library's. */
+function doubtsOfEnsemble({checks, advice}, {status, value, lower, upper, load, validity}, area) {
+  if (status !== "ok" || Number.isNaN(value)) {
+    const [text, cure] = advice[status] ?? advice[""];
+    return [{text, cure, severity: "fault"}];
+  }
+  return doubted(checks, {
+    ...validity, deficit: -value, missing_interval: Number(!(Number.isFinite(lower) && Number.isFinite(upper))),
+    half_width: (upper - lower) / (2 * value), mean_pressure: area > 0 ? load / area : NaN,
+  });
+}
+
+/** The verdict that doubts come to. */
+function verdictOf({verdicts}, doubts) {
+  const severities = doubts.map(({severity}) => severity);
+  return verdicts[severities.includes("fault") ? "fault" : severities.length ? "caution" : ""];
+}
+
+// ---- Beginning and drawing -----------------------------------------------------------------------------------------
+
 /** Where to begin: the sound cell (d, l) of a map that is nearest to its middle, or the middle. */
 function beginning(map) {
   const [rows, columns] = [map.value.length, map.value[0].length];
@@ -621,16 +653,39 @@ function inDecimals(value, digits) {
 }
 
 const HUGE = 100;
+const MOST_DIGITS = 4;
+const exponentOf = (value) => Math.floor(Math.log10(Math.abs(value)));
 
-/** A number to quote, with its interval: two digits, and a third where the ends would be one number; as `digits.two_digits`. */
-function twoDigits(mean, lower = NaN, upper = NaN) {
+/** A number by so many significant digits, without zeros at its end; as `digits.significant`. */
+function significant(value, digits = 2) {
+  const size = Math.abs(value);
+  if (size !== 0 && !(size >= 1e-6 && size < 1e6)) return shown(value, digits);
+  const text = Number(value.toPrecision(digits)).toFixed(size < 1 ? digits + 5 : digits);
+  return text.replace(/\.?0+$/, "").replace("-", "−");
+}
+
+/** A number to quote, by one digit of half the width of its interval; as `digits.quoted`. */
+function quoted(mean, lower = NaN, upper = NaN) {
   if (!Number.isFinite(mean)) return "none";
-  let digits = mean === 0 ? 2 : 1 - Math.floor(Math.log10(Math.abs(mean)));
-  if (!Number.isFinite(lower) || !Number.isFinite(upper)) return inDecimals(mean, digits);
-  if (inDecimals(lower, digits) === inDecimals(upper, digits)) digits += 1;
+  if (!Number.isFinite(lower) || !Number.isFinite(upper)) return inDecimals(mean, mean === 0 ? 1 : 1 - exponentOf(mean));
+  const size = mean === 0 ? 0 : -exponentOf(mean);
+  const width = upper > lower ? -exponentOf((upper - lower) / 2) : Infinity;
+  const decimals = mean === 0 && upper > lower ? width : Math.min(Math.max(width, size + 1), size + MOST_DIGITS - 1);
+  const low = inDecimals(lower, decimals);
+  if (low === inDecimals(upper, decimals)) return significant(mean, MOST_DIGITS);
   const isHuge = upper > HUGE * Math.abs(mean) && mean !== 0; // of such an end the size alone is known
-  const most = isHuge ? shown(upper, 1) : inDecimals(upper, digits);
-  return `${inDecimals(mean, digits)} [${inDecimals(lower, digits)}, ${most}]`;
+  return `${inDecimals(mean, decimals)} [${low}, ${isHuge ? significant(upper, 1) : inDecimals(upper, decimals)}]`;
+}
+
+const SMALLEST_PERCENT = 0.001;
+
+/** A fraction as percent, by two digits where it is small; as `digits.percent`. */
+function percent(fraction) {
+  if (!Number.isFinite(fraction)) return "none";
+  const value = 100 * fraction;
+  if (value !== 0 && Math.abs(value) < SMALLEST_PERCENT) return `less than ${SMALLEST_PERCENT} %`;
+  const digits = Math.abs(value) < 1 ? 2 : 3;
+  return `${Math.abs(value) < 10 ? String(Number(value.toPrecision(digits))) : value.toFixed(0)} %`;
 }
 
 // Of each unit the least value that is written in it, its factor to core units, and its name.
@@ -662,5 +717,5 @@ function intervalWithUnit(value, lower, upper, unit) {
   if (!Number.isFinite(value)) return "none";
   const [factor, name] = unitFor(value, unit);
   if (value === 0 && !(upper > 0)) return `0 ${name}`.trim();
-  return `${twoDigits(value / factor, lower / factor, upper / factor)}\u00a0${name}`.trim();
+  return `${quoted(value / factor, lower / factor, upper / factor)}\u00a0${name}`.trim();
 }

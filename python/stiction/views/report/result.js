@@ -111,14 +111,14 @@ function showReadout() {
 function answerOf(at, rule, alone) {
   if (at.status !== "ok")
     return [element("p", {class: "value"}, at.status), element("p", {class: "interval"}, facts.statuses[at.status]?.why ?? "")];
-  const text = twoDigits(at.value, at.lower, at.upper);
+  const text = quoted(at.value, at.lower, at.upper);
   const [value, ends] = text.split(/ (?=\[)/);
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, value)),
     element("p", {class: "interval"}, ...(ends
       ? [`${PERCENT} interval `, element("span", {"data-lower": at.lower, "data-upper": at.upper}, ends)]
       : [`No interval: ${whyNoInterval()}`])),
-    ...(Number.isFinite(alone) ? [element("p", {class: "hint"}, "The slopes alone predict ", data(alone, twoDigits(alone)))] : []),
+    ...(Number.isFinite(alone) ? [element("p", {class: "hint"}, "The slopes alone predict ", data(alone, quoted(alone)))] : []),
   ];
 }
 
@@ -134,15 +134,18 @@ function judgement(points, load, dimension) {
   const saying = (elements, saysSlopes = false) => ({elements, saysSlopes});
   if (results.length > 1) return saying([]);
   if (!isMeasured) {
-    const doubts = doubtsOf(points[0]);
-    const verdict = doubts.some(({severity}) => severity === "fault") ? "Do not quote" : doubts.length ? "Quote with care" : "Quote it";
-    return saying(verdictOf(verdict, doubts, ""));
+    const {result, d, a, at} = points.find(({rule}) => rule === first.quotedRule) ?? points[0];
+    if (!first.hasIntervals && first.repetitions > 1)
+      return saying([element("p", {class: "hint"}, "There are too many repetitions for intervals on a page; `stiction at` has them and the verdict.")]);
+    const area = readOff(result, "area", d, a, [load], state.mu0, tau0())[0].value;
+    const doubts = doubtsOfEnsemble({...facts, ...first}, at, area);
+    return saying(saidVerdict(verdictOf(facts, doubts), doubts, ""));
   }
   const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other), 1e-300);
   const said = first.answers.find(({at}) => isNear(at.load, load) && isNear(at.mu0, state.mu0) && isNear(at.tau0, tau0()) &&
     (at.cut_off === undefined || isNear(at.cut_off, dimension)));
   const isAllRound = first.ways[state.way].directions.length === first.directions.length;
-  if (said) return saying(verdictOf(said.verdict, said.doubts, isAllRound ? said.slopes : "", isAllRound ? said.sentence : ""), isAllRound && said.slopes !== "");
+  if (said) return saying(saidVerdict(said.verdict, said.doubts, isAllRound ? said.slopes : "", isAllRound ? said.sentence : ""), isAllRound && said.slopes !== "");
   const near = first.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / load)) + (at.cut_off !== undefined && !isNear(at.cut_off, dimension) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
@@ -153,7 +156,7 @@ function judgement(points, load, dimension) {
     `${withUnit(near.at.load, "mN")} it is: ${near.verdict}. `, back)] : []);
 }
 
-function verdictOf(verdict, doubts, more, sentence = "") {
+function saidVerdict(verdict, doubts, more, sentence = "") {
   const kind = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}[verdict];
   return [
     element("p", {class: `verdict ${kind}`}, verdict),
@@ -164,24 +167,12 @@ function verdictOf(verdict, doubts, more, sentence = "") {
   ];
 }
 
-/** Why a number of generated bodies is not to be quoted, or with care. */
-function doubtsOf({result, at}) {
-  if (at.status !== "ok") return [{text: at.status, cure: facts.statuses[at.status]?.why ?? "there is no value", severity: "fault"}];
-  const doubts = Object.entries(at.validity ?? {}).filter(([name, value]) => value > result.facts.validity[name].limit && result.facts.validity[name].isDrawn)
-    .map(([name, value]) => ({text: `${(100 * value).toFixed(0)} %: ${result.facts.validity[name].words.toLowerCase()}`,
-      cure: "the model of asperities is not valid here", severity: "fault"}));
-  if (!Number.isFinite(at.lower)) doubts.push({text: "there is no interval", cure: whyNoInterval(), severity: "fault"});
-  else if (at.upper - at.lower > 2 * facts.wide * at.value)
-    doubts.push({text: `its interval is wider than ±${100 * facts.wide} %`, cure: "more repetitions narrow it", severity: "fault"});
-  return doubts;
-}
-
 function figuresOf({result, d, a, at}, load) {
   const list = element("dl", {});
   const row = (words, value, text, isBeyond = false) => list.append(element("dt", {}, words),
     element("dd", isBeyond ? {class: "beyond"} : {}, isBeyond ? "⚠ " : "", data(value, text)));
   const {facts: own} = result;
-  list.append(element("dt", {}, "Status"), element("dd", {class: "status"}, at.status === "ok" && !at.trusted ? "beyond the model" : at.status));
+  if (at.status !== "ok") list.append(element("dt", {}, "Status"), element("dd", {class: "status"}, at.status));
   if (isMeasured) {
     for (const {name, words, unit, limit} of own.quantities) {
       const of = readOff(result, name, d, a, [load], state.mu0, tau0())[0];
@@ -193,7 +184,7 @@ function figuresOf({result, d, a, at}, load) {
   if (at.status === "ok") for (const [quantity, words, unit] of [["area", "True contact area", "µm²"], ["stiffness", "Normal stiffness", "mN/µm"]]) {
     if (quantity === "stiffness" && !own.hasStiffness) continue;
     const of = readOff(result, quantity, d, a, [load], state.mu0, tau0())[0];
-    row(words, of.value, `${twoDigits(of.value, of.lower, of.upper)}\u00a0${unit}`);
+    row(words, of.value, `${quoted(of.value, of.lower, of.upper)}\u00a0${unit}`);
   }
   for (const [name, value] of Object.entries(at.validity ?? {})) {
     const {words, limit, isShare} = own.validity[name];
@@ -329,7 +320,7 @@ function showCompass() {
   });
   const {directions} = first.ways[state.way];
   drawCompass(byId("compass"), first.directions, series, directions.length === 1 ? directions[0] : null,
-    ({value, lower, upper}, angle, name) => `${angle}°: ${twoDigits(value, lower, upper)}${name ? `, ${name}` : ""}`);
+    ({value, lower, upper}, angle, name) => `${angle}°: ${quoted(value, lower, upper)}${name ? `, ${name}` : ""}`);
   byId("compass-caption").textContent = `At ${[loadName(state.load), ...dimensionIfAny(), materialName()].join(", ")}. Angle: motion of the upper body. ` +
     `Shaded: ${PERCENT} intervals. Click, or use the arrow keys, to pick a direction; double-click for the mean over all.`;
 }
@@ -642,7 +633,7 @@ function connectCurve(id) {
     point: (x, _, here) => {
       const words = place.drawn.series.map(({points, name}) => {
         const of = points[nearest(points.map((p) => (over ? p.x : Math.log(p.x))), over ? x : Math.log(x))];
-        return {at: of.x, text: `${of.status === "ok" ? twoDigits(of.value, of.lower, of.upper) : of.status}${name ? `, ${name}` : ""}`};
+        return {at: of.x, text: `${of.status === "ok" ? quoted(of.value, of.lower, of.upper) : of.status}${name ? `, ${name}` : ""}`};
       });
       tip(place, words.length ? `${words.map(({text}) => text).join("; ")} at ${over ? dimensionName(words[0].at) : withUnit(words[0].at, "mN")}` : "", here);
     },

@@ -17,7 +17,7 @@ from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FE
 from stiction.studies.result import is_measured
 from stiction.studies.store import Stored
 from stiction.studies.study import study_of
-from stiction.views.doubts import WIDE
+from stiction.views.doubts import ADVICE, VERDICTS
 from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
@@ -135,7 +135,8 @@ def _page(results: list[PageResult]) -> Page:
         "ticks": TICKS,
         "colourQuantiles": COLOUR_QUANTILES,
         "loadSteps": LOAD_STEPS,
-        "wide": WIDE,
+        "advice": ADVICE,
+        "verdicts": VERDICTS,
         "mu0": list(studies[0].friction.mu0),
         "tau0": [1000 * float(value) for value in studies[0].friction.tau0],
         "mu0Most": max(1.0, *(study.friction.mu0[-1] for study in studies)),
