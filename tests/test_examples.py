@@ -133,8 +133,6 @@ def run_command(line, cwd):
     """A line of a terminal: those of stiction are run, of others what they name must be there."""
     line = line.split(" #")[0].strip()
     match shlex.split(line):
-        case ["stiction", "claims"]:
-            pass  # tests/cli/test_cli.py runs it, made small
         case ["stiction", "app", *_]:
             pass  # tests/app drives it, and it would wait here for somebody to close its window
         case ["stiction", *_]:

@@ -1,4 +1,4 @@
-"""What friction depends on, claim by claim: writes images/friction.png from what `stiction claims --columns` left.
+"""What friction depends on, claim by claim: writes images/friction.png from what `./dev claims --columns` left.
 
 Reads build/claims/columns, where ./dev claims --repetitions 2000 --columns puts its results.
 """
@@ -6,6 +6,7 @@ Reads build/claims/columns, where ./dev claims --repetitions 2000 --columns puts
 from pathlib import Path
 
 import numpy as np
+from claims import FLATTER, STEEPER, Resampled
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stiction import (
@@ -15,7 +16,6 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.studies import store
-from stiction.studies.resampled import FLATTER, STEEPER, Resampled
 
 DOCS = Path(__file__).parents[1]
 RESULTS = DOCS.parent / "build/claims/columns"

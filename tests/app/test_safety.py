@@ -121,7 +121,7 @@ def test_paths_are_no_files(app, path):
 @pytest.mark.parametrize(
     "asked",
     [
-        {"command": "claims", "options": []},
+        {"command": "table", "options": []},
         {"command": "pair", "options": [["output", "/tmp/x"]], "upper": "1", "lower": "1"},
         {"command": "pair", "options": [["mu0", 3]], "upper": "1", "lower": "1"},
         {"command": "pair", "options": [], "upper": "../x", "lower": {}},

@@ -91,23 +91,6 @@ def test_plot_draws_again(ran):
     assert (where / "quick" / "area.png").exists()
 
 
-def test_claims_judges_every_claim_and_leaves_its_tables(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr("stiction.views.figures.drawn", lambda _, where, **__: drawn.append(where.name) or [])
-    small = ["surfaces.points=4000", "surfaces.extent=2 um", "contact.approach.count=6", "ensemble.repetitions=20"]
-    settings = [argument for setting in small for argument in ("--set", setting)]
-    done = stiction_command("claims", *settings, "--repetitions", "21", "--output", "judged", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    verdicts = [line.rsplit(maxsplit=1)[1] for line in done.stdout.splitlines() if line[:1].isdigit()]
-    assert len(verdicts) == 8
-    assert set(verdicts) <= {"TRUE", "FALSE", "UNDECIDED", "UNDEFINED"}
-    for name in ("claims.md", "variants.md", "variants/Ra/study.toml"):
-        assert (tmp_path / "judged" / name).exists(), name
-    assert drawn == ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8"]
-    heads = (tmp_path / "judged/columns.md").read_text(encoding="utf-8").splitlines()[0]
-    assert heads == "| | lines, 20 repetitions | lines, 21 repetitions | the same by bands |"
-
-
 def test_a_study_file_runs_as_the_study_it_is(tmp_path):
     study = Study().with_changes(
         {

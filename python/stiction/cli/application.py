@@ -88,7 +88,6 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     "Studies": {
         "run": ("studies", "Compute a study, or what is missing of it, and draw it."),
         "studies": ("studies", "List the built-in studies, or print one as a study file."),
-        "claims": ("claims", "Judge what the paper claims by its own studies."),
     },
     "Results of both": {
         "at": ("at", "Friction, area and stiffness at one load, and whether to quote them."),

@@ -1,0 +1,742 @@
+"""What the paper says of its own results: writes the tables of claims.md and friction.md into docs/generated.
+
+Run by `./dev claims`, which has run the studies of the figures into build/claims before. `--repetitions 2000` judges on
+so many as well, and `--columns` areas, half-planes and half-spaces on a fraction of them.
+
+Hanaor, Gan & Einav, Tribology International 93 (2016) 229. A claim has one or more parts, and a part is a number that
+the claim wants within a range. A part is true where the number's 95 % interval lies within that range, false where it
+lies outside, and undecided where an end of the range lies in the interval. A claim is true if all of its parts are,
+false if one of them is, and undecided otherwise. The numbers and ranges were written down before any was computed.
+
+Intervals are percentiles over resampled ensembles (bootstrap over the repetitions). A fractal dimension at which a
+quantity has no value, or has none in more than one of forty resampled ensembles, because friction locks itself or the
+load is not reached, is left out of the number, and the outcome says so.
+
+That rule is at fault in two ways. The largest of many noisy values grows with the noise, so that its interval may
+exclude the value itself; and above D = 1.65 a few pairs that nearly lock themselves carry a mean. So beside it stands
+another (`Ruling` "bands"): the interval of an extreme over D is that of bands which hold all its values at once, and
+D is at most 1.65 where asperities on profiles touch.
+"""
+
+import argparse
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Literal
+
+import numpy as np
+import xarray
+from numpy.typing import ArrayLike, NDArray
+from stiction import Study, read_result, run
+from stiction.mechanics import friction
+from stiction.studies.crossing import Crossing
+from stiction.studies.study import study_of
+
+Floats = NDArray[np.float64]
+Sliding = Literal["opposing", "all"]
+Quantity = Literal["friction", "area", "stiffness"]
+Ruling = Literal["percentiles", "bands"]
+"""How the interval of an extreme over D is found: from the extremes of resampled ensembles, or from bands."""
+
+Verdict = Literal["true", "false", "undecided", "undefined"]
+
+ROOT = Path(__file__).resolve().parents[2]
+
+FEWEST_REPETITIONS = 20
+"""Fewest repetitions that are resampled for a verdict."""
+
+HIGHEST = 1.65
+"""Fractal dimension up to which bands are for profiles that touch at asperities."""
+
+RESAMPLES = 400
+
+FLATTER, STEEPER = 0.05, 0.2
+"""Amplitudes (µm) of the claim about amplitudes."""
+
+_SUMS = (
+    "contact_area",
+    *(f"{load}_{part}" for load in ("normal", "tangential") for part in ("elastic", "frictional", "adhesive")),
+)
+
+CLAIMS = {
+    1: "The true contact area is linear in the load, for every D.",
+    2: "Friction grows with D, most for D > 1.5, and mu0 amplifies it.",
+    3: "tau0 raises friction everywhere, most at low D and low load; up to 1 MPa it cannot be told from none.",
+    4: "At high tau0 friction has a minimum at an intermediate D, about 1.3 to 1.5.",
+    5: "At high D, friction is higher at low load.",
+    6: "Friction can be lower than mu0.",
+    7: "A larger amplitude lowers A/F_N, and at tau0 = 200 MPa friction; flatter surfaces show the rise at high D "
+    "less, and the adhesion at low D more.",
+    8: "mu0 and tau0 hardly change the area at a load, and the normal stiffness.",
+}
+
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
+    "default": {},
+    "Ra": {"surfaces.amplitude_measure": "Ra"},
+    "signed": {"contact.curvature": "signed"},
+    "gap-minimum": {"contact.detection": "gap-minimum"},
+    "band-limited": {"surfaces.band_limit": "nyquist"},
+}
+"""Choices that the paper leaves open, each as a change of the default ones."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """Other bodies or mechanics that the claims are judged on: a built-in study with changes, and a sliding rule.
+
+    Attributes
+    ----------
+    study : str
+    changes : mapping
+        Of keys of the study.
+    sliding : {"opposing", "all"}
+    share : int
+        Repetitions on lines with asperities for each one of these, which cost more.
+    place : str
+        Directory of the result; columns that differ in the sliding rule alone have one.
+    """
+
+    study: str
+    changes: Mapping[str, Any]
+    sliding: Sliding
+    share: int
+    place: str
+
+    def of(self, repetitions: int) -> Study:
+        """The study, with its share of the repetitions."""
+        fewer = max(FEWEST_REPETITIONS, repetitions // self.share)
+        return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": fewer})
+
+
+_AMPLITUDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
+_AREAS = {**_AMPLITUDES, "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15}}
+_HALF_PLANES = {
+    "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 6},
+    "surfaces.points": 65_536,
+    "contact.load": {"start": "0.01 mN", "stop": "1 mN", "count": 5, "spacing": "geometric"},
+}
+_HALF_SPACES = {
+    **_AMPLITUDES,
+    "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 8},
+    "surfaces.shape": [256, 256],
+    "contact.mechanics": "half-space",
+    "contact.load": {"start": "0.1 mN", "stop": "3 mN", "count": 5, "spacing": "geometric"},
+}
+_GAP_MINIMA = {"contact.detection": "gap-minimum"}
+_ALL_RUB = {**_GAP_MINIMA, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
+
+COLUMNS: Mapping[str, Column] = {
+    "lines, asperities, gap minima": Column("figure7", _GAP_MINIMA, "opposing", 20, "gap-minima"),
+    "the same, all rub": Column("figure7", _ALL_RUB, "all", 20, "all-rub"),
+    "areas, asperities": Column("figure6-areal", _AREAS, "opposing", 80, "areas"),
+    "areas, asperities, all rub": Column("figure6-areal", _AREAS, "all", 80, "areas"),
+    "half-planes": Column("figure6-half-plane", _HALF_PLANES, "opposing", 100, "half-planes"),
+    "half-planes, all rub": Column("figure6-half-plane", _HALF_PLANES, "all", 100, "half-planes"),
+    "half-spaces": Column("figure6-areal", _HALF_SPACES, "opposing", 66, "half-spaces"),
+    "half-spaces, all rub": Column("figure6-areal", _HALF_SPACES, "all", 66, "half-spaces"),
+}
+"""By name."""
+
+
+def check(study: Study) -> None:
+    """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
+    if "direction" in study.motions():
+        raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
+    if study.ensemble.repetitions < FEWEST_REPETITIONS:
+        raise ValueError(
+            f"claims need at least {FEWEST_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"
+        )
+    steps = study.contact.steps()
+    if steps.size < 3:
+        raise ValueError(f"claims need at least 3 values of contact.{study.contact.step}, got {steps.size}")
+    if study.contact.mechanics == "asperities" and not has_amplitudes(study.surfaces.amplitudes()):
+        raise ValueError(f"claims need amplitudes of {FLATTER:g} and {STEEPER:g} µm among surfaces.amplitude")
+
+
+def claims_study() -> Study:
+    """The study that the claims are judged on: 50 fractal dimensions, three amplitudes, 100 repetitions."""
+    return Study.named("figure7")
+
+
+def variant_study(name: str) -> Study:
+    """The same with another choice, at 15 fractal dimensions."""
+    return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
+
+
+# ---- Ensembles drawn again -------------------------------------------------------------------------------------------
+
+
+def has_amplitudes(amplitudes: Floats) -> bool:
+    """Whether those are there that a claim is about."""
+    return all(bool(np.isclose(amplitudes, each, rtol=1e-9).any()) for each in (FLATTER, STEEPER))
+
+
+class Resampled:
+    """Ensemble means of a result and of ensembles drawn from its repetitions, (resample, D) at one amplitude at a time.
+
+    The first resample is the ensemble itself.
+    """
+
+    def __init__(
+        self,
+        dataset: xarray.Dataset,
+        amplitude: float,
+        *,
+        sliding: Sliding | None = None,
+        ruling: Ruling = "percentiles",
+    ) -> None:
+        study = study_of(dataset)
+        self._step = study.contact.step
+        rules = study.contact.rules()
+        if (sliding or rules[0]) not in rules:
+            raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
+        data = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
+        if ruling == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+            data = data.sel(fractal_dimension=data["fractal_dimension"] <= HIGHEST)
+        self.ruling = ruling
+        repetitions = data.sizes["repetition"]
+        random = np.random.default_rng(study.ensemble.seed)
+        even = np.full(repetitions, 1 / repetitions)
+        # How often each is drawn: a few times at most, so that a byte holds it however many there are.
+        drawn = np.ones((1 + RESAMPLES, repetitions), np.uint8)
+        for resample in drawn[1:]:
+            resample[:] = random.multinomial(repetitions, even)
+        dims = ("repetition", "fractal_dimension", "amplitude", self._step)
+        names = (*_SUMS, "approach") if self._step == "load" else _SUMS
+        self._means: dict[str, Floats] = {}
+        weights = drawn / repetitions
+        for name in names:
+            self._means[name] = np.tensordot(weights, data[name].transpose(*dims).values, axes=1)
+        self.dimensions = data["fractal_dimension"].values
+        self._steps = data[self._step].values
+        self._amplitudes = data["amplitude"].values
+        self.amplitude = amplitude
+        self.left_out: set[float] = set()
+        lowest, highest = self._reached([amplitude])
+        self.light, self.middle, self.heavy = (
+            between(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
+        )
+
+    def _reached(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
+        """(D,) ends of the range of elastic loads that 99 % of the ensembles reach at every one of some amplitudes."""
+        elastic = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
+        lowest = np.quantile(elastic[..., 0], 0.99, axis=1).max(axis=0)
+        return lowest, np.quantile(elastic.max(axis=-1), 0.01, axis=1).min(axis=0)
+
+    def sums(self, name: str, amplitude: float) -> Floats:
+        """(resample, D, approach)."""
+        at = int(np.argmin(np.abs(self._amplitudes - amplitude)))
+        if not math.isclose(self._amplitudes[at], amplitude, rel_tol=1e-9):
+            raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
+        return np.asarray(self._means[name][:, :, at])
+
+    def middle_of_all_amplitudes(self) -> Floats | None:
+        """(D,) loads in the middle, in ratio, of those that all amplitudes reach at a fractal dimension.
+
+        None where the result lacks the amplitudes that a claim is about.
+        """
+        if not has_amplitudes(self._amplitudes):
+            return None
+        return between(*self._reached(self._amplitudes), 0.5)
+
+    def usable(self, values: Floats, where: Any) -> Any:
+        """Which fractal dimensions of some have a value (resample, D); the others are noted as left out.
+
+        None, if that is less than half of them, or if the result has but one in the range: a number of the rest would
+        not be what it is called.
+        """
+        usable = where & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
+        self.left_out.update(float(dimension) for dimension in self.dimensions[where & ~usable])
+        enough = where.sum() > 1 and 2 * usable.sum() >= where.sum()
+        return usable if enough else np.zeros_like(usable)
+
+    def at(
+        self,
+        what: Quantity,
+        load: float | Floats,
+        *,
+        mu0: float = 0.4,
+        tau0: float = 0.0,
+        amplitude: float | None = None,
+    ) -> Floats:
+        """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
+        pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
+        normal = friction.normal_load(pair, mu0, tau0)
+        match what:
+            case "friction":
+                values = friction.tangential_load(pair, mu0, tau0)
+            case "area":
+                values = pair.contact_area
+            case "stiffness":
+                values = np.gradient(normal, self._steps, axis=-1, edge_order=2)
+                if self._step == "load":  # by the half-space, whose approaches follow from the loads
+                    approach = self.sums("approach", amplitude or self.amplitude)
+                    values = values / np.gradient(approach, self._steps, axis=-1, edge_order=2)
+        loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
+        result = np.full(normal.shape[:2], np.nan)
+        for d in np.flatnonzero(np.isfinite(loads)):
+            crossing = Crossing.of(normal[:, d], loads[d : d + 1])
+            result[:, d] = np.where(crossing.reached, crossing.at(values[:, d]), np.nan)[:, 0]
+        return result / loads if what == "friction" else result
+
+    def within(self, start: float, stop: float) -> Any:
+        """Which fractal dimensions lie in a range, both ends included."""
+        return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
+
+
+def between(lowest: Any, highest: Any, part: float) -> Floats:
+    """A load at some part, in ratio, of the way from the lowest to the highest; NaN where that is none."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
+
+
+# ---- Numbers and their ranges ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Band:
+    """A number, and its interval from bands."""
+
+    value: float
+    lower: float
+    upper: float
+
+
+Measure = Callable[[Resampled], "Floats | Band"]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One number of a claim, and the range that the claim wants it in."""
+
+    name: str
+    statement: str
+    least: float
+    most: float
+    measure: Measure
+
+    @property
+    def claim(self) -> int:
+        """Number of the claim that it is a part of."""
+        return int(self.name.rstrip("abcd"))
+
+
+def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+    """Mean over fractal dimensions in a range."""
+    kept = values[:, r.usable(values, r.within(start, stop))]
+    return np.asarray(np.nansum(kept, axis=1) / np.isfinite(kept).sum(axis=1))
+
+
+def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
+    """The largest (fmax) or smallest (fmin) of several quantities over the D at which all have one."""
+    usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL))
+    kept = np.concatenate([values[:, usable] for values in arrays], axis=1)
+    if r.ruling == "percentiles" or not kept.size:
+        return np.asarray(pick.reduce(kept, axis=1, initial=np.nan))
+    # In 95 of 100 ensembles no value is further off than so many of its standard deviations.
+    spread = np.nanstd(kept[1:], axis=0)
+    known = spread > 0
+    off = np.abs(kept[1:, known] - kept[0, known]) / spread[known]
+    reach = float(np.quantile(np.fmax.reduce(off, axis=1, initial=0.0), 0.95)) * spread
+    least = 0.0 if (kept[0] >= 0).all() else -math.inf
+    ends = [float(pick.reduce(kept[0] + side * reach)) for side in (-1, 1)]
+    return Band(float(pick.reduce(kept[0])), max(ends[0], least), ends[1])
+
+
+def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+    """Least-squares slope over fractal dimensions in a range."""
+    kept = r.usable(values, r.within(start, stop))
+    if kept.sum() < 2:
+        return np.full(values.shape[0], np.nan)
+    x = r.dimensions[kept] - r.dimensions[kept].mean()
+    return np.asarray((values[:, kept] * x).sum(axis=1) / (x * x).sum())
+
+
+# Ranges of fractal dimensions.
+_LOW, _MIDDLE, _UPPER, _HIGH = (1.0, 1.2), (1.3, 1.5), (1.4, 1.5), (1.6, 1.7)
+_ALL = (1.0, 1.7)
+_MINIMUM = (1.25, 1.55)
+
+
+def _linearity(r: Resampled) -> Floats | Band:
+    load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
+    factor = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
+    residual = ((area - factor * load) ** 2).sum(axis=2)
+    return _extreme(r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin)
+
+
+def _exponent(r: Resampled) -> Floats:
+    load, area = np.log(r.sums("normal_elastic", r.amplitude)), np.log(r.sums("contact_area", r.amplitude))
+    known = np.isfinite(load + area)
+    load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
+    load -= np.where(known, load.sum(axis=2, keepdims=True) / known.sum(axis=2, keepdims=True), 0.0)
+    exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
+    kept = exponents[:, r.usable(exponents, r.within(*_ALL))]
+    if not kept.size:
+        return np.full(exponents.shape[0], np.nan)
+    return np.asarray(kept[:, np.argmax(np.abs(kept[0] - 1))])  # where the ensemble itself is farthest from linear
+
+
+def _growth(r: Resampled) -> Floats:
+    logarithm = np.log(r.at("friction", r.middle))
+    return np.exp(_mean(r, logarithm, *_UPPER) - _mean(r, logarithm, *_LOW))
+
+
+def _steepening(r: Resampled) -> Floats:
+    logarithm = np.log(r.at("friction", r.middle))
+    return _slope(r, logarithm, 1.5, 1.7) - _slope(r, logarithm, 1.0, 1.5)
+
+
+def _amplification(r: Resampled) -> Floats:
+    gained = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
+    return _mean(r, gained, *_UPPER) - _mean(r, gained, *_LOW)
+
+
+def _by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = None) -> Floats:
+    return r.at("friction", load, tau0=0.2, amplitude=amplitude) - r.at("friction", load, amplitude=amplitude)
+
+
+def _ratios(r: Resampled, tau0: float) -> list[Floats]:
+    """Friction with adhesion over that without, at three loads."""
+    return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
+
+
+def _raised(r: Resampled) -> Floats | Band:
+    return _extreme(r, _ratios(r, 0.2), np.fmin)
+
+
+def _raised_at_low_dimensions(r: Resampled) -> Floats:
+    raised = _by_adhesion(r, r.middle)
+    return _mean(r, raised, *_LOW) - _mean(r, raised, *_HIGH)
+
+
+def _raised_at_low_load(r: Resampled) -> Floats:
+    return _mean(r, _by_adhesion(r, r.light) - _by_adhesion(r, r.heavy), *_ALL)
+
+
+def _of_weak_adhesion(r: Resampled) -> Floats | Band:
+    return _extreme(r, [np.abs(ratio - 1) for ratio in _ratios(r, 0.001)], np.fmax)
+
+
+def _dip_from(start: float, stop: float) -> Measure:
+    def measure(r: Resampled) -> Floats:
+        logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
+        return np.exp(_mean(r, logarithm, start, stop) - _mean(r, logarithm, *_MIDDLE))
+
+    return measure
+
+
+def _minimum(r: Resampled) -> Floats:
+    values = r.at("friction", r.middle, tau0=0.2)
+    kept = r.usable(values, r.within(*_ALL))
+    if not kept.any():
+        return np.full(values.shape[0], np.nan)
+    least = np.argmin(np.where(np.isfinite(values[:, kept]), values[:, kept], np.inf), axis=1)
+    found = np.asarray(r.dimensions[kept][least])
+    # The last D is no minimum where friction may fall further within the range that the claim speaks of.
+    end = r.dimensions[kept][-1]
+    return np.full(found.shape, np.nan) if found[0] == end < _MINIMUM[1] else found
+
+
+def _light_over_heavy(r: Resampled) -> Floats:
+    logarithm = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
+    return np.exp(_mean(r, logarithm, 1.5, 1.7))
+
+
+def _below_mu0(r: Resampled) -> Floats | Band:
+    return _extreme(r, [r.at("friction", r.middle) / 0.4], np.fmin)
+
+
+def _steeper_over_flatter(what: Quantity, tau0: float) -> Measure:
+    def measure(r: Resampled) -> Floats:
+        loads = r.middle_of_all_amplitudes()
+        if loads is None:
+            return np.array([math.nan])
+        steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (STEEPER, FLATTER))
+        return np.exp(_mean(r, np.log(steeper / flatter), *_ALL))
+
+    return measure
+
+
+def _rise_of_flatter(r: Resampled) -> Floats:
+    loads = r.middle_of_all_amplitudes()
+    if loads is None:
+        return np.array([math.nan])
+    ratio = np.log(r.at("friction", loads, amplitude=FLATTER) / r.at("friction", loads, amplitude=STEEPER))
+    return np.exp(_mean(r, ratio, 1.5, 1.6) - _mean(r, ratio, *_LOW))
+
+
+def _adhesion_of_flatter(r: Resampled) -> Floats:
+    loads = r.middle_of_all_amplitudes()
+    if loads is None:
+        return np.array([math.nan])
+    return _mean(r, _by_adhesion(r, loads, FLATTER) - _by_adhesion(r, loads, STEEPER), *_LOW)
+
+
+def _change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
+    def measure(r: Resampled) -> Floats | Band:
+        return _extreme(r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax)
+
+    return measure
+
+
+_BY_MU0 = ({"mu0": 1.0}, {"mu0": 0.1})
+_BY_TAU0 = ({"tau0": 0.2}, {"tau0": 0.0})
+_SAME = "largest change over D by"
+
+PARTS = (
+    Part("1a", "smallest R² over D of a line A = c F_N", 0.95, math.inf, _linearity),
+    Part("1b", "exponent of A ∝ F_N^p, at the D where it is farthest from 1", 0.9, 1.1, _exponent),
+    Part("2a", "friction at D = 1.4 to 1.5 over that at D = 1 to 1.2", 1.0, math.inf, _growth),
+    Part("2b", "slope of ln mu_s against D: above D = 1.5 minus below", 0.0, math.inf, _steepening),
+    Part("2c", "rise of mu_s from D up to 1.2 to D = 1.4 to 1.5: mu0 = 1, less 0.1", 0.0, math.inf, _amplification),
+    Part("3a", "least friction at 200 MPa over that at 0, of all D and three loads", 1.0, math.inf, _raised),
+    Part("3b", "rise of mu_s by 200 MPa: D up to 1.2, less D from 1.6", 0.0, math.inf, _raised_at_low_dimensions),
+    Part("3c", "rise of mu_s by 200 MPa: light load, less heavy load", 0.0, math.inf, _raised_at_low_load),
+    Part(
+        "3d", "largest relative change of mu_s by 1 MPa, of all D and three loads", -math.inf, 0.05, _of_weak_adhesion
+    ),
+    Part("4a", "friction at 200 MPa: D = 1 to 1.2 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_LOW)),
+    Part("4b", "friction at 200 MPa: D = 1.6 to 1.7 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_HIGH)),
+    Part("4c", "D of least friction at 200 MPa", *_MINIMUM, _minimum),
+    Part("5", "friction at light over that at heavy load, D from 1.5", 1.0, math.inf, _light_over_heavy),
+    Part("6", "least mu_s/mu0 over D, mu0 = 0.4", -math.inf, 1.0, _below_mu0),
+    Part("7a", "A/F_N at 0.2 µm over that at 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("area", 0.0)),
+    Part("7b", "friction at 200 MPa: 0.2 µm over 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("friction", 0.2)),
+    Part("7c", "rise of friction to D = 1.5 to 1.6: 0.05 µm over 0.2 µm", -math.inf, 1.0, _rise_of_flatter),
+    Part("7d", "rise of mu_s by 200 MPa at D up to 1.2: 0.05 µm, less 0.2 µm", 0.0, math.inf, _adhesion_of_flatter),
+    Part("8a", f"{_SAME} mu0 0.1 → 1 of the area", -math.inf, 0.1, _change("area", *_BY_MU0)),
+    Part("8b", f"{_SAME} tau0 0 → 200 MPa of the area", -math.inf, 0.1, _change("area", *_BY_TAU0)),
+    Part("8c", f"{_SAME} mu0 0.1 → 1 of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_MU0)),
+    Part("8d", f"{_SAME} tau0 0 → 200 MPa of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_TAU0)),
+)
+"""At mu0 = 0.4, tau0 = 0 and the middle load unless a part says otherwise."""
+
+
+# ---- Verdicts --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A part as it came out.
+
+    Attributes
+    ----------
+    part : Part
+    value, lower, upper : float
+        The number and its 95 % interval; NaN where there is none.
+    verdict : {"true", "false", "undecided", "undefined"}
+    left_out : tuple of float
+        Fractal dimensions without a value.
+    """
+
+    part: Part
+    value: float
+    lower: float
+    upper: float
+    verdict: Verdict
+    left_out: tuple[float, ...]
+
+    @classmethod
+    def of(cls, part: Part, resampled: Resampled) -> "Outcome":
+        """Measure a part; it is undefined where the ensemble itself has no number."""
+        resampled.left_out.clear()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = part.measure(resampled)
+        left_out = tuple(sorted(resampled.left_out))
+        if isinstance(values, Band):
+            value, lower, upper = values.value, values.lower, values.upper
+        else:
+            value, lower, upper = float(values[0]), math.nan, math.nan
+            if math.isfinite(value):
+                lower, upper = (float(end) for end in np.nanquantile(values[1:], [0.025, 0.975]))
+        if not math.isfinite(value):
+            return cls(part, math.nan, math.nan, math.nan, "undefined", left_out)
+        inside = part.least < lower and upper < part.most
+        outside = upper < part.least or lower > part.most
+        return cls(part, value, lower, upper, "true" if inside else "false" if outside else "undecided", left_out)
+
+
+def judge(
+    dataset: xarray.Dataset,
+    *,
+    amplitude: float = 0.1,
+    sliding: Sliding | None = None,
+    ruling: Ruling = "percentiles",
+) -> list[Outcome]:
+    """Judge every part of every claim by a result.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a study such as `claims_study()`: fractal dimensions from 1 to 1.7, amplitudes 0.05, 0.1 and 0.2 µm.
+    amplitude : float, µm
+        The one that the claims which are not about amplitudes are judged at.
+    sliding : {"opposing", "all"}, optional
+        One of the result's sliding rules, by default the first.
+    ruling : {"percentiles", "bands"}
+        Of extremes over D, see above; bands are for D up to 1.65 where profiles touch at asperities.
+
+    Raises
+    ------
+    ValueError
+        If the result lacks an amplitude that is needed, or has fewer than 20 repetitions or 3 approaches.
+    """
+    check(study_of(dataset))
+    if ruling not in ("percentiles", "bands"):
+        raise ValueError(f"ruling must be percentiles or bands, got {ruling!r}")
+    resampled = Resampled(dataset, amplitude, sliding=sliding, ruling=ruling)
+    return [Outcome.of(part, resampled) for part in PARTS]
+
+
+def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
+    """True if all parts of a claim are, false if one is, undefined if one is and none is false; else undecided."""
+    verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
+    for verdict in ("false", "undefined", "undecided"):
+        if verdict in verdicts:
+            return verdict
+    return "true"
+
+
+# ---- Tables ----------------------------------------------------------------------------------------------------------
+
+
+def claims_markdown(outcomes: list[Outcome]) -> str:
+    """A table with a row for each part."""
+    lines = ["| | verdict | claim, and its numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
+    for claim, statement in CLAIMS.items():
+        lines.append(f"| **{claim}** | {_chip(verdict_of(claim, outcomes))} | **{statement}** | | |")
+        for outcome in _parts(claim, outcomes):
+            part = outcome.part
+            lines.append(
+                f"| {part.name} | {outcome.verdict} | {part.statement}{_left_out(outcome)} | {_value(outcome)} "
+                f"| {_wanted(part)} |"
+            )
+    return _in_letters("\n".join(lines) + "\n")
+
+
+def _chip(verdict: str) -> str:
+    """A verdict that pages set in a colour of its own."""
+    return f'<span class="verdict verdict-{verdict}">{verdict}</span>'
+
+
+def _in_letters(text: str) -> str:
+    """Symbols as the other pages write them."""
+    for plain, letters in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
+        text = text.replace(plain, letters)
+    return text
+
+
+def variants_markdown(variants: Mapping[str, list[Outcome]]) -> str:
+    """A table with a row for each part and a column for each variant; a star where some D are left out."""
+    return _side_by_side(variants, lambda part: part.name, lambda outcome: f"{_starred(outcome)}, {outcome.verdict}")
+
+
+def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
+    """The same with what each part is, and intervals."""
+
+    def cell(outcome: Outcome) -> str:
+        if not math.isfinite(outcome.value):
+            return "cannot be put"
+        star = r"\*" if outcome.left_out else ""
+        return f"{_value(outcome)}{star} {outcome.verdict}"
+
+    return _side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_wanted(part)}", cell)
+
+
+def _side_by_side(
+    columns: Mapping[str, list[Outcome]], head: Callable[[Part], str], cell: Callable[[Outcome], str]
+) -> str:
+    first = next(iter(columns.values()))
+    lines = [f"| | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
+    for claim in CLAIMS:
+        verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in columns.values()]
+        lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
+        for row in [index for index, outcome in enumerate(first) if outcome in _parts(claim, first)]:
+            cells = [cell(outcomes[row]) for outcomes in columns.values()]
+            lines.append(f"| {head(first[row].part)} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _parts(claim: int, outcomes: list[Outcome]) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.part.claim == claim]
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "none"
+
+
+def _starred(outcome: Outcome) -> str:
+    return _number(outcome.value) + (r"\*" if outcome.left_out else "")
+
+
+def _value(outcome: Outcome) -> str:
+    if not math.isfinite(outcome.value):
+        return "none"
+    return f"{_number(outcome.value)} [{_number(outcome.lower)}, {_number(outcome.upper)}]"
+
+
+def _wanted(part: Part) -> str:
+    if math.isinf(part.most):
+        return f"above {part.least:g}"
+    return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
+
+
+def _left_out(outcome: Outcome) -> str:
+    if not outcome.left_out:
+        return ""
+    return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.left_out)})"
+
+
+# ---- The tables of the documents -------------------------------------------------------------------------------------
+
+
+def main() -> None:
+    """Judge the claims by what the studies say, computing what is not in build/claims yet."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repetitions", type=int)
+    parser.add_argument("--columns", action="store_true")
+    asked = parser.parse_args()
+    write_tables(ROOT / "build/claims", ROOT / "docs/generated", asked.repetitions, columns=asked.columns)
+
+
+def write_tables(
+    results: Path, tables: Path, repetitions: int | None = None, *, columns: bool = False, changes: Any = ()
+) -> None:
+    """Write the tables of claims, variants and, if asked for, columns, from results in a folder."""
+    changes = dict(changes)
+
+    def result_of(study: Study, folder: str) -> xarray.Dataset:
+        if not (results / folder / "study.toml").exists():
+            return run(study.with_changes(changes), store=results / folder)
+        return read_result(results / folder).dataset
+
+    result = result_of(claims_study(), "figure7")
+    outcomes = judge(result)
+    others = {}
+    for name in VARIANTS:
+        dataset = result_of(variant_study(name), f"variants/{name}")
+        others[name] = judge(dataset)
+        if name == "default":
+            others["amplitude 0.05 µm"] = judge(dataset, amplitude=FLATTER)
+    (tables / "claims.md").write_text(claims_markdown(outcomes), encoding="utf-8")
+    (tables / "variants.md").write_text(variants_markdown(others), encoding="utf-8")
+    if not columns:
+        return
+    beside = {f"lines, {result.sizes['repetition']} repetitions": outcomes}
+    most = repetitions or result.sizes["repetition"]
+    if repetitions is not None:
+        result = result_of(claims_study().with_changes({"ensemble.repetitions": most}), "columns/lines")
+        beside[f"lines, {most} repetitions"] = judge(result)
+    beside["the same by bands"] = judge(result, ruling="bands")
+    for name, column in COLUMNS.items():
+        study = column.of(most)
+        dataset = result_of(study, f"columns/{column.place}")
+        beside[f"{name}, {study.ensemble.repetitions}"] = judge(dataset, sliding=column.sliding, ruling="bands")
+    (tables / "columns.md").write_text(columns_markdown(beside), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
