@@ -1,5 +1,3 @@
-import sys
-import threading
 import tomllib
 from pathlib import Path
 
@@ -7,6 +5,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import _core
+from ticking import ticks_during
 
 ROOT = Path(__file__).parents[1]
 
@@ -35,22 +34,4 @@ def test_the_core_converts_nothing_silently():
 
 def test_another_thread_makes_progress_during_a_long_call():
     phases = stiction.random_phases(1)
-    ticks, done = [], threading.Event()
-
-    def tick():
-        while not done.wait(0.001):
-            ticks.append(None)
-
-    thread = threading.Thread(target=tick)
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(60)  # the interpreter takes nothing away: only a lock that is released lets the other tick
-    try:
-        thread.start()
-        before = len(ticks)
-        stiction.weierstrass_mandelbrot(phases, 1.5, points=1_000_000)
-        during = len(ticks) - before
-    finally:
-        done.set()
-        sys.setswitchinterval(interval)
-        thread.join()
-    assert during > 0
+    assert ticks_during(lambda: stiction.weierstrass_mandelbrot(phases, 1.5, points=100_000))

@@ -9,12 +9,14 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from urllib.parse import quote
 
 import numpy as np
 from stiction import Surface, self_affine_surface, write_surface
 
 PATIENCE = 60.0
+HELD = Path(__file__).parent / "held"
 
 
 class Served:
@@ -74,6 +76,16 @@ class Served:
     def is_alive(self):
         return self.process.poll() is None and self.ask("GET", "/")[0] == 200
 
+    @contextlib.contextmanager
+    def held(self, member):
+        """Commands that begin in here wait at this member until the end, or until it is let go."""
+        hold = self.folder / "hold"
+        hold.write_text(str(member))
+        try:
+            yield hold.unlink
+        finally:
+            hold.unlink(missing_ok=True)
+
     def private(self):
         """Folders of servers."""
         return sorted((self.folder / "tmp").glob("stiction-app-*"))
@@ -93,9 +105,11 @@ def served(folder, *options, code=""):
     """A server that was begun in a folder, by the command or by other code; its temporary folder is there too."""
     (folder / "tmp").mkdir(exist_ok=True)
     what = ["-c", code] if code else ["-m", "stiction", "app", *options]
+    own = {"TMPDIR": folder / "tmp", "BROWSER": "true", "XDG_DATA_HOME": folder}
+    own |= {"PYTHONPATH": HELD, "STICTION_TEST_HOLD": folder / "hold"}
     process = subprocess.Popen(
         [sys.executable, *what], cwd=folder, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"TMPDIR": str(folder / "tmp"), "BROWSER": "true", "XDG_DATA_HOME": str(folder)},
+        env=os.environ | {name: str(value) for name, value in own.items()},
     )  # fmt: skip
     try:
         yield Served(process, folder)

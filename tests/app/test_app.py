@@ -4,7 +4,7 @@ import contextlib
 import json
 import shlex
 import shutil
-import time
+from types import SimpleNamespace
 
 import browser
 import numpy as np
@@ -16,6 +16,7 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 from app.served import PATIENCE, served, until, write_maps, write_other_grid
 from command import stiction_command
 from stiction import Profile, Study, run, write_profile
+from stiction.app.run import ALONE, is_left
 from stiction.cli import showing
 from stiction.views.digits import with_unit
 
@@ -108,11 +109,15 @@ def fill(driver, values):
 
 
 def press(driver, form="pair"):
+    """Press the button, and wait until the page shows the job that this begins."""
+    before = driver.execute_script("return current")
     driver.find_element("css selector", f"#{form} .go").send_keys("\n")
+    until(lambda: driver.execute_script("return current"), lambda now: now != before)
 
 
 def state(driver):
-    return driver.execute_script("return document.getElementById('job').dataset.state")
+    """What the page shows of the job that was begun last."""
+    return driver.execute_script("return jobs.find(({number}) => number === current)?.state")
 
 
 def finished(driver):
@@ -150,7 +155,9 @@ def inside(driver, script):
 
 
 def wait_for_page(driver):
-    busy = "return inside?.getElementById('main')?.getAttribute('aria-busy')"
+    """Wait until the page of the last answer is drawn, and not one before it."""
+    is_last, busy = "inside?.URL.split('#')[0].endsWith(framed)", "getElementById('main')?.getAttribute('aria-busy')"
+    busy = f"return {is_last} ? inside.{busy} : null"
     browser.wait(driver, lambda _: inside(driver, busy) == "false")
 
 
@@ -214,23 +221,30 @@ def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_pa
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
         choose(fresh, side, path)
     fill(fresh, HARD | {"shifts": "400"})
-    press(fresh)
-    browser.wait(fresh, lambda _: "of 400" in fresh.find_element("id", "words").text)
-    until(lambda: app.jobs()[-1]["finished"], lambda count: count >= 2)
-    fresh.find_element("id", "stop").click()
-    assert finished(fresh) == "stopped"
-    told = until(lambda: app.jobs()[-1], lambda job: job["words"] == "")
-    assert 2 <= told["finished"] < 400
-    kept = f"{told['finished']} of 400 are finished"
-    until(lambda: fresh.find_element("id", "answer").text, lambda text: kept in text)
+    with app.held(40) as let_go:
+        press(fresh)
+        # Both at once: what the page has drawn so far, and that more is finished than it has drawn.
+        until(lambda: app.jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
+        assert "of 400" in fresh.find_element("id", "words").text
+        fresh.find_element("id", "stop").click()
+        until(lambda: app.jobs()[-1]["words"], lambda words: words == "stopping")
+        let_go()
+        assert finished(fresh) == "stopped"
+    told = app.jobs()[-1]
+    assert 8 < told["finished"] < 400
+    assert f"{told['finished']} of 400 are finished" in fresh.find_element("id", "answer").text
     studies = app.private()[0].glob("results/*/pair/study.toml")
     (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
     said = stiction_command("info", folder, "--json", cwd=app.folder)
     assert answer(fresh) == of_record(json.loads(said.stdout))
-    press(fresh)
-    until(lambda: app.jobs()[-1]["finished"], lambda count: count > told["finished"])
+    with app.held(200):
+        press(fresh)
+        until(lambda: app.jobs()[-1]["finished"], lambda count: count > told["finished"])
+        look_at_another_window(fresh, app)
 
-    # Another window has a job of its own, which waits for this one.
+
+def look_at_another_window(fresh, app):
+    """It has a job of its own, which waits for this one."""
     first = fresh.current_window_handle
     fresh.switch_to.new_window("tab")
     try:
@@ -247,7 +261,7 @@ def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_pa
         fresh.switch_to.window(first)
     assert fresh.find_element("id", "title").text == "upper_face.csv on lower_face.csv"
     fresh.find_element("id", "stop").click()
-    assert finished(fresh) == "stopped"
+    until(lambda: app.jobs()[-2]["words"], lambda words: words == "stopping")
 
 
 def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_path, monkeypatch):
@@ -276,7 +290,7 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
     until(lambda: seen(fresh, "upper")["wrong"], lambda wrong: wrong == expected)
     mend("spacing", "0.1 um")
     until(lambda: seen(fresh, "upper")["hint"], lambda hint: "2.4 µm" in hint)
-    press(fresh)
+    fresh.find_element("css selector", "#pair .go").send_keys("\n")
     assert "the lower scan is missing" in fresh.find_element("id", "pair-wrong").text
     # A map whose file says its unit, and another grid, beside one whose file does not.
     other = write_other_grid(tmp_path)
@@ -288,7 +302,6 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
     assert fresh.find_element("name", "load").get_attribute("aria-invalid") == "true"
     fill(fresh, {"load": "5 MPa"})
     press(fresh)
-    until(lambda: state(fresh), lambda now: now == "running")
     assert finished(fresh) == "done"
     assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
 
@@ -303,12 +316,17 @@ def test_a_first_answer_has_no_more_positions_than_are_asked_for(app, fresh):
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
     fill(fresh, {"shifts": "2"})
-    press(fresh)
-    told = until(lambda: app.jobs()[-1], lambda job: job["answer"])
-    assert told["by"] == "a first answer, by asperities at 2 positions, here and in the pictures"
-    until(lambda: app.jobs()[-1]["versions"], bool)
-    fresh.find_element("id", "stop").click()
+    by = "a first answer, by asperities at 2 positions, here and in the pictures"
+    with app.held(0):
+        press(fresh)
+        until(lambda: fresh.find_element("id", "answer").text, lambda text: by in text)
+        wait_for_page(fresh)
+        fresh.find_element("id", "stop").click()
+        until(lambda: app.jobs()[-1]["words"], lambda words: words != "computing")
     assert finished(fresh) == "stopped"
+    shown = fresh.find_element("id", "answer").text
+    assert shown.startswith("stopped")
+    assert by in shown
 
 
 def test_eight_windows_are_told_at_the_same_time(app, fresh):
@@ -401,13 +419,19 @@ def faults(driver, script):
     return [(fault["id"], [node["html"][:120] for node in fault["nodes"]]) for fault in found["violations"]]
 
 
+def test_it_waits_as_long_as_a_window_asks_and_longer_for_the_first():
+    window = SimpleNamespace(asked=100.0, has_window=True)
+    assert not is_left(window, 100.0 + ALONE)
+    assert is_left(window, 100.5 + ALONE)
+    assert not is_left(SimpleNamespace(asked=100.0, has_window=False), 100.5 + ALONE)
+
+
 def test_it_ends_when_its_last_window_is_closed(tmp_path, tmp_path_factory):
+    """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
     code = "from stiction.app import run; from stiction.cli.application import say; run.ALONE = 1.5; "
     code += "run.run(say=say, first_study=None)"
     with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.get(server.address)
-        time.sleep(3)
-        assert server.process.poll() is None
         driver.get("about:blank")
         assert server.process.wait(PATIENCE) == 0
         assert server.private() == []

@@ -823,8 +823,8 @@ def test_ctrl_c_ends_it_within_two_transforms(monkeypatch):
     respond, begun, pressed = Kernel.response, [], []
 
     def ctrl_c():
-        pressed.append(len(begun))
         signal.raise_signal(signal.SIGINT)
+        pressed.append(len(begun))
 
     timer = threading.Timer(0.005, ctrl_c)  # while a transform runs
 

@@ -1,8 +1,8 @@
 """The workers of a Dask scheduler."""
 
+import contextlib
 import os
 import signal
-import threading
 
 import pytest
 from stiction import Study, run
@@ -44,13 +44,21 @@ def test_workers_of_a_scheduler_give_the_bits_of_threads_and_write_themselves(sc
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, tmp_path):
+def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
     with distributed.Client(scheduler, set_as_default=False) as client, cluster.connected(scheduler) as executor:
-        killer = threading.Timer(0.3, os.kill, (min(client.run(os.getpid).values()), signal.SIGKILL))
-        killer.start()
-        result = run(study, executor=executor, store=tmp_path)
-        killer.join()
+        workers = list(client.run(os.getpid).values())
+
+        def kill_one(_):
+            """When the first block is there, and the others are not."""
+            if workers:
+                os.kill(workers.pop(), signal.SIGKILL)
+                workers.clear()
+
+        with monkeypatch.context() as patched:
+            patched.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(kill_one))
+            result = run(study, executor=executor, store=tmp_path)
+        assert not workers
     assert_same_bits(result, run(study))
     assert_same_bits(store.read(tmp_path), result)
 

@@ -9,7 +9,7 @@ import multiprocessing
 import os
 import shutil
 import signal
-import time
+import threading
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from types import SimpleNamespace
 
@@ -156,11 +156,12 @@ def test_what_no_memory_or_disk_holds_is_refused(tmp_path, monkeypatch):
 
 
 def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
-    computed, sums = [], tasks.member_sums(repetitions(1), 0)
+    computed, sums, interrupted = [], tasks.member_sums(repetitions(1), 0), threading.Event()
 
     def record(study, number):
         computed.append(number)
-        time.sleep(1e-3)
+        if number >= 200:
+            interrupted.wait(60)
         return sums
 
     def interrupt(*_):
@@ -174,6 +175,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
             run(repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
             held = error  # and with it every frame of the run
+            interrupted.set()
     assert held is not None
     assert len(computed) < 800
 

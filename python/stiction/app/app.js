@@ -172,7 +172,8 @@ function render() {
   else byId("progress").removeAttribute("value");
   if (byId("job").dataset.error !== job.error) complainOf(job);
   byId("job").dataset.error = job.error;
-  if (!told) say(job.answer, job.state === "stopped" ? `stopped${job.total ? `: ${job.finished} of ${job.total} are finished and kept` : ""}` : job.by, !job.by);
+  const stopped = job.state !== "stopped" ? "" : job.total ? `stopped: ${job.finished} of ${job.total} are finished and kept` : "stopped";
+  if (!told) say(job.answer, [stopped, job.by].filter(Boolean).join("; "), !job.by);
   byId("command").textContent = commandOf(job);
   byId("share").hidden = !job.versions || isGoing || Boolean(job.by);
   for (const link of byId("share").querySelectorAll("a")) link.href = `/jobs/${job.number}/${link.textContent}?save`;

@@ -65,6 +65,7 @@ class Job:
     files: Path | None = None  # what can be saved
     answer: Any = None
     error: str = ""
+    is_ending: bool = False
     task: asyncio.Task[None] | None = None
 
     def public(self) -> dict[str, Any]:
@@ -73,9 +74,9 @@ class Job:
         return {name: getattr(self, name) for name in names} | {"command": shlex.join(["stiction", *self.arguments])}
 
     def stop(self) -> None:
-        """End its command; what is finished of it is kept."""
-        if self.state in ("waiting", "running") and self.task is not None:
-            self.state = "stopped"
+        """End its command; it is stopped when what is finished of it is told."""
+        if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
+            self.is_ending, self.words = True, "stopping"
             self.task.cancel()
 
 
@@ -85,6 +86,7 @@ class Jobs:
     def __init__(self, root: Path) -> None:
         self.root = root
         self.all: dict[int, Job] = {}
+        self._folders = 0
         self._one = asyncio.Lock()
         self._few = asyncio.Semaphore(2)
         self._private = re.compile(rf"{re.escape(str(root))}/(?:files/\w+/)?")
@@ -104,19 +106,19 @@ class Jobs:
         return job
 
     async def _end(self, job: Job) -> None:
-        """A job from its beginning to one of its ends."""
+        """A job from its beginning to one of its ends, which it has come to when its last answer is there."""
         try:
             async with self._one:
                 job.state = "running"
                 await self._do(job)
-            job.state = "done"
+            end = "done"
         except asyncio.CancelledError:
-            with suppress(*FAULTS):
-                await self._count(job)
+            end = "stopped"
+            with suppress(*FAULTS):  # nothing is there, or nothing touches
                 await self._tell(job, partial(read_result, job.folder))
         except FAULTS as error:
-            job.state, job.error = "failed", self.without_paths(str(error) or "there is not enough memory for this")
-        job.words = ""
+            end, job.error = "failed", self.without_paths(str(error) or "there is not enough memory for this")
+        job.state, job.words = end, ""
 
     async def _do(self, job: Job) -> None:
         if job.first is not None and not job.folder.exists():
@@ -136,7 +138,6 @@ class Jobs:
                 watch.cancel()
                 await asyncio.wait([watch])
         job.words = "drawing"
-        await self._count(job)
         await self._tell(job, partial(read_result, job.folder))
 
     async def _watch(self, job: Job) -> None:
@@ -162,9 +163,13 @@ class Jobs:
         result, at, answer = await asyncio.to_thread(_answered, take)
         if job.answer is None and by:
             job.answer, job.by = answer, by
-        files = self.root / "shared" / f"{job.number}-{job.versions + 1}"
+        self._folders += 1  # the thread of an answer that was given up may still write into its own
+        files = self.root / "shared" / f"{self._folders}"
         await asyncio.to_thread(self._write, result, at, files, "" if by else job.arguments[0], job.folder.name)
         job.answer, job.by, job.result, job.files, job.versions = answer, by, result, files, job.versions + 1
+        if isinstance(result.source, Stored):
+            job.finished = int(result.source.finished.size)
+            job.total = result.study.ensemble.repetitions
 
     def _write(self, result: Result, at: xarray.Dataset, files: Path, command: str, name: str) -> None:
         """Write what can be saved of a result; as long as its command goes on the page alone."""

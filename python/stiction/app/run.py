@@ -100,14 +100,17 @@ async def _serve(serving: uvicorn.Server, server: Server, listening: socket.sock
         loop.add_signal_handler(number, end)
     # Our own handlers: uvicorn would raise a signal once more, and the folder would stay.
     serving.capture_signals = suppress  # type: ignore[method-assign,assignment]
-    server.asked, patience = loop.time(), FIRST
+    server.asked = loop.time()
     task = asyncio.create_task(serving.serve(sockets=[listening]))
     await asyncio.to_thread(webbrowser.open, address)
     memory = int(SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))  # not of the browser
     resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
-        if server.has_window:
-            patience = ALONE
-        if not keep and loop.time() - server.asked > patience:
+        if not keep and is_left(server, loop.time()):
             end()
+
+
+def is_left(server: Server, now: float) -> bool:
+    """Whether no window has asked for so long that there is none any more, or none has come."""
+    return now - server.asked > (ALONE if server.has_window else FIRST)
