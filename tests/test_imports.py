@@ -92,6 +92,12 @@ def test_each_public_name_is_taken_from_where_it_is_made():
         assert name == "__version__" or getattr(stiction, name).__module__ == module
 
 
+@pytest.mark.parametrize("room", ["app", "cli"])
+def test_no_public_name_and_nothing_that_it_needs_is_of_a_command(room):
+    tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
+    assert [node.module for node in tree.body if node.module.startswith(f"stiction.{room}")] == []
+
+
 def test_help_lists_every_command_with_the_module_that_adds_it():
     group = typer.main.get_command(application.app)
     listed = {name: module for each in application.COMMANDS.values() for name, (module, _) in each.items()}

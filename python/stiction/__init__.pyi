@@ -1,5 +1,4 @@
 from stiction._core import __version__ as __version__
-from stiction.cli.pair_function import pair as pair
 from stiction.mechanics.asperity import Asperities as Asperities, asperities as asperities
 from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
 from stiction.mechanics.closed_forms import (
@@ -125,4 +124,5 @@ from stiction.surfaces.surrogates import (
     isotropic_surface as isotropic_surface,
     surrogate as surrogate,
 )
+from stiction.views.pair import pair as pair
 from stiction.views.result import Result as Result, read_result as read_result

@@ -21,6 +21,11 @@ _QUANTITY = re.compile(
 )
 
 
+def units_of(kind: str) -> tuple[str, ...]:
+    """Names of the units of a kind of quantity."""
+    return tuple(_UNITS[kind])
+
+
 class Quantity(float):
     """A number in core units (µm, GPa, mN) that remembers how it was written. Equal if the numbers are."""
 

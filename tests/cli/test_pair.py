@@ -18,10 +18,10 @@ from stiction import (
 )
 from stiction.cli.application import app
 from stiction.cli.options import announce_reader
-from stiction.cli.pair_study import Asked
 from stiction.studies import store
 from stiction.studies.at_load import at_load
-from stiction.studies.members import Bodies
+from stiction.studies.members import bodies_of
+from stiction.studies.pair import ARGUMENTS, Pair
 from stiction.views.digits import quoted
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
@@ -62,13 +62,13 @@ def asked(where, *arguments):
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
     with contextlib.chdir(where), command.make_context("pair", [str(each) for each in arguments]) as context:
-        return Asked.of(context)
+        return Pair(**{name: value for name, value in context.params.items() if name in ARGUMENTS})
 
 
 def study_of(where, *arguments):
     """The study that a command line asks for."""
     with contextlib.chdir(where):
-        return asked(where, *arguments).studies()[0]
+        return asked(where, *arguments).study
 
 
 def value_at(study, key):
@@ -142,9 +142,9 @@ def test_a_file_is_known_by_its_name_and_checksum(where):
 
 def test_one_position_is_the_travel(where):
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 1)
-    assert Bodies(study).member(0, 0.0).x == pytest.approx(2)
+    assert bodies_of(study).member(0, 0.0).x == pytest.approx(2)
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 9)
-    offsets = [Bodies(study).member(index, 0.0).x for index in range(9)]
+    offsets = [bodies_of(study).member(index, 0.0).x for index in range(9)]
     assert 0 < min(offsets) < 0.5
     assert 1.5 < max(offsets) <= 2
 
@@ -174,7 +174,7 @@ def test_loads_lie_around_those_that_are_asked_for(where):
     for given in ([*PROFILES, *LOAD], [*MAPS, "--load", "100 MPa", "--hardness", "200 MPa"]):
         checked = asked(where, *given, *MATERIAL, "--check")
         with contextlib.chdir(where):
-            one, other = checked.studies()
+            one, other = checked.studies
         assert {one.contact.mechanics, other.contact.mechanics} == {"asperities", "half-space"}
         np.testing.assert_array_equal(one.contact.steps(), other.contact.steps())
 
@@ -191,7 +191,11 @@ def test_materials_have_names(where):
     assert float(study_of(where, *MAPS, *given, "--hardness", "3 GPa").contact.hardness) == 3
     yielding = study_of(where, *PROFILES, *given, "--law", "jackson-green").contact.law
     assert float(yielding.yield_strength) == pytest.approx(softer_hardness(steel, brass) / 2.84, rel=5e-3)
-    assert "brass" in asked(where, *MAPS, *given).remarks()[0]
+    with contextlib.chdir(where):
+        said, measured = (asked(where, *MAPS, *given, *more).remarks[0] for more in ([], ["--hardness", "3 GPa"]))
+    assert "brass" in said
+    assert "; --hardness says what was measured" in said
+    assert measured.endswith("the hardness is that of --hardness")
 
 
 @pytest.mark.parametrize(
@@ -225,8 +229,12 @@ def test_materials_have_names(where):
         ),
         ([*PROFILES, "--effective-modulus", "10 mN"], ["--effective-modulus"]),
         ([*PROFILES, "--tau0", "1"], ["--tau0"]),
-        ([*PROFILES, "--mu0", "-1"], ["friction.mu0"]),
-        ([*PROFILES, "--mu0", "nan"], ["friction.mu0"]),
+        ([*PROFILES, "--load", "10 nm"], ["--load must be a force or a pressure", "mN", "MPa"]),
+        ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
+        ([*PROFILES, "--mu0", "nan"], ["--mu0 must be at least 0"]),
+        ([*MAPS, "--hardness", "3"], ["--hardness", "unit"]),
+        ([*MAPS, "--hardness", "150 HV"], ["--hardness", "'HV'"]),
+        ([*MAPS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness, 0.5 GPa"]),
         ([*PROFILES, "--mu0", ",".join(f"{index / 1000}" for index in range(101))], ["friction.mu0"]),
         ([*PROFILES, "--travel", "19 um"], ["travel"]),
         ([*PROFILES, "--offsets", "0"], ["--offsets"]),
@@ -263,6 +271,19 @@ def test_bad_input_is_one_message_and_status_2(where, arguments, words):
     assert not (where / "bad" / "blocks").exists()
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials, such as steel; the files come first"]),
+        ([*PROFILES, "--upper", "upper.csv"], ["--upper is a material", "the files come first", "'upper.csv'"]),
+        ([*PROFILES, "--upper", "stele"], ["--upper must be", "steel"]),
+        ([*PROFILES, "--lower", "glass", "--young", "3 MPa"], ["--young and --poisson are of both bodies"]),
+    ],
+)
+def test_materials_and_files_are_told_apart(where, arguments, words):
+    assert_refused(stiction_command("pair", *arguments, *LOAD, "--mu0", "0.3", cwd=where), *words)
+
+
 def test_what_is_needed_is_asked_for(where):
     assert_refused(
         stiction_command("pair", *PROFILES, *LOAD, "--mu0", "0.3", cwd=where),
@@ -284,7 +305,7 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     assert "at first, by asperities at 3 positions" in done.stderr
     assert json.loads(done.stdout)["command"] == "pair"
     with contextlib.chdir(where):
-        by_asperities = asked(where, *command[1:]).first_study()
+        by_asperities = asked(where, *command[1:]).first_study
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
     assert f"μ_s = {quoted(*value.sel(sliding='all').values.ravel())} if all contacts rub" in done.stderr
     again = stiction_command(*command, cwd=where)
@@ -292,8 +313,9 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
 
 
 def test_lines_and_asperities_have_no_first_answer(where):
-    assert asked(where, *PROFILES, *MATERIAL, *LOAD).first_study() is None
-    assert asked(where, *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities").first_study() is None
+    with contextlib.chdir(where):
+        assert asked(where, *PROFILES, *MATERIAL, *LOAD).first_study is None
+        assert asked(where, *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities").first_study is None
 
 
 def test_what_an_instrument_s_file_costs_is_said_once(where, monkeypatch):

@@ -91,7 +91,7 @@ def test_a_task_that_nobody_waits_for_ends_and_keeps_what_it_has(tmp_path, undis
     monkeypatch.setattr(Folder, "is_seen", lambda self: next(seen))
     del computed[:]
     folder = Folder(tmp_path, "token")
-    assert tasks.block_task(tasks.__version__, TINY.to_toml(), range(8, 16), folder) == (3, None)
+    assert tasks.block_task(tasks.__version__, TINY, range(8, 16), folder) == (3, None)
     assert computed == [8, 9, 10]
     monkeypatch.undo()
     assert_same_bits(run(TINY, store=tmp_path), undisturbed)

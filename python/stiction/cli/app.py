@@ -31,12 +31,11 @@ def app(
 
 def first_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
     """The study of a first answer, by asperities, of what a command line of `pair` would ask for with these options."""
-    from stiction.cli.pair_function import defaults
-    from stiction.cli.pair_study import Asked
+    from stiction.studies.pair import Pair
 
     given: dict[str, Any] = {}
     for name, text in options:
         given.setdefault({"upper": "upper_material", "lower": "lower_material"}.get(name, name), []).append(text)
-    texts = {name: each if name in ("load", "unit", "spacing") else each[0] for name, each in given.items()}
-    texts |= {name: kind(texts[name]) for name, kind in (("shifts", int), ("rotate", float)) if name in texts}
-    return Asked.asking(texts | dict(zip(("upper", "lower"), files, strict=True)), defaults()).first_study()
+    asked = {name: each if name in ("load", "unit", "spacing") else each[0] for name, each in given.items()}
+    asked |= {name: kind(asked[name]) for name, kind in (("shifts", int), ("rotate", float)) if name in asked}
+    return Pair(upper=files[0], lower=files[1], **asked).first_study

@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from stiction._core import __version__, build
+from stiction._errors import ArgumentError
 from stiction._files import reason
 from stiction._text import LONGEST_LINE, bytes_text, named, printable
 
@@ -215,6 +216,8 @@ def _started() -> int:
             said = error.format_message()  # type: ignore[attr-defined]
             # A number out of its range is said in the words of the library that looks at it.
             said = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", said)
+            if said.startswith("Missing argument") and {"--upper", "--lower"} & set(sys.argv):
+                said += "\n--upper and --lower are materials, such as steel; the files come first"
             say(f"{said}\ntry {command} --help")
     except MemoryError:
         say("there is not enough memory for this")
@@ -223,6 +226,10 @@ def _started() -> int:
     except OSError as error:
         about = f"{named(error.filename)}: " if isinstance(error.filename, str) else ""
         say(f"{about}{reason(error)}")
+    except ArgumentError as error:
+        from stiction.cli.options import option_of
+
+        say(error.said(option_of))
     except (ValueError, ImportError) as error:
         say(_too_small_for(error) or str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stiction._arguments import at_least_0, load_of, numbers_of, quantities_of, quantity_of
 from stiction.cli.application import command, tell
-from stiction.cli.options import Json, Verbose, at_least_0, listed, load_of, numbers, option, quantity_of
+from stiction.cli.options import Json, Verbose, option
 from stiction.cli.showing import opened
 
 if TYPE_CHECKING:
@@ -61,11 +62,11 @@ def at(
 
     stored = opened(directory)
     measured = stored.study.surfaces.kind == "measured"
-    rubbing = None if mu0 is None else at_least_0("--mu0", numbers("--mu0", mu0), mu0)
+    rubbing = None if mu0 is None else at_least_0("mu0", numbers_of("mu0", mu0), mu0)
     strengths: list[float] | None = None if measured else [0.0]
     if tau0 is not None:
-        strengths = at_least_0("--tau0", [quantity_of("--tau0", each, "pressure") for each in listed(tau0)], tau0)
-    length = None if amplitude is None else quantity_of("--amplitude", amplitude, "length")
+        strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
+    length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
     found = at_load(in_memory(stored), _loads(stored, load), mu0=rubbing, tau0=strengths)
     found = _cells(found, fractal_dimension, length)
     if direction is not None:
@@ -81,12 +82,8 @@ def _loads(stored: Stored, texts: list[str]) -> list[float]:
     """Loads in mN."""
     loads = []
     for each in texts:
-        amount, per_area = load_of(each)
-        if not amount > 0:
-            raise ValueError(f"--load must be above 0, got {each!r}")
-        if per_area:
-            amount *= _nominal_area(stored, each)
-        loads.append(amount)
+        amount, per_area = load_of("load", each)
+        loads.append(amount * _nominal_area(stored, each) if per_area else float(amount))
     return sorted(set(loads))
 
 

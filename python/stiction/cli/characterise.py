@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from stiction._arguments import quantity_of
 from stiction._checks import choice
 from stiction._text import named
 from stiction.cli.application import command, say, tell
@@ -21,7 +22,6 @@ from stiction.cli.options import (
     given,
     measurement,
     option,
-    quantity_of,
 )
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -98,8 +98,8 @@ def characterise(
     from stiction.views import roughness_rows as rows
 
     fitted = _band(band)
-    shortest = None if cutoff is None else quantity_of("--cutoff", cutoff, "length")
-    radius = None if tip is None else quantity_of("--tip", tip, "length")
+    shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
+    radius = None if tip is None else quantity_of("tip", tip, "length")
     bodies = [
         _cut_off(
             _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level), shortest
@@ -245,7 +245,7 @@ def _band(text: str | None) -> tuple[float, float] | None:
     parts = text.split(",")
     if len(parts) != 2:
         raise ValueError(f'--band needs two wavelengths, as in "1 um,100 um", got {text!r}')
-    shortest, longest = (quantity_of("--band", part.strip(), "length") for part in parts)
+    shortest, longest = (quantity_of("band", part.strip(), "length") for part in parts)
     if not shortest < longest:
         raise ValueError(f"--band must be the shortest and then the longest wavelength, got {text!r}")
     return shortest, longest

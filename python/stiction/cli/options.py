@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import typer
 
 from stiction._text import named
-from stiction._units import quantity
 from stiction.cli.application import announce
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -74,40 +73,13 @@ ColumnsOfEach = Annotated[list[str] | None, _columns]
 MissingPoints = Annotated[str, _reading("--missing", "error|interpolate", "What to do about points without a height.")]
 
 
-def listed(text: str) -> list[str]:
-    """Parts between commas."""
-    return [part.strip() for part in text.split(",")]
+def option_of(argument: str) -> str:
+    """How an argument is called on the command line."""
+    return _OPTIONS.get(argument, f"--{argument.replace('_', '-')}")
 
 
-def numbers(option: str, text: str) -> list[float]:
-    """Numbers between commas."""
-    try:
-        return [float(part) for part in listed(text)]
-    except ValueError:
-        raise ValueError(f'{option} must be a number or several, as in "0.3,0.4", got {text!r}') from None
-
-
-def at_least_0(option: str, values: list[float], text: str) -> list[float]:
-    """Values of an option, none of them negative."""
-    if not all(value >= 0 for value in values):
-        raise ValueError(f"{option} must be at least 0, got {text!r}")
-    return values
-
-
-def load_of(text: str) -> tuple[float, bool]:
-    """A load in mN, or in GPa of the slider's area, and whether it is that."""
-    try:
-        return float(quantity(text, "pressure")), True
-    except ValueError:
-        return quantity_of("--load", text, "force"), False
-
-
-def quantity_of(option: str, text: str, kind: str) -> float:
-    """A quantity in core units; errors call it by the name of its option."""
-    try:
-        return float(quantity(text, kind))
-    except ValueError as error:
-        raise ValueError(f"{option} {error}") from None
+_OPTIONS = {"upper": "UPPER", "lower": "LOWER", "upper_material": "--upper", "lower_material": "--lower"}
+"""Options that are called otherwise than their arguments."""
 
 
 def measurement(
@@ -136,15 +108,6 @@ def announce_reader(file: Path) -> None:
 
 def _one_or_pair(text: str | None) -> Any:
     return text if text is None or "," not in text else tuple(part.strip() for part in text.split(","))
-
-
-def of_each(values: list[str] | None, index: int, option: str) -> str | None:
-    """An option that is given once for both files, or for each of them."""
-    if not values:
-        return None
-    if len(values) > 2:
-        raise ValueError(f"{option} is for both files, or given twice for one after the other, got {len(values)}")
-    return values[index] if len(values) == 2 else values[0]
 
 
 def given(context: typer.Context, name: str) -> bool:

@@ -5,21 +5,194 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from concurrent.futures import Executor, Future
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction.cli import pair_options as options
 from stiction.cli.application import announce, command, is_watched, say, tell
-from stiction.cli.options import Channels, ColumnsOfEach, Json, MissingPoints, Spacings, Units, Verbose
-from stiction.cli.pair_study import SHIFTS, Asked
+from stiction.cli.options import (
+    Channels,
+    ColumnsOfEach,
+    Json,
+    MissingPoints,
+    Spacings,
+    Units,
+    Verbose,
+    announce_reader,
+    option,
+)
 from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
+from stiction.studies.pair import ARGUMENTS, LAW, SEED, SHIFTS, Pair
 from stiction.studies.store import STUDY, Stored
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:
     from stiction.views.answer import Doubt
+
+_pressed = partial(option, panel="What is pressed")
+_material = partial(option, panel="Material")
+_motion = partial(option, panel="Load and motion")
+_of_lines = partial(option, panel="Only for lines")
+_of_areas = partial(option, panel="Only for areas")
+_output = partial(option, panel="Output")
+
+UpperFile = Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")]
+LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")]
+
+# ---- What is pressed ------------------------------------------------------------------------------------------------
+
+Mechanics = Annotated[
+    str | None,
+    _pressed(
+        "--mechanics",
+        "half-space|asperities",
+        "The exact elastic answer (of lines: of half-planes), or a fast one.",
+        "half-space of areas, asperities of lines",
+    ),
+]
+Check = Annotated[bool, _pressed("--check", None, "Press by the other mechanics as well, into DIR/NAME.")]
+LinesOfMaps = Annotated[
+    int | None,
+    _pressed(
+        "--lines",
+        "N",
+        "Press this many pairs of lines of two maps, not their areas; also the number of surrogates of lines.",
+        "128 of surrogates, and of a map and a profile",
+        least=1,
+    ),
+]
+Lay = Annotated[
+    str | None,
+    _pressed(
+        "--lay",
+        "grooves|isotropic",
+        "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.",
+        "lines",
+    ),
+]
+Surrogates = Annotated[
+    str | None,
+    _pressed(
+        "--surrogates",
+        "N|none|upper|lower|both",
+        "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
+    ),
+]
+Seed = Annotated[
+    int | None, _pressed("--seed", "N", "Where the random phases of surrogates start.", str(SEED), least=0)
+]
+Level = Annotated[
+    str | None,
+    _pressed(
+        "--level",
+        "TREND",
+        "What is taken off each line: mean, line, quadratic or none; off each map: mean, plane or quadratic.",
+        "line, plane",
+    ),
+]
+CutOff = Annotated[
+    str | None,
+    _pressed(
+        "--cutoff",
+        "LENGTHS",
+        'Take off waves shorter than this (Gaussian), "0.1 um"; several, "0 um,0.1 um", are pressed each.',
+        "the scan as it is",
+    ),
+]
+
+Curvature = Annotated[
+    str | None,
+    _pressed(
+        "--curvature", "convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"
+    ),
+]
+
+OnsetMembers = Annotated[
+    int | None,
+    _pressed(
+        "--onset",
+        "N",
+        "Members of which it is computed how they begin to slide; 0 for none.",
+        "16, of areas by the half-space 4",
+        least=0,
+    ),
+]
+
+# ---- Material -------------------------------------------------------------------------------------------------------
+
+EffectiveModulus = Annotated[str | None, _material("--effective-modulus", "PRESSURE", 'E*, as in "10 GPa".', False)]
+Young = Annotated[
+    str | None,
+    _material(
+        "--young",
+        "PRESSURES",
+        'Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".',
+        False,
+    ),
+]
+Poisson = Annotated[str | None, _material("--poisson", "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', False)]
+UpperMaterial = Annotated[
+    str | None,
+    _material("--upper", "MATERIAL", "Instead of E*: what the slider is made of, by name, as in steel.", False),
+]
+LowerMaterial = Annotated[
+    str | None, _material("--lower", "MATERIAL", "What it is carried over; that of --upper by default.", False)
+]
+Hardness = Annotated[
+    str | None,
+    _material(
+        "--hardness",
+        "PRESSURE",
+        "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.",
+        False,
+    ),
+]
+ContactLaw = Annotated[
+    str | None, _material("--law", "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW)
+]
+YieldStrength = Annotated[
+    str | None, _material("--yield-strength", "PRESSURE", "Of the softer body, for jackson-green.", False)
+]
+
+# ---- Load and motion ------------------------------------------------------------------------------------------------
+
+Mu0 = Annotated[str, _motion("--mu0", "NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".')]
+Tau0 = Annotated[str, _motion("--tau0", "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".')]
+Loads = Annotated[
+    list[str], _motion("--load", "FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.')
+]
+Directions = Annotated[
+    str | None,
+    _motion(
+        "--direction",
+        "DEGREES",
+        'Of areas, where the upper is about to move, from +x towards +y: "0,90".',
+        "the compass in 30",
+    ),
+]
+
+# ---- Only for lines -------------------------------------------------------------------------------------------------
+
+Offsets = Annotated[
+    int | None, _of_lines("--offsets", "N", "Positions along the lower profile.", "64, or 1 for several lines", least=1)
+]
+Travel = Annotated[str | None, _of_lines("--travel", "LENGTH", "The largest offset.", "half the length")]
+LinesAlong = Annotated[str | None, _of_lines("--along", "x|y", "Direction of the lines of maps.", "x")]
+Detection = Annotated[
+    str | None, _of_lines("--detection", "gap-minimum|cell", "How contacts of asperities are found.", "gap-minimum")
+]
+
+# ---- Only for areas -------------------------------------------------------------------------------------------------
+
+Shifts = Annotated[int | None, _of_areas("--shifts", "N", "Relative positions of maps.", str(SHIFTS), least=1)]
+Rotation = Annotated[float | None, _of_areas("--rotate", "DEGREES", "Turn the upper map in its plane.", False)]
+
+# ---- Output ---------------------------------------------------------------------------------------------------------
+
+Folder = Annotated[Path, _output("--output -o", "DIR", "Where the results go.")]
+Replace = Annotated[bool, _output("--replace", None, "Write over the results of another pair.")]
 
 
 @command(
@@ -34,36 +207,36 @@ if TYPE_CHECKING:
 )
 def pair(
     context: typer.Context,
-    upper: options.UpperFile,
-    lower: options.LowerFile,
-    mu0: options.Mu0,
-    load: options.Loads,
-    tau0: options.Tau0 = "0 MPa",
-    direction: options.Directions = None,
-    effective_modulus: options.EffectiveModulus = None,
-    young: options.Young = None,
-    poisson: options.Poisson = None,
-    upper_material: options.UpperMaterial = None,
-    lower_material: options.LowerMaterial = None,
-    hardness: options.Hardness = None,
-    law: options.ContactLaw = "hertz-sphere",
-    yield_strength: options.YieldStrength = None,
-    mechanics: options.Mechanics = None,
-    check: options.Check = False,
-    lines: options.LinesOfMaps = None,
-    lay: options.Lay = None,
-    surrogates: options.Surrogates = "none",
-    seed: options.Seed = 2016,
-    level: options.Level = None,
-    cutoff: options.CutOff = None,
-    offsets: options.Offsets = None,
-    travel: options.Travel = None,
-    along: options.LinesAlong = "x",
-    detection: options.Detection = "gap-minimum",
-    curvature: options.Curvature = None,
-    shifts: options.Shifts = SHIFTS,
-    rotate: options.Rotation = None,
-    onset: options.OnsetMembers = None,
+    upper: UpperFile,
+    lower: LowerFile,
+    mu0: Mu0,
+    load: Loads,
+    tau0: Tau0 = "0 MPa",
+    direction: Directions = None,
+    effective_modulus: EffectiveModulus = None,
+    young: Young = None,
+    poisson: Poisson = None,
+    upper_material: UpperMaterial = None,
+    lower_material: LowerMaterial = None,
+    hardness: Hardness = None,
+    law: ContactLaw = None,
+    yield_strength: YieldStrength = None,
+    mechanics: Mechanics = None,
+    check: Check = False,
+    lines: LinesOfMaps = None,
+    lay: Lay = None,
+    surrogates: Surrogates = None,
+    seed: Seed = None,
+    level: Level = None,
+    cutoff: CutOff = None,
+    offsets: Offsets = None,
+    travel: Travel = None,
+    along: LinesAlong = None,
+    detection: Detection = None,
+    curvature: Curvature = None,
+    shifts: Shifts = None,
+    rotate: Rotation = None,
+    onset: OnsetMembers = None,
     unit: Units = None,
     spacing: Spacings = None,
     missing: MissingPoints = "error",
@@ -72,8 +245,8 @@ def pair(
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,
-    output: options.Folder = Path("pair"),
-    replace: options.Replace = False,
+    output: Folder = Path("pair"),
+    replace: Replace = False,
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> None:
@@ -83,44 +256,36 @@ def pair(
     pressed as areas, or as pairs of lines with --lines. Options that describe a file apply to both; give them twice to
     set UPPER and LOWER separately. The result is a study in DIR, which run, at, plot, report, info and export take.
     """
-    _press(Asked.of(context), context)
-
-
-def _press(asked: Asked, context: typer.Context) -> None:
-    """Compute what is asked for, show it, and write it."""
     from stiction.cli.showing import said_by, show_result, write_views
     from stiction.studies.members import about
     from stiction.views.inputs import doubts_of_inputs
 
-    values = asked.values
-    output, as_json = values["output"], values["as_json"]
-    part, said = part_of(values["part"]), said_by(as_json)
+    chosen, said = part_of(part), said_by(as_json)
     check_folder(output)
-    studies = asked.studies()
+    for file in (upper, lower):
+        announce_reader(file)
+    asked = Pair(**{name: value for name, value in context.params.items() if name in ARGUMENTS})
+    studies = asked.studies
     about(studies[0])  # refuses what cannot be pressed, before anything is written
-    doubts = doubts_of_inputs(asked.upper, asked.lower, studies[0], [float(load) for load in asked.loads])
-    with executor_of(values["workers"], values["scheduler"]) as executor:
+    doubts = doubts_of_inputs(*asked.bodies, studies[0], [float(load) for load in asked.loads])
+    with executor_of(workers, scheduler) as executor:
         results: list[Stored] = []
-        if values["replace"] or not (output / STUDY).exists():
-            announce_first(asked.first_study(), executor)
+        if replace or not (output / STUDY).exists():
+            announce_first(asked.first_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
-            results.append(
-                fill_folder(
-                    study, folder, executor, said=said, part=part, replace=values["replace"], onset=values["onset"]
-                )
-            )
-    if part is not None:
+            results.append(fill_folder(study, folder, executor, said=said, part=chosen, replace=replace, onset=onset))
+    if chosen is not None:
         return
     first, *others = results
     show_result(
-        first, command="pair", as_json=as_json, verbose=values["verbose"], beside=doubts,
+        first, command="pair", as_json=as_json, verbose=verbose, beside=doubts,
         about={"check": [record_of(other, doubts) for other in others]} if as_json and others else None,
     )  # fmt: skip
     for other in others if not as_json else ():
         tell(f"\nBy {other.study.contact.mechanics}:\n")
-        show_result(other, command="pair", verbose=values["verbose"], beside=doubts)
-    for remark in asked.remarks():
+        show_result(other, command="pair", verbose=verbose, beside=doubts)
+    for remark in asked.remarks:
         say(remark)
     for result in results:
         write_views(result, beside=doubts, said=said)

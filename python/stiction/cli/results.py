@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
+from stiction._arguments import listed
 from stiction._text import named
 from stiction.cli.application import command, tell
-from stiction.cli.options import Json, Verbose, listed, option
+from stiction.cli.options import Json, Verbose, option
 from stiction.cli.showing import draw_result, opened, show_result
 
 Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")]

@@ -16,11 +16,10 @@ from stiction._text import named
 from stiction._units import shortened
 from stiction.cli.application import INTERRUPTED, announce, say, tell
 from stiction.cli.options import option
+from stiction.studies.complete import fill_beside, remove_result, write_picture
 from stiction.studies.executors import threads
-from stiction.studies.measured_surfaces import Measured
 from stiction.studies.runner import fill
-from stiction.studies.same_study import computed_otherwise
-from stiction.studies.store import BLOCKS, STUDY, Stored, StoreError, open_stored
+from stiction.studies.store import STUDY, Stored, StoreError, open_stored
 from stiction.studies.study import Study
 from stiction.studies.text import StudyError
 
@@ -136,75 +135,8 @@ def fill_folder(
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{directory} holds this study already{by}")
     if beside and part is None:
-        fill_beside(stored, executor, onset, progress=progress)
+        fill_beside(stored, executor, onset, progress=progress, announce=announce, say=say)
     return stored
-
-
-def write_picture(stored: Stored, *, anew: bool) -> None:
-    """Write the contacts of a typical member of measured areas beside its blocks, for figures and pages."""
-    surfaces = stored.study.surfaces
-    if not isinstance(surfaces, Measured) or not surfaces.is_areal:
-        return
-    from stiction.studies.contact_picture import FILE, contact_picture
-    from stiction.studies.export import export
-
-    if not anew and (stored.path / FILE).exists():
-        return
-    try:
-        picture = contact_picture(stored)
-    except ValueError:  # the files are not there any more
-        return
-    if picture is not None:
-        export(picture, stored.path / FILE, replace=(stored.path / FILE).exists())
-
-
-def fill_beside(stored: Stored, executor: Executor, onset: int | None = None, *, progress: bool = True) -> None:
-    """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset of sliding.
-
-    Parameters
-    ----------
-    stored : Stored
-    executor : concurrent.futures.Executor
-    onset : int, optional
-        Members whose onset is computed, 0 for none; a few by default.
-    progress : bool
-        Whether to draw progress bars.
-    """
-    from stiction.studies.export import export
-    from stiction.studies.onset import FILE, TABLE, backbone, onset_beside, onset_of_result
-    from stiction.studies.resolution import FOLDER, resolution_study
-
-    if not isinstance(stored.study.surfaces, Measured):
-        return
-    try:
-        over = resolution_study(stored.study)
-        if over is not None:
-            folder = stored.path / FOLDER
-            if (folder / STUDY).exists() and computed_otherwise(open_stored(folder).study, over):
-                remove_result(folder)  # of another pair, or of other loads
-            announce("over cut-offs")
-            fill_folder(over, folder, executor, said=lambda _: None, beside=False, progress=progress)
-        there = onset_beside(stored)
-        if onset == 0 or (there is not None and onset in (None, int(there.attrs["members"]))):
-            return
-        announce("onset of sliding")
-        curve = onset_of_result(stored.study, executor, members=onset)
-    except ValueError as error:  # the files are not there any more
-        say(f"without cut-offs or onset: {error}")
-        return
-    if curve is not None:
-        export(curve, stored.path / FILE, replace=(stored.path / FILE).exists())
-        (stored.path / TABLE).write_text(backbone(curve), encoding="utf-8")
-
-
-def remove_result(directory: Path) -> None:
-    """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
-    from stiction.studies.onset import FILE, TABLE
-
-    for block in open_stored(directory).blocks:
-        (directory / BLOCKS / block.name).unlink(missing_ok=True)
-    for name in (STUDY, FILE, TABLE) if (directory / FILE).exists() else (STUDY,):
-        (directory / name).unlink(missing_ok=True)
 
 
 def _how_to_go_on(directory: Path) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+from stiction._arguments import listed, load_of, numbers_of, quantities_of, quantity_of
 from stiction.cli.application import command, tell
-from stiction.cli.elasticity import elasticity_of
-from stiction.cli.options import listed, load_of, numbers, option, quantity_of
+from stiction.cli.options import option
 from stiction.cli.running import Scheduler, Workers
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
@@ -53,21 +53,22 @@ def table_command(
     """
     from stiction.cli.running import executor_of, fill_folder
     from stiction.studies import export as exports
+    from stiction.studies.elasticity import elasticity_of
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.views.laws import friction_table_csv, friction_table_text, laws_csv
 
     modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
     shortest, longest = _two_lengths(wavelengths)
     materials: dict[str, Any] = {
-        "mu0": numbers("--mu0", mu0),
-        "tau0": [quantity_of("--tau0", each, "pressure") for each in listed(tau0)],
+        "mu0": numbers_of("mu0", mu0),
+        "tau0": quantities_of("tau0", tau0, "pressure"),
     }
     study = table_study(
-        hurst_exponents=numbers("--hurst", hurst),
-        rms=[quantity_of("--rms", each, "length") for each in listed(rms)],
+        hurst_exponents=numbers_of("hurst", hurst),
+        rms=quantities_of("rms", rms, "length"),
         pressures=[_pressure(each) for each in listed(load)],
         effective_modulus=modulus,
-        extent=quantity_of("--extent", extent, "length"),
+        extent=float(quantity_of("extent", extent, "length")),
         points=points,
         longest_wavelength=longest,
         shortest_wavelength=shortest,
@@ -86,15 +87,14 @@ def table_command(
 
 
 def _two_lengths(text: str) -> tuple[float, float]:
-    parts = listed(text)
-    if len(parts) != 2:
+    lengths = quantities_of("wavelengths", text, "length")
+    if len(lengths) != 2:
         raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {text!r}')
-    first, second = (quantity_of("--wavelengths", part, "length") for part in parts)
-    return first, second
+    return float(lengths[0]), float(lengths[1])
 
 
 def _pressure(text: str) -> float:
-    amount, per_area = load_of(text)
+    amount, per_area = load_of("load", text)
     if not per_area:
         raise ValueError(f'--load of a table is a pressure, as in "10 MPa", got {text!r}')
-    return amount
+    return float(amount)

@@ -117,7 +117,8 @@ def material(name: str) -> Material:
     found = known.get(_bare(name))
     if found is None:
         near = difflib.get_close_matches(_bare(name), known, n=3, cutoff=0.5)
-        names = sorted({known[each].name for each in near}) or [each.name for each in materials()]
+        names = [name for each in near for name in _names(known[each]) if _bare(name) == each]
+        names = names or [each.name for each in materials()]
         hint = "the nearest are" if near else "there are"
         raise ValueError(f"name must be that of a known material, got {name[:80]!r}; {hint} {', '.join(names)}")
     return found
@@ -173,7 +174,12 @@ def _bare(name: str) -> str:
 
 @cache
 def _by_name() -> dict[str, Material]:
-    return {_bare(name): each for each in _TABLE for name in (each.name, *each.aliases)}
+    return {_bare(name): each for each in _TABLE for name in _names(each)}
+
+
+def _names(each: Material) -> tuple[str, ...]:
+    """The name of a material and its other names."""
+    return each.name, *each.aliases
 
 
 # ---- Sources --------------------------------------------------------------------------------------------------------

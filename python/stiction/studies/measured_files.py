@@ -9,19 +9,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
-from pydantic import Field, PlainValidator
+from pydantic import ConfigDict, Field, PlainValidator
 
 from stiction._checks import Floats
+from stiction._errors import ArgumentError
 from stiction._text import named
 from stiction._units import Quantity, quantity, shortened
 from stiction.studies.values import CutOffs, Table, array_of, as_written, read_length, written
 from stiction.surfaces.cut_off import cut_off
+from stiction.surfaces.foreign import taken_from
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.measured.reading import read_measurement
-from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum
+from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
+from stiction.surfaces.measured.writing import write_profile, write_surface
+from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, lengths
 
 Column = int | str
 
@@ -57,8 +61,23 @@ def _one_or_two(read: Callable[[object], Any]) -> PlainValidator:
     return PlainValidator(values)
 
 
+class InMemory:
+    """A body that no file holds; the checksum beside it says which it is, so all of these are equal, and equal None."""
+
+    def __init__(self, body: Any) -> None:
+        self.body = body
+
+    def __eq__(self, other: object) -> bool:
+        return other is None or isinstance(other, InMemory)
+
+    def __hash__(self) -> int:
+        return hash(None)
+
+
 class MeasuredFile(Table):
-    """A file that holds a measured profile or surface, and how it is read, or a spectrum of several."""
+    """A file that holds a measured profile or surface, and how it is read, or a spectrum of several; or such a body."""
+
+    model_config = ConfigDict(arbitrary_types_allowed=True)
 
     file: str = Field(min_length=1, max_length=LONGEST_PATH, description="Name of the file.")
     sha256: str | None = Field(
@@ -79,6 +98,42 @@ class MeasuredFile(Table):
     missing: Literal["error", "interpolate"] = Field(
         default="error", description="What to do about points without a height."
     )
+    body: InMemory | None = Field(default=None, repr=False, description="The body itself, in Python.")
+
+    @classmethod
+    def holding(cls, body: Any, name: str) -> MeasuredFile:
+        """A body in memory by a name; those of other libraries as ours. An `ArgumentError` if it is none."""
+        if not isinstance(body, JoinedSpectrum):
+            try:
+                heights, spacing, history = taken_from(name, body)
+            except ValueError as error:
+                raise ArgumentError(f"{{{name}}}{{why}}", why=str(error).removeprefix(name)) from None
+            kind: Any = Profile if heights.ndim == 1 else Surface
+            body = kind(
+                heights, spacing=spacing[0] if kind is Profile else lengths("spacing", spacing), history=history
+            )
+        return cls(file=name, sha256=_checksum([body]), body=InMemory(body))
+
+    @classmethod
+    def of_lines(cls, lines: Sequence[Profile], name: str) -> MeasuredFile:
+        """Several profiles in memory, which no file can hold."""
+        return cls(file=name, sha256=_checksum(lines), body=InMemory(tuple(lines)))
+
+    def kept(self, folder: Path, side: str) -> MeasuredFile:
+        """The same in a file: that of a body in memory is written into the folder, under its checksum."""
+        if self.body is None:
+            return self
+        assert self.sha256 is not None
+        body = self.body.body
+        ending = "csv" if isinstance(body, JoinedSpectrum) else "npy"
+        path = (folder / "bodies" / self.sha256[:12] / f"{side}.{ending}").absolute()
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write: Any = (
+                write_spectrum if ending == "csv" else write_profile if body.heights.ndim == 1 else write_surface
+            )
+            write(body, path)
+        return MeasuredFile(file=str(path)).known()
 
     def read(self) -> Body:
         """The profile, surface or joined spectrum that the file holds, µm.
@@ -88,6 +143,8 @@ class MeasuredFile(Table):
         ValueError
             If the file cannot be read, or is not the one whose checksum the study has.
         """
+        if self.body is not None:
+            return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
             raise ValueError(
                 f"{named(self.file)}: is another file than that which the study was made for: its SHA-256 is not "
@@ -109,13 +166,32 @@ class MeasuredFile(Table):
         except OSError as error:
             raise ValueError(f"{named(self.file)}: cannot be read: {error.strerror}") from None
 
+    def stamp(self) -> tuple[int, int] | None:
+        """Time of the last change of the file and its size; None where there is no file."""
+        try:
+            status = None if self.body else Path(self.file).stat()
+        except OSError:
+            return None
+        return status and (status.st_mtime_ns, status.st_size)
+
     def located(self, directory: Path) -> MeasuredFile:
         """The same with an absolute name; one that is not absolute is relative to the directory."""
-        return self.model_copy(update={"file": str((directory / self.file).absolute())})
+        return self if self.body else self.model_copy(update={"file": str((directory / self.file).absolute())})
 
     def known(self) -> MeasuredFile:
         """The same with the checksum of the file as it is."""
         return self if self.sha256 is not None else self.model_copy(update={"sha256": self.checksum()})
+
+
+def _checksum(bodies: Sequence[Any]) -> str:
+    """SHA-256 of bodies in memory, with their grids and histories."""
+    found = hashlib.sha256()
+    for body in bodies:
+        if isinstance(body, JoinedSpectrum):
+            found.update(repr(body.history).encode() + body.density.tobytes())
+        else:
+            found.update(repr((body.spacing, body.history)).encode() + body.heights.tobytes())
+    return found.hexdigest()
 
 
 @functools.lru_cache(maxsize=2)
@@ -222,6 +298,10 @@ class MeasuredBodies(Table):
     def known(self) -> Self:
         """The same with the checksums of the files as they are."""
         return self.model_copy(update={"upper": self.upper.known(), "lower": self.lower.known()})
+
+    def kept(self, folder: Path) -> Self:
+        """The same with bodies in memory in files in a folder."""
+        return self.model_copy(update={side: getattr(self, side).kept(folder, side) for side in SIDES})
 
     @property
     def first_scanned(self) -> int:

@@ -15,8 +15,9 @@ import numpy as np
 from stiction._checks import Floats, read_only
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_files import Member, Members
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.result import About, areas, is_measured, measured, profiles
-from stiction.studies.study import Study, study_from_text
+from stiction.studies.study import Study
 from stiction.surfaces.fractal import (
     BandLimit,
     Convention,
@@ -219,9 +220,9 @@ class Bodies:
     Raises a `ValueError` if a file cannot be read, or is another than the study was written for.
     """
 
-    def __init__(self, study: Study) -> None:
-        self._surfaces, self._seed = measured(study), study.ensemble.seed
-        self._scans = self._surfaces.upper.read(), self._surfaces.lower.read()
+    def __init__(self, surfaces: Measured, seed: int) -> None:
+        self._surfaces, self._seed = surfaces, seed
+        self._scans = surfaces.upper.read(), surfaces.lower.read()
         self._members: dict[float, Members] = {}
 
     def members(self, wavelength: float) -> Members:
@@ -254,15 +255,16 @@ class Bodies:
 
 
 def bodies_of(study: Study) -> Bodies:
-    """The measured bodies of a study, which a process reads once."""
-    return _bodies(study.to_toml())
+    """The measured bodies of a study, which a process reads once, and again when a file has changed."""
+    surfaces = measured(study)
+    return _bodies(surfaces, study.ensemble.seed, (surfaces.upper.stamp(), surfaces.lower.stamp()))
 
 
 @functools.lru_cache(maxsize=4)
-def _bodies(text: str) -> Bodies:
-    return Bodies(study_from_text(text, "the study"))
+def _bodies(surfaces: Measured, seed: int, _: object) -> Bodies:
+    return Bodies(surfaces, seed)
 
 
 def about(study: Study) -> About:
     """What the bodies of a study say of a result: nothing, where they are generated."""
-    return bodies_of(study).about() if is_measured(study) else About()
+    return bodies_of(study).about() if study.is_measured else About()

@@ -27,7 +27,7 @@ from stiction.studies.members import about, bodies_of
 from stiction.studies.result import is_measured, measured
 from stiction.studies.same_study import computed_otherwise
 from stiction.studies.store import STUDY, StoreError, open_stored
-from stiction.studies.study import Study, study_from_text
+from stiction.studies.study import Study
 from stiction.studies.tables import MeasuredFriction
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.profile import Profile
@@ -152,17 +152,16 @@ class Seen:
 
 def seen(study: Study) -> Seen | None:
     """What was seen of the gap of a measured pair; None of generated bodies, and where the files are gone."""
-    if getattr(study.surfaces, "kind", "") != "measured" or not hasattr(study.surfaces, "upper"):
+    if not study.is_measured:
         return None
     try:
-        return _seen(study.to_toml())
+        return _seen(study)
     except (ValueError, OSError):
         return None
 
 
 @functools.lru_cache(maxsize=4)
-def _seen(text: str) -> Seen | None:
-    study = study_from_text(text, "the study")
+def _seen(study: Study) -> Seen:
     surfaces, bodies = measured(study), bodies_of(study)
     wavelength = float(surfaces.cells()["cut_off"][0])
     # Two maps themselves, where there are such members.

@@ -155,7 +155,7 @@ def _filled(
     """A folder that holds all members of a study, or of a part of it."""
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
-    study = study.with_known_files()
+    study = study.with_known_files(path)
     _check_disk(study, path)
     stored = begin(path, study)
     missing = _Missing(stored, part)
@@ -322,10 +322,9 @@ def _results(
     blocks = iter(missing)
     # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
     done: queue.SimpleQueue[Future[tuple[int, Any]]] = queue.SimpleQueue()
-    text = study.to_toml()
 
     def submit(members: range) -> None:
-        future = pool.submit(task, __version__, text, members, folder)
+        future = pool.submit(task, __version__, study, members, folder)
         waiting[future] = members
         future.add_done_callback(done.put)
 

@@ -181,6 +181,21 @@ class Study(Table):
         return self
 
     @property
+    def is_measured(self) -> bool:
+        """Whether its bodies were scanned; else they are generated."""
+        return self.surfaces.kind == "measured"
+
+    @property
+    def is_areal(self) -> bool:
+        """Whether its members are pairs of areas, and not of profiles or lines."""
+        return self.surfaces.is_areal
+
+    @property
+    def by_half_space(self) -> bool:
+        """Whether its members are pressed as elastic half-spaces, and not at asperities."""
+        return self.contact.mechanics == "half-space"
+
+    @property
     def step(self) -> Literal["approach", "load"]:
         """What a pair is pressed to, one after the other."""
         return self.contact.step
@@ -198,17 +213,15 @@ class Study(Table):
         """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
         return self.contact.motions()
 
-    def with_known_files(self) -> Study:
+    def with_known_files(self, folder: Path | None = None) -> Study:
         """The study with absolute names and checksums of the files that it is made for; one of none is returned as is.
 
-        Raises
-        ------
-        ValueError
-            If a file cannot be read.
+        Bodies in memory are written into the folder, if there is one. Raises a `ValueError` if a file cannot be read.
         """
         if not isinstance(self.surfaces, Measured):
             return self
-        return self.model_copy(update={"surfaces": self.surfaces.located(Path.cwd()).known()})
+        surfaces = self.surfaces if folder is None else self.surfaces.kept(folder)
+        return self.model_copy(update={"surfaces": surfaces.located(Path.cwd()).known()})
 
     @classmethod
     def named(cls, name: str) -> Study:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import socket
 import time
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from stiction._core import __version__
 from stiction.studies.pressed import member_sums
 from stiction.studies.result import Arrays, stacked
 from stiction.studies.store import BLOCKS, put
-from stiction.studies.study import Study, study_from_text
+from stiction.studies.study import Study
 from stiction.studies.text import StudyError
 
 LOOK = 0.2
@@ -31,8 +30,8 @@ class Folder:
         return (self.path / BLOCKS / self.token).exists()
 
 
-def block_task(version: str, text: str, members: range, folder: Folder) -> tuple[int, bytes | None]:
-    """Compute a block of the study that a text is, and write its file, wherever this runs.
+def block_task(version: str, study: Study, members: range, folder: Folder) -> tuple[int, bytes | None]:
+    """Compute a block of a study, and write its file, wherever this runs.
 
     If the run has ended before the block is complete, or a member fails, what was computed is written. Returns how many
     of the members were computed, from the first on, and the file of the block, if it could not be written because the
@@ -41,7 +40,7 @@ def block_task(version: str, text: str, members: range, folder: Folder) -> tuple
     """
     from stiction.studies.netcdf import encoded
 
-    study = _study(version, text)
+    _check(version)
     is_seen = folder.is_seen()
     done: list[Arrays] = []
     looked = time.monotonic()
@@ -63,21 +62,16 @@ def block_task(version: str, text: str, members: range, folder: Folder) -> tuple
     return len(done), None
 
 
-def arrays_task(version: str, text: str, members: range, _: None) -> tuple[int, Arrays]:
+def arrays_task(version: str, study: Study, members: range, _: None) -> tuple[int, Arrays]:
     """Compute some members that are not stored; see `block_task`."""
-    study = _study(version, text)
+    _check(version)
     return len(members), stacked(study, [member_sums(study, member) for member in members])
 
 
-def _study(version: str, text: str) -> Study:
+def _check(version: str) -> None:
+    """Refuse work for another version of stiction."""
     if version != __version__:
         raise StudyError(
             f"the worker on {socket.gethostname()} has stiction {__version__}, and {version} asks for the study; "
             "install the same version everywhere"
         )
-    return _parsed(text)
-
-
-@functools.lru_cache(maxsize=4)
-def _parsed(text: str) -> Study:
-    return study_from_text(text, "the study")

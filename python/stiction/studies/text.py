@@ -41,7 +41,8 @@ def as_toml(value: Any) -> str:
         case float():
             return repr(value)
         case dict():
-            return "{ " + ", ".join(f"{key} = {as_toml(item)}" for key, item in value.items()) + " }"
+            written = [f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"]  # which is in memory
+            return "{ " + ", ".join(written) + " }"
         case _:
             return "[" + ", ".join(as_toml(item) for item in value) + "]"
 

@@ -1,0 +1,118 @@
+"""What both bodies of a pair are made of, from arguments that say it: numbers, or materials by their names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stiction._arguments import numbers_of, quantities_of, quantity_of
+from stiction._errors import ArgumentError
+from stiction.mechanics.closed_forms import effective_modulus
+
+
+@dataclass(frozen=True)
+class Elasticity:
+    """Elasticity of a pair, and what is known of its softer body."""
+
+    effective_modulus: float  # GPa
+    compliance_share: float = 0.5  # the lower body's fraction, one half unless both bodies are known
+    poisson_ratio: float | None = None  # of the softer body
+    hardness: float | None = None  # of the softer body, GPa
+    source: str = ""  # where the modulus is from, if it is that of materials
+    hardness_source: str = ""
+    materials: tuple[str, str] | None = None  # what the upper and the lower body are made of
+    poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
+
+
+def elasticity_of(
+    modulus: Any = None, young: Any = None, poisson: Any = None, upper: str | None = None, lower: str | None = None
+) -> Elasticity:
+    """What a modulus, or Young's moduli and Poisson's ratios, or materials say, of which one is needed.
+
+    The arguments are called effective_modulus, young, poisson, upper_material and lower_material in errors. Raises a
+    `ValueError` if none or several of these are given, or a value is none.
+    """
+    named = "{upper_material} and {lower_material}"
+    ways = {"{effective_modulus}": modulus, "{young}": young, named: upper or lower}
+    chosen = [way for way, value in ways.items() if value is not None]
+    if young is not None and (upper or lower):
+        raise ArgumentError(
+            '{young} and {poisson} are of both bodies, as in "3 MPa,70 GPa" and "0.5,0.22", and must not be given '
+            "beside a material; stiction materials lists its numbers"
+        )
+    if len(chosen) != 1:
+        raise ArgumentError(
+            f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {named}"
+            + (f", not both {' and '.join(chosen)}" if chosen else "")
+        )
+    if upper or lower:
+        if poisson is not None:
+            raise ArgumentError(f"{{poisson}} must not be given beside {named}, which say it")
+        return _of_materials(str(upper or lower), str(lower or upper))
+    ratios = None if poisson is None else numbers_of("poisson", poisson)
+    if ratios is not None and (len(ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in ratios)):
+        raise ArgumentError("{poisson} must be one or two numbers from 0 to 0.5, got {got}", got=repr(poisson))
+    if modulus is not None:
+        if ratios is not None and len(ratios) > 1:
+            raise ArgumentError(
+                "{poisson} beside {effective_modulus} is of the softer body alone, got {got}", got=repr(poisson)
+            )
+        value = float(quantity_of("effective_modulus", modulus, "pressure"))
+        return Elasticity(value, poisson_ratio=None if ratios is None else ratios[0])
+    moduli = [float(each) for each in quantities_of("young", young, "pressure")]
+    if len(moduli) > 2:
+        raise ArgumentError("{young} must be one modulus or two, got {got}", got=repr(young))
+    if ratios is None:
+        raise ArgumentError("{young} needs {poisson}, of both bodies or of one after the other")
+    (of_upper, of_lower), (upper_ratio, lower_ratio) = (2 * moduli)[:2], (2 * ratios)[:2]
+    return _of_two(of_upper, upper_ratio, of_lower, lower_ratio)
+
+
+def _of_two(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
+    """Elasticity of two bodies with Young's moduli (GPa) and Poisson's ratios."""
+    modulus = float(effective_modulus(upper, upper_ratio, lower, lower_ratio))
+    return Elasticity(
+        modulus,
+        compliance_share=modulus * (1 - lower_ratio**2) / lower,
+        poisson_ratio=upper_ratio if upper <= lower else lower_ratio,
+        poisson_ratios=(upper_ratio, lower_ratio),
+    )
+
+
+def _of_materials(upper: str, lower: str) -> Elasticity:
+    """Elasticity of two bodies by the names of their materials, and the hardness of the softer one, in three digits."""
+    from stiction.mechanics.materials import compliance_fraction, softer_hardness
+
+    above, below = _material("upper_material", upper), _material("lower_material", lower)
+    softer, hardness = min((above, below), key=lambda body: body.hardness), softer_hardness(above, below)
+    ends = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
+    modulus, most = _rounded(effective_modulus(above, below)), _rounded(hardness)
+    return Elasticity(
+        modulus,
+        compliance_share=_rounded(compliance_fraction(above, below)),
+        poisson_ratio=float(softer.poisson_ratio),
+        hardness=most,
+        source=f"{above.name} on {below.name}: E* {modulus:g} GPa",
+        hardness_source=f"hardness {most:g} GPa{ends} ({hardness.source})",
+        materials=(above.name, below.name),
+        poisson_ratios=(_rounded(above.poisson_ratio), _rounded(below.poisson_ratio)),
+    )
+
+
+def _material(argument: str, name: str) -> Any:
+    """A material by its name, or an error that calls the argument by its own; a file is none."""
+    from stiction.mechanics.materials import material
+
+    try:
+        return material(name)
+    except ValueError as error:
+        if (Path(name).suffix and not name.endswith(".")) or "/" in name:
+            why = "is a material, such as steel; the files come first"
+            raise ArgumentError(f"{{{argument}}} {why}, got {{got}}", got=repr(name)) from None
+        raise ArgumentError(f"{{{argument}}} {{why}}", why=str(error).removeprefix("name ")) from None
+
+
+def _rounded(value: float) -> float:
+    """A number in three digits, of which more are not known of a material."""
+    return float(f"{value:.3g}")

@@ -1,0 +1,447 @@
+"""A pair of measured bodies as a study, from numbers, arrays, or texts with units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from stiction._arguments import (
+    at_least_0,
+    listed,
+    load_of,
+    numbers_of,
+    quantities_of,
+    quantity_of,
+)
+from stiction._checks import Floats, whole_number
+from stiction._errors import ArgumentError
+from stiction._units import Quantity, exactly, quantity
+from stiction.mechanics.law import NAMED, JacksonGreen
+from stiction.studies.elasticity import Elasticity, elasticity_of
+from stiction.studies.ladder import ladder
+from stiction.studies.measured_files import Body, MeasuredFile
+from stiction.studies.members import about
+from stiction.studies.study import Study
+from stiction.studies.text import validated
+from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.pairing import LINES
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+OFFSETS = 64
+"""Positions of one pair of profiles by default: some seconds of computing, and enough for an interval."""
+
+SHIFTS = 16
+"""Relative positions of two maps by default."""
+
+SURROGATES = 16
+"""Pairs of surrogates of profiles, which have no areas of their own, by default."""
+
+SEED = 2016
+"""Start of the random numbers of surrogates by default."""
+
+LAW = "hertz-sphere"
+"""Contact law of asperities by default."""
+
+HARDNESS = 2.84
+"""Hardness over yield strength, of the law of Jackson and Green at small contact radii."""
+
+MECHANICS = ("half-space", "asperities")
+
+SPHERES = (
+    "A profile says nothing about the third direction, so contacts were taken as spheres on a strip 1 µm thick. For "
+    "grooves across the scan add --lay grooves; for surfaces alike in all directions, --lay isotropic."
+)
+HALF_PLANES = (
+    "A profile says nothing about the third direction, so the surfaces were taken as grooved across the scan. For "
+    "surfaces alike in all directions add --lay isotropic."
+)
+
+Several = Any
+"""One value or several: a number, a text with its unit, texts between commas, a list or an array of either."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """Two bodies and what is asked of them: arguments of `pair`, by their names; None is the usual.
+
+    Numbers are in µm, mN, GPa and degrees. Wrong ones are an `ArgumentError`, whenever what they decide is needed.
+    """
+
+    upper: Any  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned: the slider
+    lower: Any  # what it is carried over
+    load: Several
+    mu0: Several
+    tau0: Several = 0.0
+    direction: Several = None
+    effective_modulus: Any = None
+    young: Several = None
+    poisson: Several = None
+    upper_material: str | None = None
+    lower_material: str | None = None
+    hardness: Any = None
+    law: str | None = None
+    yield_strength: Any = None
+    mechanics: str | None = None
+    check: bool = False
+    lines: int | None = None
+    lay: str | None = None
+    surrogates: int | str | None = None
+    seed: int | None = None
+    level: str | None = None
+    cutoff: Several = None
+    offsets: int | None = None
+    travel: Any = None
+    along: str | None = None
+    detection: str | None = None
+    curvature: str | None = None
+    shifts: int | None = None
+    rotate: float | None = None
+    unit: Several = None
+    spacing: Several = None
+    missing: str | None = None
+    channel: Several = None
+    columns: Several = None
+
+    def __post_init__(self) -> None:
+        for name, allowed in _CHOICES.items():
+            if (value := getattr(self, name)) is not None and value not in allowed:
+                raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}", got=repr(value))
+        for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0)):
+            if (value := getattr(self, name)) is not None:
+                try:
+                    whole_number("", value, least=least)
+                except ValueError as error:
+                    raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+        for names, applies, why in _APPLY:
+            for name in names:
+                value = getattr(self, name)
+                if value is not None and value is not False and not applies(self):
+                    shown = "" if value is True else f" {value}"
+                    raise ArgumentError(f"{{{name}}} {why}, got {{{name}}}{{shown}}", shown=shown)
+
+    # ---- Bodies ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def files(self) -> tuple[MeasuredFile, MeasuredFile]:
+        """Where both bodies are, and how they are read."""
+        upper, lower = (self._file(side, index) for index, side in enumerate(("upper", "lower")))
+        return upper, lower
+
+    def _file(self, side: str, index: int) -> MeasuredFile:
+        """One body; what says how files are read is for both, or for one after the other."""
+        body, names = getattr(self, side), ("unit", "spacing", "channel", "columns")
+        if not isinstance(body, (str, Path)):
+            for name in (*names, "missing"):
+                if getattr(self, name) is not None:
+                    raise ArgumentError(
+                        f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
+                    )
+            return MeasuredFile.holding(body, side)
+        table: dict[str, Any] = {"file": str(body), "missing": self.missing or "error"}
+        for name in names:
+            values = getattr(self, name)
+            several = list(values) if isinstance(values, (list, tuple)) else [values]
+            if len(several) > 2:
+                raise ArgumentError(
+                    f"{{{name}}} is for both files, or given twice for one after the other, got {len(several)}"
+                )
+            value = several[index % len(several)] if several else None
+            if value is None or value == "":
+                continue
+            text = value if isinstance(value, str) else exactly(value, "um") if name == "spacing" else str(value)
+            table[name] = listed(text) if "," in text and name != "channel" else text
+        return validated(MeasuredFile, table, f"pair: {side}")
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """The slider, and what it is carried over, as they were scanned."""
+        upper, lower = (file.read() for file in self.files)
+        return upper, lower
+
+    @property
+    def are_maps(self) -> bool:
+        """Whether both are maps."""
+        return all(isinstance(body, Surface) for body in self.bodies)
+
+    @property
+    def are_profiles(self) -> bool:
+        """Whether both are profiles."""
+        return all(isinstance(body, Profile) for body in self.bodies)
+
+    @property
+    def has_spectrum(self) -> bool:
+        """Whether one of both is a spectrum of several scans."""
+        return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
+
+    # ---- What is pressed, and how ------------------------------------------------------------------------------------
+
+    @property
+    def press(self) -> str:
+        """How members are made: "areas", "lines" or "surrogates"."""
+        if self.has_spectrum or self.lay == "isotropic":
+            return "surrogates"
+        return "areas" if self.are_maps and self.lines is None else "lines"
+
+    @property
+    def by(self) -> tuple[str, ...]:
+        """The mechanics, of which the first is that of the answer."""
+        usual = "asperities" if self.press == "lines" else "half-space"
+        if self.check:
+            return usual, MECHANICS[1 - MECHANICS.index(usual)]
+        return (self.mechanics or usual,)
+
+    @property
+    def contact_law(self) -> str:
+        """Name of the contact law of asperities."""
+        return self.law or ("hertz-cylinder" if self.lay == "grooves" else LAW)
+
+    @property
+    def has_surrogates(self) -> bool:
+        """Whether anything is pressed that was not scanned."""
+        return self.press == "surrogates" or self.surrogates not in (None, "none")
+
+    @cached_property
+    def elasticity(self) -> Elasticity:
+        """What both bodies are made of."""
+        return elasticity_of(self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material)
+
+    @cached_property
+    def loads(self) -> list[Quantity]:
+        """The loads that are asked for, mN, in rising order; of pressures those on the nominal area."""
+        area = self._nominal_area if any(per_area for _, per_area in self._asked_loads) else 1.0
+        # Pressure times area has a last digit that nobody asked for.
+        forces = {float(f"{load * area:.12g}") if per_area else float(load) for load, per_area in self._asked_loads}
+        return [quantity(exactly(force, "mN"), "force") for force in sorted(forces)]
+
+    @cached_property
+    def _asked_loads(self) -> list[tuple[Quantity, bool]]:
+        """Loads as they were given, mN or GPa of the slider's area, and whether they are that."""
+        if not (loads := listed(self.load)):
+            raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.load))
+        return [load_of("load", load) for load in loads]
+
+    # ---- Studies -----------------------------------------------------------------------------------------------------
+
+    @property
+    def study(self) -> Study:
+        """The study of the answer."""
+        return self.studies[0]
+
+    @cached_property
+    def studies(self) -> list[Study]:
+        """The study of the answer and, with a check, that by the other mechanics."""
+        contacts = [self._contact(mechanics) for mechanics in self.by]
+        loads = [exactly(load, "mN") for load in self._ladder(contacts).tolist()]
+        return [self._study(contact | {"load": loads}) for contact in contacts]
+
+    @property
+    def first_study(self) -> Study | None:
+        """The study of an answer within a second, by asperities; None where they are the answer, or of lines."""
+        if self.press == "lines" or self.by[0] == "asperities":
+            return None
+        return self._study(self._contact("asperities") | {"load": self.loads})
+
+    @property
+    def remarks(self) -> list[str]:
+        """What is worth knowing of materials, and of profiles whose lay is not said."""
+        known, remarks = self.elasticity, []
+        if known.source and self.hardness is None:
+            remarks.append(f"{known.source}, {known.hardness_source}; --hardness says what was measured")
+        elif known.source:
+            remarks.append(f"{known.source}; the hardness is that of --hardness")
+        if self.are_profiles and self.lay is None and self.press == "lines":
+            if self.by == ("half-space",):
+                remarks.append(HALF_PLANES)
+            elif self.contact_law != "hertz-cylinder":
+                remarks.append(SPHERES)
+        return remarks
+
+    def _study(self, contact: dict[str, Any]) -> Study:
+        strengths = at_least_0("tau0", quantities_of("tau0", self.tau0, "pressure"), self.tau0)
+        coefficients = at_least_0("mu0", numbers_of("mu0", self.mu0), self.mu0)
+        friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
+        data = {
+            "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
+        }  # fmt: skip
+        return validated(Study, data, "pair").with_known_files()
+
+    def _surfaces(self) -> dict[str, Any]:
+        press, level = self.press, self.level
+        table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
+        if self.cutoff is not None:
+            table["cut_off"] = _rising(quantities_of("cutoff", self.cutoff, "length"))
+        if level is not None:
+            table["level"] = "plane" if press == "surrogates" and level == "line" else level
+        if press == "areas":
+            table |= {"rotate": float(self.rotate or 0.0), "surrogates": self._number_of_surrogates(0)}
+        if press == "lines":
+            replaced = "none" if self.surrogates is None else str(self.surrogates)
+            table |= {"along": self.along or "x", "replace": replaced, "offsets": self._positions()[1]}
+            if self.travel is not None:
+                table["travel"] = quantity_of("travel", self.travel, "length")
+        return table
+
+    def _ensemble(self) -> dict[str, Any]:
+        if self.press == "lines":
+            lines, offsets = self._positions()
+            repetitions = lines * offsets
+        elif self.press == "surrogates":
+            repetitions = self._number_of_surrogates(SURROGATES)
+        else:
+            repetitions = (self.shifts or SHIFTS) + self._number_of_surrogates(0)
+        return {"repetitions": repetitions, "seed": SEED if self.seed is None else self.seed}
+
+    def _positions(self) -> tuple[int, int]:
+        """How many pairs of lines there are, and how many positions on each."""
+        lines, offsets = self.lines or LINES, self.offsets
+        if self.are_profiles and not self.has_surrogates:
+            return 1, OFFSETS if offsets is None else offsets
+        if not self.has_surrogates:
+            axis = 1 if self.along == "y" else 0
+            lines = min(lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
+        if (offsets or 1) > 1 and self.travel is None:
+            raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, for which the slider is shortened")
+        return lines, offsets or 1
+
+    def _number_of_surrogates(self, default: int) -> int:
+        text = "none" if self.surrogates is None else str(self.surrogates)
+        if text == "none":
+            return default
+        if not text.isdecimal() or not int(text):
+            raise ArgumentError(
+                "{surrogates} of areas must be a number of pairs of at least 1, got {got}", got=repr(text)
+            )
+        return int(text)
+
+    def _contact(self, mechanics: str) -> dict[str, Any]:
+        known = self.elasticity
+        table: dict[str, Any] = {
+            "mechanics": mechanics, "effective_modulus": exactly(known.effective_modulus, "GPa"),
+        }  # fmt: skip
+        for name, value in (("materials", known.materials), ("poisson_ratio", known.poisson_ratios)):
+            if value is not None:
+                table[name] = list(value)
+        if self.direction is not None:
+            table["direction"] = numbers_of("direction", self.direction)
+        if mechanics == "half-space":
+            table["compliance_share"] = known.compliance_share
+            if (hardness := self._hardness) is not None:
+                table["hardness"] = hardness
+        else:
+            table |= {"law": self._law(), "detection": self.detection or "gap-minimum"}
+            if self.curvature is not None:
+                table["curvature"] = self.curvature
+        return table
+
+    @property
+    def _hardness(self) -> Quantity | None:
+        """That which is given, or else that of the materials."""
+        if self.hardness is None:
+            known = self.elasticity.hardness
+            return None if known is None else quantity(exactly(known, "GPa"), "pressure")
+        hardness = quantity_of("hardness", self.hardness, "pressure")
+        if not hardness > 0:
+            raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.hardness))
+        return hardness
+
+    def _law(self) -> Any:
+        """The contact law of asperities, with its parameters."""
+        if self.contact_law != JacksonGreen.name:
+            return self.contact_law
+        strength, ratio = self.yield_strength, self.elasticity.poisson_ratio
+        if strength is None and self._hardness is None:
+            raise ArgumentError("{law} jackson-green needs {yield_strength} or {hardness}, one of them")
+        if ratio is None:
+            raise ArgumentError("{law} jackson-green needs {poisson}, of the softer body")
+        if strength is None:
+            strength = exactly(float(self._hardness or 0.0) / HARDNESS, "GPa")
+        else:
+            strength = quantity_of("yield_strength", strength, "pressure")
+        return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
+
+    def _ladder(self, contacts: list[dict[str, Any]]) -> Floats:
+        """The loads that members are pressed to, by all mechanics the same, mN."""
+        most = None
+        hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
+        if hardness is not None:
+            if any(per_area and load >= hardness for load, per_area in self._asked_loads):
+                raise ArgumentError("{load} must be below the hardness, {hardest:.4g} GPa", hardest=float(hardness))
+            most = float(hardness) * self._nominal_area
+            if not self.loads[-1] < most:
+                raise ArgumentError("{load} must be below the hardness times the area, {most:.4g} mN", most=most)
+        by_half_space = "half-space" in self.by
+        return ladder(
+            self.loads, press=self.press, mechanics="half-space" if by_half_space else "asperities", most=most
+        )
+
+    @cached_property
+    def _nominal_area(self) -> float:
+        """Area of each member, µm²."""
+        placeholder = {"mu0": [0.0], "load": ["1 mN"]}
+        data = {"surfaces": self._surfaces(), "ensemble": self._ensemble(), "friction": placeholder}
+        area = about(validated(Study, data, "pair")).nominal_area
+        assert area is not None, "measured bodies have one"
+        return area
+
+
+def pair_study(upper: Any, lower: Any, **asked: Any) -> Study:
+    """The study of two measured bodies, files or in memory, with arguments by the names of `Pair`; it can be pressed.
+
+    Raises
+    ------
+    ValueError
+        If a file cannot be read, or an argument is wrong or does not apply.
+    """
+    study = Pair(upper=upper, lower=lower, **asked).study
+    about(study)
+    return study
+
+
+ARGUMENTS = tuple(each.name for each in fields(Pair))
+"""Names of what may be asked of a pair."""
+
+
+def _rising(values: list[Quantity]) -> list[Quantity]:
+    """Quantities in rising order, each once; of equal ones the last."""
+    by_value = {float(value): value for value in values}
+    return [by_value[value] for value in sorted(by_value)]
+
+
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "mechanics": MECHANICS,
+    "lay": ("grooves", "isotropic"),
+    "law": (*NAMED, JacksonGreen.name),
+    "along": ("x", "y"),
+    "detection": ("gap-minimum", "cell"),
+    "curvature": ("convex", "signed"),
+    "missing": ("error", "interpolate"),
+}
+
+_APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
+    (("lay",), lambda asked: asked.are_profiles, "is for two profiles; a map has its lay in it"),
+    (("mechanics",), lambda asked: not asked.check, "must not be given beside {check}, which is both"),
+    (("lines",), lambda asked: not asked.has_spectrum, "is not for a spectrum, of which surfaces are made"),
+    (("lines",), lambda asked: not asked.are_profiles or (asked.press == "lines" and asked.has_surrogates),
+     "is for surfaces and surrogates; two profiles are one pair"),
+    (("offsets", "travel"), lambda asked: asked.press == "lines", "is for lines; of maps give {lines} as well"),
+    (("along",), lambda asked: asked.press == "lines" and not asked.are_profiles, "is for lines of surfaces"),
+    (("shifts", "rotate"), lambda asked: asked.press == "areas", "is for the areas of two maps, without {lines}"),
+    (("direction",), lambda asked: asked.press != "lines", "is for areas; lines are moved both ways"),
+    (("seed",), lambda asked: asked.has_surrogates, "is for {surrogates}"),
+    (("law", "detection", "curvature", "yield_strength"), lambda asked: "asperities" in asked.by,
+     "is for {mechanics} asperities"),
+    (("law",), lambda asked: asked.lay != "grooves" or asked.contact_law == "hertz-cylinder",
+     "must not be given beside {lay} grooves, which presses cylinders"),
+    (("yield_strength",), lambda asked: asked.contact_law == JacksonGreen.name, "is for {law} jackson-green"),
+    (("yield_strength",), lambda asked: asked.hardness is None or "half-space" in asked.by,
+     "must not be given beside {hardness}, which says it"),
+    (("hardness",), lambda asked: "half-space" in asked.by or asked.contact_law == JacksonGreen.name,
+     "is for {mechanics} half-space, and for {law} jackson-green"),
+    (("poisson",), lambda asked: asked.young is not None or asked.contact_law == JacksonGreen.name,
+     "is for {young} and {law} jackson-green"),
+)  # fmt: skip
+"""Arguments that do not always apply: where they apply, and the message where they do not."""

@@ -1,0 +1,158 @@
+"""`stiction.pair`: two bodies pressed together, with everything that is kept beside the result, as the command does."""
+
+from __future__ import annotations
+
+import atexit
+import shutil
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+from warnings import warn
+
+from stiction._errors import ArgumentError
+from stiction.studies.pair import ARGUMENTS, pair_study
+from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from stiction.views.result import Result
+
+Body = str | Path | Profile | Surface | JoinedSpectrum | Any
+
+Quantity = str | float
+"""A text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)."""
+
+_NAMES = {"upper": "first", "lower": "second", "upper_material": "upper", "lower_material": "lower"}
+"""Arguments of this function that `Pair` calls otherwise."""
+
+
+def pair(
+    first: Body,
+    second: Body,
+    *,
+    load: Quantity | Sequence[Quantity],
+    mu0: float | Sequence[float],
+    tau0: Quantity | Sequence[Quantity] = 0.0,
+    upper: str | None = None,
+    lower: str | None = None,
+    effective_modulus: Quantity | None = None,
+    young: Quantity | Sequence[Quantity] | None = None,
+    poisson: float | Sequence[float] | None = None,
+    hardness: Quantity | None = None,
+    mechanics: Literal["half-space", "asperities"] | None = None,
+    law: str | None = None,
+    yield_strength: Quantity | None = None,
+    cutoff: Quantity | Sequence[Quantity] | None = None,
+    level: str | None = None,
+    lay: Literal["grooves", "isotropic"] | None = None,
+    shifts: int | None = None,
+    rotate: float | None = None,
+    direction: Sequence[float] | None = None,
+    lines: int | None = None,
+    along: Literal["x", "y"] | None = None,
+    offsets: int | None = None,
+    travel: Quantity | None = None,
+    detection: str | None = None,
+    curvature: str | None = None,
+    surrogates: int | str | None = None,
+    seed: int | None = None,
+    unit: str | Sequence[str] | None = None,
+    spacing: Quantity | Sequence[Quantity] | None = None,
+    missing: Literal["error", "interpolate"] | None = None,
+    channel: str | Sequence[str] | None = None,
+    columns: str | Sequence[str] | None = None,
+    directory: str | Path | None = None,
+    replace: bool = False,
+    onset: int | None = None,
+    executor: Executor | None = None,
+    progress: bool = False,
+) -> Result:
+    """Static friction of two measured profiles or surfaces at given loads, with intervals: the command as a function.
+
+    Parameters
+    ----------
+    first, second : str, path, Profile, Surface or JoinedSpectrum
+        The slider and what it is carried over, as files or as bodies; heights of both point out of the material, as
+        they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them. Of a spectrum random
+        surfaces are pressed, and another scan beside it is taken by its own spectrum.
+    load : str or float, or several, mN
+        Normal load, "10 mN" or per nominal area "10 MPa"; numbers are mN.
+    mu0 : float, or several
+        Molecular friction coefficient.
+    tau0 : str or float, or several, GPa
+        Adhesive shear strength, "50 MPa"; numbers are GPa.
+    upper, lower : str
+        Materials by their names, see `materials`; one name is that of both.
+    effective_modulus, young, hardness : str or float, GPa
+    poisson : float, or two
+        In place of materials, or beside them the hardness. One of effective_modulus, young with poisson, or materials
+        is needed: nothing is assumed of a measured body.
+    mechanics : {"half-space", "asperities"}
+        By default the half-space of maps and asperities of lines.
+    law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \
+    curvature, surrogates, seed, unit, spacing, missing, channel, columns
+        As the options of `stiction pair`.
+    directory : path, optional
+        Where the result is kept, as by ``--output``; by default as long as Python runs.
+    replace : bool
+        Whether another result in that directory is replaced.
+    onset : int, optional
+        Members whose onset of sliding is computed besides, as by ``--onset``; 0 for none.
+    executor : concurrent.futures.Executor, optional
+        Where members are computed; a thread for each core by default.
+    progress : bool
+        Whether to draw a progress bar on the terminal.
+
+    Returns
+    -------
+    Result
+        The same that `read_result` returns of the directory.
+
+    Raises
+    ------
+    ValueError
+        If a file cannot be read, a quantity has a wrong unit, or an argument does not apply.
+
+    Examples
+    --------
+    >>> from stiction import pair, self_affine_surface
+    >>> a, b = (
+    ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+    ...     for side in ("upper", "lower")
+    ... )
+    >>> result = pair(a, b, load="10 MPa", upper="steel", lower="brass", mu0=0.2, mechanics="asperities", shifts=4)
+    >>> result.verdict in ("Quote it", "Quote with care", "Do not quote")
+    True
+    """
+    from stiction.studies.complete import complete
+    from stiction.studies.executors import given_or_threads
+    from stiction.views.result import read_result
+
+    given = locals()
+    asked = {name: value for name in ARGUMENTS if (value := given.get(_NAMES.get(name, name))) is not None}
+    for name in ("first", "second"):
+        if any(step == "turned over" for step in getattr(given[name], "history", ())):
+            warn(
+                f"{name} was turned over, and pair turns the first body over itself: give both as they were scanned, "
+                "heights out of the material",
+                stacklevel=2,
+            )
+    folder = _temporary() if directory is None else Path(directory)
+    try:
+        study = pair_study(**asked)
+        with given_or_threads(executor) as workers:
+            complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
+    except ValueError as error:
+        said = error.said(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
+        raise ValueError("; ".join(said.splitlines())) from None
+    return read_result(folder)
+
+
+def _temporary() -> Path:
+    """A folder that is gone when Python ends."""
+    folder = Path(tempfile.mkdtemp(prefix="stiction-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
