@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 from matplotlib.cbook import get_sample_data
-from stiction import Surface, levelled, lines_along_both, nondimensional, paired_lines, traverse, traverse_mean
-from stiction.views.characterisation import surface_characterisation_text
-from stiction.views.figures.roughness import surface_characterisation_figure
+from stiction import Surface, levelled, nondimensional, paired_lines, traverse, traverse_mean
+from stiction.views.characterisation import characterisation_text
+from stiction.views.figures.roughness import characterisation_figure
 
 METRES_PER_DEGREE = 111_200  # of latitude
 
@@ -23,9 +23,8 @@ surface = levelled(
     "plane",
 )
 
-along_x, along_y = lines_along_both(surface)
-print(surface_characterisation_text(surface, along_x, along_y), end="")
-surface_characterisation_figure(surface, along_x, along_y).savefig("fault_surface.png")
+print(characterisation_text(surface), end="")
+characterisation_figure(surface).savefig("fault_surface.png")
 
 # Its lines on others of its own, as rock of E* = 40 GPa; a load without unit is F/(E* L²), with L the length of a line.
 uppers, lowers = paired_lines(surface, surface, lines=24)

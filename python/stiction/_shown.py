@@ -6,7 +6,6 @@ import base64
 import html
 import io
 import math
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -19,22 +18,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DPI = 110
-"""Of pictures in a notebook."""
+"""Dots to an inch of a picture in a notebook."""
 
 SIZE = (4.6, 3.2)
-"""Inches, of a picture in a notebook."""
+"""Width and height of a picture in a notebook, inches."""
 
 SMALL = 4.0
-"""Inches."""
+"""Width of a figure below which a picture has more dots, inches."""
 
 COMPRESSION = 4
-"""Of PNG: half of the time of 6, the usual, for a tenth more bytes of maps and hardly any of curves."""
+"""Level of PNG: half of the time of 6, the usual, for a tenth more bytes of maps and hardly any of curves."""
 
 _PREFIXES = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
-"""Of each unit the next smaller one, which serves below a tenth."""
-
-_TYPE_LINE = re.compile(r"^ *([A-Za-z]\w*(?:, \w+)*) : (.*)$", re.MULTILINE)
-_UNIT = re.compile(r"\b(?:ndarray|array_like|float|int)\)?(?: of \w+)?, ([^()]+)$")
+"""The next smaller unit of each, which serves below a tenth."""
 
 
 class Readable:
@@ -67,14 +63,8 @@ class Tabled(Readable):
 
 
 def units_of(cls: Any) -> dict[str, str]:
-    """The unit of each attribute that the documentation of a class and of those it is made from names."""
-    units: dict[str, str] = {}
-    for each in reversed(cls.__mro__):
-        for names, kind in _TYPE_LINE.findall(each.__doc__ or ""):
-            found = _UNIT.search(kind.removesuffix(", optional"))
-            named, several = names.split(", "), found[1].split(", ") if found else [""]
-            units |= dict(zip(named, several if len(several) == len(named) else several[:1] * len(named), strict=True))
-    return units
+    """The unit of each attribute of a class that has one."""
+    return {each.name: each.metadata["unit"] for each in fields(cls) if "unit" in each.metadata}
 
 
 def in_unit(value: float, unit: str) -> tuple[str, str]:

@@ -8,10 +8,10 @@ import pytest
 from measured_results import lines_result, maps_result
 from stiction import Profile, Surface, levelled, self_affine, self_affine_surface
 from stiction.studies.contact_picture import contact_picture
-from stiction.surfaces.lines import lines_along_both
-from stiction.views.characterisation import characterisation_rows, friction_by_slope
+from stiction.views.characterisation import Characterisation
+from stiction.views.figures.roughness import MOST_POINTS
 from stiction.views.report import report_page
-from stiction.views.report.surface import MOST_POINTS, surface_page
+from stiction.views.report.surface import surface_page
 
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = pytest.mark.skipif(
@@ -51,7 +51,7 @@ def pages(small_result, profile, surface, tmp_path_factory):
         "maps": report_page(maps, picture=contact_picture(maps)),
         "lines": report_page(lines_result(folder)),
         "profile": surface_page(profile, **TABLE).html(),
-        "surface": surface_page(surface, lines_along_both(surface), **TABLE).html(),
+        "surface": surface_page(surface, **TABLE).html(),
     }
     for name, text in texts.items():
         (folder / f"{name}.html").write_text(text, encoding="utf-8")
@@ -175,11 +175,12 @@ def test_a_page_has_the_table_and_what_slopes_say(driver, pages, profile):
     said = driver.execute_script(
         "return [...document.querySelectorAll('tr')].map((row) => [...row.cells].map((cell) => cell.innerText))"
     )
-    rows = [(name, value) for name, value in characterisation_rows(profile) if name]
+    found = Characterisation(profile)
+    rows = [(row.label, row.texts[0]) for row in found.rows if row.label]
     assert [name for name, *_ in said] == [name for name, _ in rows]
     assert dict(said)["Pq"] == dict(rows)["Pq"]
     text = driver.find_element("id", "main").text
-    assert f"μₛ = {friction_by_slope(profile)[0]:.2f}, by their slopes alone" in text
+    assert f"μₛ = {found.friction[0]:.2f}, by their slopes alone" in text
     assert TABLE["command"] in text
 
 
@@ -201,7 +202,7 @@ def test_a_page_of_a_scan_doubts_what_pair_would_doubt(profile):
 
 def test_text_of_a_file_is_text_on_its_page(surface):
     foreign = Surface(surface.heights, spacing=0.1, history=("<script>alert(1)</script>",))
-    page = surface_page(foreign, lines_along_both(foreign), name="<b>.npy", command="<i>").html()
+    page = surface_page(foreign, name="<b>.npy", command="<i>").html()
     assert "alert(1)</script>" not in page
     assert "<b>" not in page
     assert "<code>&lt;i&gt;</code>" in page

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from stiction._arguments import quantity_of
 from stiction._checks import choice
-from stiction._text import named
+from stiction._text import named, printable
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import (
     Channel,
@@ -26,6 +26,9 @@ from stiction.cli.options import (
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from stiction.views.characterisation import Characterisation
 
 Row = Annotated[int | None, option("--row", "N", "Of a surface, this row alone, from 0 on.", least=0)]
 Column = Annotated[int | None, option("--column", "N", "Of a surface, this column alone, from 0 on.", least=0)]
@@ -58,7 +61,7 @@ Output = Annotated[
     option(
         "--output -o",
         "FILE",
-        "What to write, by its ending: of a file its page or its figure, of several a table, of --together either.",
+        "What alone to write, by its ending: of a file its page or its figure, of several a table.",
         "./FILE.html and .png, ./characterised.csv, ./joined.csv and .png",
     ),
 ]
@@ -95,112 +98,83 @@ def characterise(
     Of one file it prints a table, makes a page for any browser and draws a figure; of several it writes one CSV file, a
     row for each. With --json it writes only what --output says.
     """
-    from stiction.views import roughness_rows as rows
+    from stiction.surfaces.cut_off import cut_off
+    from stiction.views import characterisation as views
+    from stiction.views.style import save_picture
 
+    outputs = [] if as_json and output is None else _outputs(files, output, together=together)
     fitted = _band(band)
     shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
     radius = None if tip is None else quantity_of("tip", tip, "length")
-    bodies = [
-        _cut_off(
-            _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level), shortest
-        )
-        for file in files
-    ]
+    found = []
+    for file in files:
+        body = _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level)
+        try:
+            body = body if shortest is None else cut_off(body, shortest)
+        except ValueError as error:
+            raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
+        found.append(views.Characterisation(body, band=fitted, tip_radius=radius))
     if together:
-        _together(files, bodies, radius, output, as_json=as_json)
+        _together(files, found, outputs, as_json=as_json)
         return
-    told = [
-        (str(file), body, rows.characterisation(body, fitted, radius))
-        for file, body in zip(files, bodies, strict=True)
-        if as_json or len(files) > 1
-    ]
+    told = list(zip(map(str, files), found, strict=True))
     if as_json:
-        tell(rows.characterisation_record(told))
-    if output is None and as_json:
-        return
-    if len(files) > 1:
-        _write(output or Path("characterised.csv"), rows.characterisation_csv(told), f"{len(files)} files", as_json)
-    else:
-        _show(context, files[0], bodies[0], fitted, radius)
+        tell(views.characterisation_record(told))
+    elif len(files) == 1:
+        tell(views.characterisation_text(found[0]))
+    for path in outputs:
+        what = "" if output is None else ", the figure alone"
+        if len(files) > 1:
+            what = f", {len(files)} files"
+            if path.exists():
+                raise ValueError(f"{named(path)}: exists already; --output FILE.csv puts the table elsewhere")
+            path.write_text(views.characterisation_csv(told), encoding="utf-8")
+        elif path.suffix.lower() == ".html":
+            from stiction.views.report.surface import surface_page
+
+            what = "" if output is None else ", the page alone"
+            surface_page(found[0], name=printable(files[0].name), command=_same_as(context, files[0])).save(path)
+        else:
+            from stiction.views.figures.roughness import characterisation_figure
+
+            save_picture(characterisation_figure(found[0]), path)
+        (say if as_json else tell)(f"wrote {named(path)}{what}")
 
 
-def _write(table: Path, text: str, what: str, as_json: bool) -> None:
-    """Write a new CSV file, and say so."""
-    if table.exists():
-        raise ValueError(f"{named(table)}: exists already; --output FILE.csv puts the table elsewhere")
-    table.write_text(text, encoding="utf-8")
-    (say if as_json else tell)(f"wrote {table}, {what}")
-
-
-def _together(
-    files: list[Path], bodies: list[Profile | Surface], radius: float | None, output: Path | None, *, as_json: bool
-) -> None:
+def _together(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
     """Say what several scans of one surface are together, and write their spectrum."""
     from stiction.surfaces.joined import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
-    from stiction.views import scale_rows
     from stiction.views.figures.joined import joined_figure
+    from stiction.views.joined import joined_record, joined_text
     from stiction.views.rows import record
     from stiction.views.style import save_picture
 
-    if len(files) < 2:
-        raise ValueError("--together is for several scans of one surface, got 1")
     names = [file.name for file in files]
     names = names if len(set(names)) == len(names) else list(map(str, files))
-    joined = joined_spectrum(bodies, tip_radii=[radius] * len(bodies), names=names)
-    if as_json:
-        tell(record("characterise", [], kind="joined", **scale_rows.joined_record(joined)))
-    else:
-        tell(scale_rows.joined_text(joined))
-    if output is not None or not as_json:
-        for path in (Path("joined.csv"), Path("joined.png")) if output is None else (output,):
-            if path.suffix.lower() == ".csv":
-                write_spectrum(joined, path)
-            else:
-                save_picture(joined_figure(joined), path)
-            (say if as_json else tell)(f"wrote {path}, {len(files)} scans")
-
-
-def _cut_off(body: Profile | Surface, shortest: float | None) -> Profile | Surface:
-    """A body without waves shorter than this (µm), if that is asked for."""
-    from stiction.surfaces.cut_off import cut_off
-
-    try:
-        return body if shortest is None else cut_off(body, shortest)
-    except ValueError as error:
-        raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
-
-
-def _show(
-    context: typer.Context, file: Path, body: Profile | Surface, band: tuple[float, float] | None, radius: float | None
-) -> None:
-    """Print the table of one body, make its page, and draw its figure."""
-    from stiction.surfaces.lines import lines_along_both
-    from stiction.views import characterisation as views
-    from stiction.views.figures import roughness
-    from stiction.views.report.surface import surface_page
-    from stiction.views.style import save_picture
-
-    output, as_json = context.params["output"], context.params["as_json"]
-    along = () if isinstance(body, Profile) else lines_along_both(body, band=band)
-    if not as_json:
-        tell(
-            views.characterisation_text(body, band=band, tip_radius=radius)
-            if isinstance(body, Profile)
-            else views.surface_characterisation_text(body, *along, band=band, tip_radius=radius)
-        )
-    for path in (Path(f"{file.stem}.html"), Path(f"{file.stem}.png")) if output is None else (output,):
-        if path.suffix.lower() == ".html":
-            words = {"name": file.name, "command": _same_as(context, file)}
-            surface_page(body, along, band=band, tip_radius=radius, **words).save(path)
+    joined = joined_spectrum([each.body for each in found], tip_radii=[each.tip_radius for each in found], names=names)
+    tell(record("characterise", [], kind="joined", **joined_record(joined)) if as_json else joined_text(joined))
+    for path in outputs:
+        if path.suffix.lower() == ".csv":
+            write_spectrum(joined, path)
         else:
-            figure = (
-                roughness.characterisation_figure(body, band=band)
-                if isinstance(body, Profile)
-                else roughness.surface_characterisation_figure(body, *along, band=band)
-            )
-            save_picture(figure, path)
-        (say if as_json else tell)(f"wrote {path}")
+            save_picture(joined_figure(joined), path)
+        (say if as_json else tell)(f"wrote {named(path)}, {len(files)} scans")
+
+
+def _outputs(files: list[Path], output: Path | None, *, together: bool) -> list[Path]:
+    """What is to be written; refused before anything is computed where it cannot be."""
+    if together and len(files) < 2:
+        raise ValueError("--together is for several scans of one surface, got 1")
+    pictures = [".png", ".pdf", ".svg"]
+    endings = [".csv", *pictures] if together else [".csv"] if len(files) > 1 else [".html", *pictures]
+    if output is None:
+        stem, count = ("joined", 2) if together else ("characterised", 1) if len(files) > 1 else (files[0].stem, 2)
+        return [Path(f"{stem}{ending}") for ending in endings[:count]]
+    if output.suffix.lower() not in endings:
+        allowed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
+        raise ValueError(f"{named(output)}: cannot be written: its name must end in {allowed}")
+    return [output]
 
 
 def _same_as(context: typer.Context, file: Path) -> str:

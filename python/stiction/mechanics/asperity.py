@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import stiction._core
 from stiction._checks import Floats, choice, read_only
@@ -35,10 +35,10 @@ class Asperities(Readable):
     """
 
     slope: Floats
-    curvature: Floats
+    curvature: Floats = field(metadata={"unit": "1/µm"})
     normal: Floats
-    radius: Floats
-    centre: Floats
+    radius: Floats = field(metadata={"unit": "µm"})
+    centre: Floats = field(metadata={"unit": "µm"})
 
 
 def asperities(profile: Profile, side: Side) -> Asperities:

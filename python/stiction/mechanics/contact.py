@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Unpack, overload
 
 import numpy as np
@@ -63,16 +63,16 @@ class Contacts(Readable):
     """
 
     index: NDArray[np.int64]
-    centre: Floats
+    centre: Floats = field(metadata={"unit": "µm"})
     normal: Floats
     tangent: Floats
-    radius: Floats
-    radii: Floats
-    axes: Floats
+    radius: Floats = field(metadata={"unit": "µm"})
+    radii: Floats = field(metadata={"unit": "µm"})
+    axes: Floats = field(metadata={"unit": "µm"})
     along: Floats
-    overlap: Floats
-    force: Floats
-    area: Floats
+    overlap: Floats = field(metadata={"unit": "µm"})
+    force: Floats = field(metadata={"unit": "mN"})
+    area: Floats = field(metadata={"unit": "µm²"})
     opposing: NDArray[np.bool_]
 
     def __len__(self) -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
 import numpy as np
@@ -82,16 +82,16 @@ class Sums:
     """
 
     contact_count: NDArray[Any]
-    contact_area: Floats
-    normal_elastic: Floats
-    tangential_elastic: Floats
-    normal_frictional: Floats
-    tangential_frictional: Floats
-    normal_adhesive: Floats
-    tangential_adhesive: Floats
-    overlap_load: Floats
-    load_beyond_hertz: Floats
-    load_below_grid: Floats
+    contact_area: Floats = field(metadata={"unit": "µm²"})
+    normal_elastic: Floats = field(metadata={"unit": "mN"})
+    tangential_elastic: Floats = field(metadata={"unit": "mN"})
+    normal_frictional: Floats = field(metadata={"unit": "mN per unit mu0"})
+    tangential_frictional: Floats = field(metadata={"unit": "mN per unit mu0"})
+    normal_adhesive: Floats = field(metadata={"unit": "mN per GPa of tau0"})
+    tangential_adhesive: Floats = field(metadata={"unit": "mN per GPa of tau0"})
+    overlap_load: Floats = field(metadata={"unit": "mN"})
+    load_beyond_hertz: Floats = field(metadata={"unit": "mN"})
+    load_below_grid: Floats = field(metadata={"unit": "mN"})
     crossed_count: NDArray[Any]
 
     @classmethod

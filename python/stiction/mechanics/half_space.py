@@ -67,13 +67,13 @@ class HalfSpaceContact(Shown):
     1.0
     """
 
-    pressure: Floats
-    gap: Floats
+    pressure: Floats = field(metadata={"unit": "GPa"})
+    gap: Floats = field(metadata={"unit": "µm"})
     patches: NDArray[np.int32]
     opposing: NDArray[np.bool_]
     share: Floats
-    heights: Floats
-    spacing: tuple[float, ...]
+    heights: Floats = field(metadata={"unit": "µm"})
+    spacing: tuple[float, ...] = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the pressure over the heights of the lower body: a map with a bar for its scale, or both over x.
@@ -136,21 +136,21 @@ class HalfSpaceCurve(Curve):
            [0.31, 0.31]])
     """
 
-    load: Floats
-    approach: Floats
+    load: Floats = field(metadata={"unit": "mN"})
+    approach: Floats = field(metadata={"unit": "µm"})
     error: Floats
     iterations: NDArray[np.int64]
     contact_count: NDArray[np.int64]
-    contact_area: Floats
-    normal_elastic: Floats
-    tangential_elastic: Floats
-    normal_frictional: Floats
-    tangential_frictional: Floats
-    normal_adhesive: Floats
-    tangential_adhesive: Floats
+    contact_area: Floats = field(metadata={"unit": "µm²"})
+    normal_elastic: Floats = field(metadata={"unit": "mN"})
+    tangential_elastic: Floats = field(metadata={"unit": "mN"})
+    normal_frictional: Floats = field(metadata={"unit": "mN per unit mu0"})
+    tangential_frictional: Floats = field(metadata={"unit": "mN per unit mu0"})
+    normal_adhesive: Floats = field(metadata={"unit": "mN per GPa of tau0"})
+    tangential_adhesive: Floats = field(metadata={"unit": "mN per GPa of tau0"})
     load_share_at_hardness: Floats
     area_share_at_hardness: Floats
-    effective_modulus: float
+    effective_modulus: float = field(metadata={"unit": "GPa"})
     _problem: Problem = field(repr=False)
     _model: ContactModel = field(repr=False)
     _pressed: tuple[Pressed, ...] = field(repr=False)

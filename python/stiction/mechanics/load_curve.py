@@ -84,8 +84,8 @@ class LoadCurve(Curve, Sums):
     (2, 2)
     """
 
-    approach: Floats
-    effective_modulus: float
+    approach: Floats = field(metadata={"unit": "µm"})
+    effective_modulus: float = field(metadata={"unit": "GPa"})
     sliding: Sliding = "opposing"
     _pressed: PressedBodies = field(repr=False)
 
@@ -172,12 +172,12 @@ class SurfaceLoadCurve(LoadCurve):
     (4, 2)
     """
 
-    direction: Floats
-    lateral_elastic: Floats
-    lateral_frictional: Floats
-    lateral_adhesive: Floats
-    load_overlapping: Floats
-    load_at_edge: Floats
+    direction: Floats = field(metadata={"unit": "degrees"})
+    lateral_elastic: Floats = field(metadata={"unit": "mN"})
+    lateral_frictional: Floats = field(metadata={"unit": "mN per unit mu0"})
+    lateral_adhesive: Floats = field(metadata={"unit": "mN per GPa of tau0"})
+    load_overlapping: Floats = field(metadata={"unit": "mN"})
+    load_at_edge: Floats = field(metadata={"unit": "mN"})
     grid_minimum_count: NDArray[np.int64]
     unanswered_count: NDArray[np.int64]
 

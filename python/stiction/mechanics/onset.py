@@ -142,17 +142,17 @@ class Onset(Shown):
     array([0.37, 1.  ])
     """
 
-    tangential_load: Floats
-    displacement: Floats
+    tangential_load: Floats = field(metadata={"unit": "mN"})
+    displacement: Floats = field(metadata={"unit": "µm"})
     slipped_area: Floats
     slipped_load: Floats
-    normal_load: float
-    sliding_load: float
-    displacement_at_sliding: float
-    stiffness: float
+    normal_load: float = field(metadata={"unit": "mN"})
+    sliding_load: float = field(metadata={"unit": "mN"})
+    displacement_at_sliding: float = field(metadata={"unit": "µm"})
+    stiffness: float = field(metadata={"unit": "mN/µm"})
     mu0: float
-    tau0: float
-    direction: float
+    tau0: float = field(metadata={"unit": "GPa"})
+    direction: float = field(metadata={"unit": "degrees"})
     _held: Held = field(repr=False)
     _slips: tuple[Slip, ...] = field(repr=False)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,11 +48,11 @@ class FourParameterIwan(Readable):
     0.3
     """
 
-    sliding_load: float
-    stiffness: float
+    sliding_load: float = field(metadata={"unit": "mN"})
+    stiffness: float = field(metadata={"unit": "mN/µm"})
     chi: float
     beta: float
-    residual: Floats
+    residual: Floats = field(metadata={"unit": "mN"})
 
     @property
     def displacement_at_sliding(self) -> float:
@@ -112,9 +112,9 @@ class LuGre(Readable):
     0.3
     """
 
-    sliding_load: float
-    stiffness: float
-    residual: Floats
+    sliding_load: float = field(metadata={"unit": "mN"})
+    stiffness: float = field(metadata={"unit": "mN/µm"})
+    residual: Floats = field(metadata={"unit": "mN"})
 
     def load(self, displacement: ArrayLike) -> Floats:
         """Tangential load (mN) at displacements (µm), at least 0, on the first way up."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,8 +53,8 @@ class HurstEstimate(Tabled):
     value: float
     lower: float
     upper: float
-    shortest_wavelength: float
-    longest_wavelength: float
+    shortest_wavelength: float = field(metadata={"unit": "µm"})
+    longest_wavelength: float = field(metadata={"unit": "µm"})
     harmonics: int
     prefactor: float
     dispersion: float

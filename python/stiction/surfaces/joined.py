@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -62,12 +62,12 @@ class JoinedSpectrum(Readable):
     2
     """
 
-    wave_number: Floats
-    density: Floats
+    wave_number: Floats = field(metadata={"unit": "1/µm"})
+    density: Floats = field(metadata={"unit": "µm⁴"})
     count: Floats
     contribution: Floats
     ratio: Floats
-    bands: tuple[tuple[float, float], ...]
+    bands: tuple[tuple[float, float], ...] = field(metadata={"unit": "µm"})
     reasons: tuple[str, ...]
     names: tuple[str, ...]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.roughness import roughness_parameters
-from stiction.surfaces.spectrum import PowerSpectrum, in_band, power_spectrum
+from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface
 
 MOST_FITTED = 64
@@ -55,15 +55,20 @@ class LineRoughness(Readable):
     """
 
     lines: int
-    Pq: float
+    Pq: float = field(metadata={"unit": "µm"})
     Pdq: float
     Pdq_neighbours: float
     spectrum: PowerSpectrum
-    band: tuple[float, float] | None
+    band: tuple[float, float] | None = field(metadata={"unit": "µm"})
     fitted: int
     with_band: int
     hurst_exponents: Floats
     misfit: float = math.nan
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether there are exponents, and the mean spectrum is a power law."""
+        return self.misfit <= BENT
 
 
 def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
@@ -137,7 +142,9 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
         fitted=len(fitted),
         with_band=len(found),
         hurst_exponents=read_only(exponents),
-        misfit=_misfit(spectrum, band, float(exponents.mean())) if band is not None and exponents.size else math.nan,
+        misfit=off_power_law(spectrum.in_bins(), band, float(exponents.mean()))
+        if band is not None and exponents.size
+        else math.nan,
     )
 
 
@@ -195,12 +202,26 @@ BENT = 1.5
 _SAME_BAND = 1.5
 
 
-def _misfit(spectrum: PowerSpectrum, band: tuple[float, float], exponent: float) -> float:
-    bins = spectrum.in_bins()
-    inside = in_band(bins.wave_number, *band) & (bins.density > 0)
-    ratio = np.log(bins.density[inside] * bins.wave_number[inside] ** (1 + 2 * exponent))
-    return math.exp(float(ratio.std())) if ratio.size else math.nan
+def off_power_law(
+    bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
+    chance: float = 0.0,
+) -> float:  # fmt: skip
+    """Factor by which a spectrum in bins is off the power law of a Hurst exponent in a band, as rms of logarithms.
 
+    Of a single spectrum, whose harmonics scatter, `chance` over their number is the variance of a bin's logarithm.
+    """
+    inside = in_band(bins.wave_number, *band) & (bins.density > 0)
+    if not inside.any():
+        return math.nan
+    ratio = np.log(bins.density[inside] * bins.wave_number[inside] ** (dimensions + 2 * exponent))
+    scatter = chance / bins.count[inside]
+    weight = 1 / (scatter + _OF_CHANCE)
+    square = np.square(ratio - np.average(ratio, weights=weight)) - scatter
+    return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
+
+
+_OF_CHANCE = 0.04
+"""Variance of a bin's logarithm from which on chance makes the bin count less."""
 
 _FEWEST_POINTS = 7
 """Points that a seven-point slope needs."""

@@ -60,8 +60,8 @@ class Profile(Shown):
     array([ 0. ,  0.5,  0. , -0.5,  0. ])
     """
 
-    heights: Floats
-    spacing: float = field(kw_only=True)
+    heights: Floats = field(metadata={"unit": "µm"})
+    spacing: float = field(kw_only=True, metadata={"unit": "µm"})
     history: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:

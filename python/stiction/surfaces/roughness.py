@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -64,9 +64,9 @@ class RoughnessParameters(Tabled):
       Pdq  0.005185
     """
 
-    Pa: float
-    Pq: float
-    Pt: float
+    Pa: float = field(metadata={"unit": "µm"})
+    Pq: float = field(metadata={"unit": "µm"})
+    Pt: float = field(metadata={"unit": "µm"})
     Psk: float
     Pku: float
     Pdq: float
@@ -164,19 +164,19 @@ class SurfaceParameters(Tabled):
     0.02
     """
 
-    Sq: float
-    Sa: float
-    Sz: float
+    Sq: float = field(metadata={"unit": "µm"})
+    Sa: float = field(metadata={"unit": "µm"})
+    Sz: float = field(metadata={"unit": "µm"})
     Ssk: float
     Sku: float
     Sdq: float
     Sdr: float
-    Sal: float
+    Sal: float = field(metadata={"unit": "µm"})
     Str: float
-    Std: float
-    Sk: float
-    Spk: float
-    Svk: float
+    Std: float = field(metadata={"unit": "degrees"})
+    Sk: float = field(metadata={"unit": "µm"})
+    Spk: float = field(metadata={"unit": "µm"})
+    Svk: float = field(metadata={"unit": "µm"})
     Smr1: float
     Smr2: float
 

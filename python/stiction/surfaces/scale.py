@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -73,9 +73,9 @@ class ScaleDependentRoughness(Readable):
       dimensions  2
     """
 
-    wavelength: Floats
+    wavelength: Floats = field(metadata={"unit": "µm"})
     gradient: Floats
-    curvature: Floats
+    curvature: Floats = field(metadata={"unit": "1/µm"})
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
@@ -248,11 +248,11 @@ class InstrumentLimit(Tabled):
     True
     """
 
-    wavelength: float
+    wavelength: float = field(metadata={"unit": "µm"})
     reason: str
-    pixels: float
-    noise: float
-    tip: float
+    pixels: float = field(metadata={"unit": "µm"})
+    noise: float = field(metadata={"unit": "µm"})
+    tip: float = field(metadata={"unit": "µm"})
 
 
 def instrument_limit(

@@ -8,7 +8,7 @@ profile falling as 1/q²; it is faded out towards its ends by a Hann window, a s
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,10 +51,10 @@ class PowerSpectrum(Shown):
     0.005
     """
 
-    wave_number: Floats
-    density: Floats
+    wave_number: Floats = field(metadata={"unit": "1/µm"})
+    density: Floats = field(metadata={"unit": "µm³"})
     count: Floats
-    resolution: float
+    resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
         """1/π times the integral of q^order C1D, µm^(2 - order); from bins it is approximate unless the order is 0."""
@@ -181,9 +181,9 @@ class ProfileMoments(Tabled):
     (0.5, 0.5, 0.5)
     """
 
-    height: float
+    height: float = field(metadata={"unit": "µm²"})
     slope: float
-    curvature: float
+    curvature: float = field(metadata={"unit": "1/µm²"})
 
     @property
     def nayak_parameter(self) -> float:
@@ -275,8 +275,8 @@ class RadialSpectrum(Readable):
       count        15: 2 to 570
     """
 
-    wave_number: Floats
-    density: Floats
+    wave_number: Floats = field(metadata={"unit": "1/µm"})
+    density: Floats = field(metadata={"unit": "µm⁴"})
     count: Floats
 
 
@@ -303,9 +303,9 @@ class SurfaceSpectrum(Readable):
       density        64 × 64: 0 to 0.002103 µm⁴
     """
 
-    wave_number_y: Floats
-    wave_number_x: Floats
-    density: Floats
+    wave_number_y: Floats = field(metadata={"unit": "1/µm"})
+    wave_number_x: Floats = field(metadata={"unit": "1/µm"})
+    density: Floats = field(metadata={"unit": "µm⁴"})
 
     def moments(self, direction: float = 0.0) -> ProfileMoments:
         r"""Variances of height, slope and curvature along a line of this direction, in degrees from +x towards +y.

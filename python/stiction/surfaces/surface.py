@@ -53,8 +53,8 @@ class Surface(Shown):
     array([-2.,  0., -2.,  0.])
     """
 
-    heights: Floats
-    spacing: tuple[float, float] = field(kw_only=True)
+    heights: Floats = field(metadata={"unit": "µm"})
+    spacing: tuple[float, float] = field(kw_only=True, metadata={"unit": "µm"})
     history: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:

@@ -1,48 +1,402 @@
-"""What a profile or a surface is like, as a table for the terminal."""
+"""What a profile or a surface is like: one record for text, JSON, CSV, figure and page."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from stiction._checks import Floats
+from stiction._shown import units_of
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
-from stiction.surfaces.lines import BENT, LineRoughness
+from stiction.surfaces.lines import BENT, LineRoughness, lines_along_both, off_power_law
 from stiction.surfaces.peak import peak_of
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import roughness_parameters, surface_parameters
-from stiction.surfaces.spectrum import PowerSpectrum, power_spectrum, spectral_moments, surface_spectrum
+from stiction.surfaces.roughness import (
+    Derivative,
+    RoughnessParameters,
+    SurfaceParameters,
+    roughness_parameters,
+    surface_parameters,
+)
+from stiction.surfaces.scale import (
+    InstrumentLimit,
+    ScaleDependentRoughness,
+    instrument_limit,
+    scale_dependent_roughness,
+)
+from stiction.surfaces.spectrum import (
+    PowerSpectrum,
+    ProfileMoments,
+    RadialSpectrum,
+    power_spectrum,
+    spectral_moments,
+    surface_spectrum,
+)
 from stiction.surfaces.surface import Surface
-from stiction.views.scale_rows import scale_rows
+from stiction.views.digits import percent, with_unit
+from stiction.views.rows import entry, record
 from stiction.views.text import fitted
 
-Rows = list[tuple[str, ...]]
-"""Of each line its name and its value, or two of them."""
+PAPERS_MU0 = 0.4
+"""Molecular friction coefficient of the friction that slopes alone give."""
+
+RADIAL_BINS = 20
+"""Bins to a decade of a surface's spectrum."""
+
+OCTAVES = 4
+"""Number of cut-offs at which the slope is told: two points and their doubles."""
+
+HARMLESS = 0.01
+"""Share of the mean square slope below which untrusted waves do not matter."""
+
+_PEAKED = 3.0
+"""Density over that of longer waves from which a band begins on a peak and not behind a roll-off."""
+
+_FEWEST = 4
+"""Fewest longer waves that such a peak is compared with."""
+
+_PEAK_SHARE = 0.1
+"""Share of m4 from which a peak is reported."""
+
+_SCATTERED = 2.0
+"""Dispersion from which the scatter of a spectrum about its fit is reported."""
+
+_HANN_CHANCE = 2.0
+"""Variance of the logarithm of a bin of a windowed spectrum, times its harmonics."""
+
+_REASONS = {"noise floor": "the spectrum ends flat, like noise", "tip": "sharper than the tip follows"}
+
+_SYMBOLS = {"1": "", "um2": " µm²", "1/um2": " 1/µm²", "degrees": "°"}
+"""Units of JSON as text."""
+
+_UNITS = {"": "1", "µm": "um", "degrees": "degrees"}
+"""Units of parameters as JSON has them."""
+
+_SHARES = ("Sdr", "Smr1", "Smr2")
+"""Parameters that are shown in percent."""
 
 
-def characterisation_text(
-    profile: Profile, *, band: tuple[float, float] | None = None, tip_radius: float | None = None,
-    periodic: bool = False,
-) -> str:  # fmt: skip
-    """History, parameters, moments and Hurst exponent of a profile, a line for each, with units.
+class Row(NamedTuple):
+    """A line of the table: its label, one text or one along x and one along y, and the values of JSON and CSV in it."""
 
-    Parameters
+    label: str
+    texts: tuple[str, ...]
+    values: tuple[dict[str, Any], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Characterisation:
+    """What a levelled profile or surface is like; everything is computed once, when it is asked for.
+
+    Attributes
     ----------
-    profile : Profile
-        Not flat, and of at least 7 points.
+    body : Profile or Surface
+        Not flat, and of at least 7 points along each axis.
     band : (float, float), µm, optional
-        Shortest and longest wavelength to fit the Hurst exponent to; without one it is found.
+        Shortest and longest wavelength to fit Hurst exponents to; without one it is found.
     tip_radius : float, µm, optional
-        Of the stylus or the probe.
+        Radius of the stylus or the probe.
     periodic : bool
         As in `power_spectrum`.
 
     Raises
     ------
     ValueError
-        If the profile is flat or too short, or a given band holds too few harmonics. That no band is found is said
-        in the text.
+        Where something is asked for: if the body is flat or too small, or a given band holds too few waves.
+    """
+
+    body: Profile | Surface
+    band: tuple[float, float] | None = None
+    tip_radius: float | None = None
+    periodic: bool = False
+
+    @cached_property
+    def parameters(self) -> RoughnessParameters | SurfaceParameters:
+        """Parameters of heights and slopes."""
+        return self._parameters("seven-point")
+
+    def _parameters(self, derivative: Derivative) -> RoughnessParameters | SurfaceParameters:
+        if isinstance(self.body, Profile):
+            return roughness_parameters(self.body, derivative=derivative)
+        return surface_parameters(self.body, derivative=derivative)
+
+    @cached_property
+    def spectrum(self) -> PowerSpectrum | None:
+        """Spectrum of a profile."""
+        return power_spectrum(self.body, periodic=self.periodic) if isinstance(self.body, Profile) else None
+
+    @cached_property
+    def _area(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...]]:
+        """Radial spectrum of a surface, and moments along x and y."""
+        assert isinstance(self.body, Surface)
+        spectrum = surface_spectrum(self.body)
+        return spectrum.radial(RADIAL_BINS), tuple(spectrum.moments(direction) for direction in (0, 90))
+
+    @cached_property
+    def binned(self) -> PowerSpectrum | RadialSpectrum:
+        """Means of the spectrum in bins of log q."""
+        return self._area[0] if self.spectrum is None else self.spectrum.in_bins()
+
+    @cached_property
+    def lines(self) -> tuple[LineRoughness, ...]:
+        """Roughness of a surface along x and y."""
+        return () if isinstance(self.body, Profile) else lines_along_both(self.body, band=self.band)
+
+    @cached_property
+    def fit(self) -> HurstEstimate | None:
+        """Power law of the spectrum, however straight it is; None if no band is given and none is found."""
+        try:
+            return hurst_exponent_of(self.body, band=self.band, periodic=self.periodic)
+        except ValueError:
+            if self.band is not None:
+                raise
+            return None
+
+    @cached_property
+    def misfit(self) -> float:
+        """Factor by which the spectrum is off its power law; NaN without one."""
+        if self.fit is None:
+            return math.nan
+        ends = self.fit.shortest_wavelength, self.fit.longest_wavelength
+        dimensions, chance = self.fit.dimensions, _HANN_CHANCE
+        return off_power_law(self.binned, ends, self.fit.value, dimensions=dimensions, chance=chance)
+
+    @property
+    def law(self) -> HurstEstimate | None:
+        """Power law of a spectrum that is one."""
+        return None if self.misfit > BENT else self.fit
+
+    @cached_property
+    def roughness(self) -> ScaleDependentRoughness:
+        """Slope and curvature over wavelength."""
+        return scale_dependent_roughness(self.body, periodic=self.periodic)
+
+    @cached_property
+    def limit(self) -> InstrumentLimit:
+        """Shortest wave that is to be trusted."""
+        return instrument_limit(self.body, tip_radius=self.tip_radius, periodic=self.periodic)
+
+    @cached_property
+    def untrusted(self) -> float:
+        """Share of the mean square slope in waves that are not to be trusted."""
+        return 0.0 if self.limit.reason == "pixels" else float(self.roughness.fraction_below(self.limit.wavelength))
+
+    @cached_property
+    def friction(self) -> tuple[float, ...]:
+        """Coefficient against its like by slopes alone, along x and, of a surface, y; none if flat along one."""
+        from stiction.mechanics.closed_forms import gentle_friction
+        from stiction.studies.contact_statistics import slopes_of
+
+        # The gap of two such bodies has twice the mean square; along x first.
+        squares = [2 * float(np.square(along).mean()) for along in slopes_of(self.body)][::-1]
+        return tuple(
+            float(gentle_friction(PAPERS_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
+            for square in squares
+            if min(squares) > 0
+        )
+
+    # ---- The table ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """The record of the whole body."""
+        points, steps = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
+        rows = [Row("" if at else "history", (step,)) for at, step in enumerate(self.body.history)]
+        for at, (count, step) in enumerate(zip(points, steps.tolist(), strict=True)):
+            along = f" along {'xy'[at]}" if self.spectrum is None else ""
+            text = f"{count}{along}, {length_text(step)} apart, over {length_text(count * step)}"
+            rows.append(Row("" if at else "points", (text,)))
+        rows += [*self._parameter_rows(), Row("friction by slope", (self._friction_text(),))]
+        if self.spectrum is not None and isinstance(self.body, Profile):
+            moments = spectral_moments(self.body, periodic=self.periodic)
+            rows += [
+                _row("m0", moments.height, "um2"), _row("m2", moments.slope), _row("m4", moments.curvature, "1/um2"),
+                _row("nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"),
+            ]  # fmt: skip
+            rows += _peak_rows("peak", self.spectrum)
+        rows += [*self._scale_rows(), *self._hurst_rows()]
+        if self.spectrum is not None:
+            window = "as it is, periodic" if self.periodic else "after a Hann window"
+            rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",)))
+        return rows
+
+    def _parameter_rows(self) -> list[Row]:
+        found, neighbours = self.parameters, self._parameters("neighbours")
+        units, rows = units_of(type(found)), []
+        for name in (each.name for each in fields(found)):
+            value = getattr(found, name)
+            row = _row(name, value, _UNITS[units.get(name, "")])
+            if name in ("Pdq", "Sdq"):
+                other = entry(f"{name}_neighbours", getattr(neighbours, name))
+                text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
+                row = Row(name, (text,), (*row.values, other))
+            elif name == "Std":
+                text = f"{value:.0f}° from +x towards +y, of the strongest waves; a lay runs across"
+                row = row._replace(texts=(text,))
+            elif name in _SHARES:
+                row = row._replace(texts=(f"{100 * value:.4g} %",))
+            elif name in ("Sal", "Str") and math.isnan(value):
+                row = row._replace(texts=(self._without_decay(name),))
+            rows.append(row)
+        return rows
+
+    def _without_decay(self, name: str) -> str:
+        """Words for a length or a ratio of the autocorrelation that the map is too small for."""
+        shortest = getattr(self.parameters, "Sal", math.nan)
+        if name == "Sal":
+            return "none: no decay to 0.2 within half the map"
+        if math.isnan(shortest):
+            return "none, without Sal"
+        return (
+            f"below {shortest / (np.min(self.body.extent) / 2):.2g}: no decay to 0.2 along the lay within half the map"
+        )
+
+    def _friction_text(self) -> str:
+        if not self.friction:
+            return "none, without slopes"
+        axes = (" along x,", " along y,") if len(self.friction) == 2 else (",",)
+        values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction, axes, strict=True))
+        return f"{values} against its like, where mu0 is {PAPERS_MU0:g} (gentle_friction)"
+
+    def _scale_rows(self) -> list[Row]:
+        """Slopes over the shortest wave that is counted, and from which wave on the scan may be trusted."""
+        found, limit = self.roughness, self.limit
+        share = float(found.fraction_below(2 * limit.pixels))
+        longest = float(found.wavelength[0])
+        slopes = ", ".join(
+            f"{float(found.gradient_at(wave)):.3g} from {with_unit(float(wave), 'um')}"
+            for wave in limit.pixels * 2.0 ** np.arange(OCTAVES)
+            if wave < longest
+        )
+        shortest = entry("shortest_wave", limit.pixels, "um")
+        octave = entry("slope_in_shortest_octave", share)
+        wave, part = with_unit(limit.wavelength, "um"), f"{percent(self.untrusted)} of the mean square slope"
+        if limit.reason == "pixels":
+            words = f"no noise floor{'' if self.tip_radius is None else ', and its tip follows all'}"
+        elif self.untrusted < HARMLESS:
+            words = f"below {wave} {_REASONS[limit.reason]}: harmless, {part}"
+        else:
+            words = (
+                f"not to be trusted below {wave}: {_REASONS[limit.reason]}, {part}; --cutoff '{wave}' takes that off"
+            )
+        below = f"those below {with_unit(2 * limit.pixels, 'um')} make {percent(share)} of the mean square slope"
+        limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
+        return [
+            Row("waves", (f"{with_unit(limit.pixels, 'um')} (two points) to {with_unit(longest, 'um')}",), (shortest,)),
+            Row("", (below,), (octave,)),
+            Row("slope of waves", (slopes,)),
+            Row("instrument", (words,), limits),
+        ]
+
+    def _hurst_rows(self) -> list[Row]:
+        """Exponent, band and dimension of a fit, and what speaks against it."""
+        names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
+        fit = self.fit
+        if fit is None or self.law is None:
+            why, status = "no self-affine band was found; look at the spectrum, then give a band", "no-band"
+            if fit is not None:
+                why, status = f"the spectrum is no line; the nearest is off by a factor of {self.misfit:.1f}", "no-line"
+            gone = tuple(entry(name, math.nan, unit, status=status) for name, unit in names)
+            rows = [Row("Hurst exponent H", (f"none: {why}",), gone), Row("fractal dimension D", ("none, without H",))]
+        else:
+            interval = f"{fit.value:.3f} [{fit.lower:.3f}, {fit.upper:.3f}] (95 %)"
+            waves = "harmonics" if fit.dimensions == 1 else "waves"
+            ends = fit.shortest_wavelength, fit.longest_wavelength
+            band = (
+                f"{' to '.join(map(length_text, ends))} ({'given' if self.band else 'found'}; {fit.harmonics} {waves})"
+            )
+            classical = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
+            rows = [
+                Row(
+                    "Hurst exponent H", (interval,), (entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper),)
+                ),
+                Row("fitted band", (band,), tuple(entry(names[at + 1][0], ends[at], "um") for at in (0, 1))),
+                Row("fractal dimension D", (classical if fit.value <= 1 else "none: 2 - H is below 1",)),
+                Row("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
+            ]
+            if fit.dispersion > _SCATTERED:
+                text = f"{math.sqrt(fit.dispersion):.1f} times that of chance: see the spectrum"
+                rows.append(Row("scatter", (text,)))
+            if fit.value > 1:
+                text = "H above 1 is not self-affine but smooth: form, a filter, a tip, or waves"
+                rows.append(Row("caution", (text,)))
+        if fit is not None and (rise := self._rise(fit.longest_wavelength)) > _PEAKED:
+            start = f"the band begins on a peak at {length_text(fit.longest_wavelength)}"
+            rows.append(Row("caution", (f"{start}, {rise:.1f} times what is longer: waves, grooves",)))
+        return rows
+
+    def _rise(self, longest: float) -> float:
+        """Density where a band begins over that of longer wavelengths; 0 where these are too few."""
+        whole = self.binned if self.spectrum is None else self.spectrum
+        q, start = whole.wave_number, 2 * math.pi / longest
+        longer = (q > 2.5 * q[0]) & (q < start / 1.5)  # without what the window and levelling decide
+        begins = (q >= start / 1.2) & (q < start * 1.2)
+        if longer.sum() < _FEWEST or not begins.any():
+            return 0.0
+        return float(whole.density[begins].mean() / whole.density[longer].mean())
+
+    @cached_property
+    def line_rows(self) -> list[Row]:
+        """Of a surface, what its lines along x and along y are like."""
+        if not self.lines:
+            return []
+        sides, moments = self.lines, self._area[1]
+        columns: list[tuple[str, list[str]]] = [
+            ("number", [f"{line.lines}" for line in sides]),
+            ("Pq", [length_text(line.Pq) for line in sides]),
+            ("Pdq, seven points", [f"{line.Pdq:.4g}" for line in sides]),
+            ("Pdq, neighbours", [f"{line.Pdq_neighbours:.4g}" for line in sides]),
+            ("m0", [f"{moment.height:.4g} µm²" for moment in moments]),
+            ("m2", [f"{moment.slope:.4g}" for moment in moments]),
+            ("m4", [f"{moment.curvature:.4g} 1/µm²" for moment in moments]),
+            ("Nayak's parameter", [f"{moment.nayak_parameter:.4g}" for moment in moments]),
+            ("Hurst exponent H", [_line_hurst(line) for line in sides]),
+            (
+                "fitted band",
+                ["none" if line.band is None else " to ".join(map(length_text, line.band)) for line in sides],
+            ),
+            ("off the line", ["none" if math.isnan(line.misfit) else f"factor {line.misfit:.2f}" for line in sides]),
+        ]
+        if self.band is None and sides[0].band != sides[1].band:
+            columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line in sides]))
+        rows = [Row("lines", ("along x", "along y")), *(Row(f"  {name}", tuple(values)) for name, values in columns)]
+        for axis, line in zip("xy", sides, strict=True):
+            rows += _peak_rows(f"  peak along {axis}", line.spectrum, line.fitted)
+        means = [float(line.hurst_exponents.mean()) for line in sides if line.is_straight]
+        if self.law is not None and means and not any(self.law.lower < mean < self.law.upper for mean in means):
+            text = "H of lines is outside the interval of the map's: it depends on the band, see the spectra"
+            rows.append(Row("  caution", (text,)))
+        rows.append(
+            Row("", ("each line levelled by a line; Pq and Pdq: rms over lines; H: mean ± standard deviation",))
+        )
+        rows.append(Row("", ("m0 to m4: of the map's spectrum after a Hann window, over all of its wavelengths",)))
+        return rows
+
+
+def characterisation_of(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
+    """The record of a body, or a record as it is."""
+    return body if isinstance(body, Characterisation) else Characterisation(body, **options)
+
+
+def characterisation_text(body: Profile | Surface | Characterisation, **options: Any) -> str:
+    """History, parameters, moments and Hurst exponent of a profile or a surface, a line for each, with units.
+
+    Parameters
+    ----------
+    body : Profile, Surface or Characterisation
+        Levelled, not flat, and of at least 7 points along each axis.
+    **options
+        `band`, `tip_radius` and `periodic` of a `Characterisation`.
+
+    Raises
+    ------
+    ValueError
+        If the body is flat or too small, or a given band holds too few waves. That no band is found is said in the
+        text.
 
     Examples
     --------
@@ -52,160 +406,11 @@ def characterisation_text(
     >>> print(characterisation_text(profile).splitlines()[0])
     points              4000, 10 nm apart, over 40 µm
     """
-    return _table(characterisation_rows(profile, band=band, tip_radius=tip_radius, periodic=periodic))
-
-
-def characterisation_rows(
-    profile: Profile, *, band: tuple[float, float] | None = None, tip_radius: float | None = None,
-    periodic: bool = False,
-) -> Rows:  # fmt: skip
-    """Names and values of the lines of `characterisation_text`; a line without a name goes on with the one before."""
-    parameters = roughness_parameters(profile)
-    neighbours = roughness_parameters(profile, derivative="neighbours").Pdq
-    moments = spectral_moments(profile, periodic=periodic)
-    estimate = estimate_of(profile, band, periodic)
-    rows: Rows = [
-        *_history(profile),
-        ("points", f"{len(profile)}, {length_text(profile.spacing)} apart, over {length_text(profile.extent)}"),
-        ("Pa", f"{length_text(parameters.Pa)}"),
-        ("Pq", f"{length_text(parameters.Pq)}"),
-        ("Pt", f"{length_text(parameters.Pt)}"),
-        ("Psk", f"{parameters.Psk:.3f}"),
-        ("Pku", f"{parameters.Pku:.3f}"),
-        ("Pdq", f"{parameters.Pdq:.4g} (seven points), {neighbours:.4g} (neighbours)"),
-        ("friction by slope", _by_slope(profile)),
-        ("m0", f"{moments.height:.4g} µm²"),
-        ("m2", f"{moments.slope:.4g}"),
-        ("m4", f"{moments.curvature:.4g} 1/µm²"),
-        ("Nayak's parameter", f"{moments.nayak_parameter:.4g} (m0 m4 / m2²)"),
-    ]
-    spectrum = power_spectrum(profile, periodic=periodic)
-    if peak := _peak(spectrum):
-        rows.append(("peak", peak))
-    rows += scale_rows(profile, tip_radius=tip_radius, periodic=periodic)
-    rows += _hurst_rows(estimate, band, spectrum.wave_number, spectrum.density)
-    window = "as it is, periodic" if periodic else "after a Hann window"
-    rows.append(("spectrum", f"{window}; moments over all of its wavelengths"))
-    return rows
-
-
-def _by_slope(body: Profile | Surface) -> str:
-    """What its slopes alone say of friction against another body of the same roughness."""
-    found = friction_by_slope(body)
-    if not found:
-        return "none, without slopes"
-    axes = (" along x,", " along y,") if len(found) == 2 else (",",)
-    values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(found, axes, strict=True))
-    return f"{values} against its like, where mu0 is {PAPERS_MU0:g} (gentle_friction)"
-
-
-def friction_by_slope(body: Profile | Surface) -> list[float]:
-    """The coefficient of a body against its like by their slopes alone, along x and, of a surface, y; none if flat."""
-    from stiction.mechanics.closed_forms import gentle_friction
-    from stiction.studies.contact_statistics import slopes_of
-
-    # Of the gap of two such bodies, along x first.
-    squares = [2 * float(np.square(along).mean()) for along in slopes_of(body)][::-1]
-    if not min(squares) > 0:
-        return []
-    return [
-        float(gentle_friction(PAPERS_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
-        for square in squares
-    ]
-
-
-def _hurst_rows(
-    estimate: HurstEstimate | None, band: tuple[float, float] | None, wave_number: Floats, density: Floats
-) -> list[tuple[str, str]]:
-    """Exponent, band, dimension of a fit, and in words what speaks against it."""
-    if estimate is None:
-        none = "no self-affine band was found; look at the spectrum, then give a band"
-        return [("Hurst exponent H", f"none: {none}"), ("fractal dimension D", "none, without H")]
-    harmonics = "harmonics" if estimate.dimensions == 1 else "waves"
-    classical = f"{estimate.fractal_dimension_classical:.3f}" if estimate.value <= 1 else "none: 2 - H is below 1"
-    rows = [
-        ("Hurst exponent H", f"{estimate.value:.3f} [{estimate.lower:.3f}, {estimate.upper:.3f}] (95 %)"),
-        (
-            "fitted band",
-            f"{length_text(estimate.shortest_wavelength)} to {length_text(estimate.longest_wavelength)} "
-            f"({'found' if band is None else 'given'}; {estimate.harmonics} {harmonics})",
-        ),
-        ("fractal dimension D", f"{classical} (classical, 2 - H)" if estimate.value <= 1 else classical),
-        ("", f"{estimate.fractal_dimension_paper:.3f} (paper, (4 - H)/2)"),
-    ]
-    if estimate.dispersion > _SCATTERED:
-        rows.append(("scatter", f"{math.sqrt(estimate.dispersion):.1f} times that of chance: no straight line, see it"))
-    if estimate.value > 1:
-        rows.append(("caution", "H above 1 is not self-affine but smooth: form, a filter, a tip, or waves"))
-    longest = estimate.longest_wavelength
-    if (rise := _rise(wave_number, density, longest)) > _PEAKED:
-        rows.append(
-            (
-                "caution",
-                f"the band begins on a peak at {length_text(longest)}, {rise:.1f} times what is longer: waves, grooves",
-            )
-        )
-    return rows
-
-
-PAPERS_MU0 = 0.4
-"""Of the friction that slopes alone say."""
-
-_PEAKED = 3.0
-"""Times the density at longer wavelengths, above which a band begins on a peak and not behind a roll-off."""
-
-
-def _rise(wave_number: Floats, density: Floats, longest: float) -> float:
-    """By how much a spectrum is higher where a band begins than at longer wavelengths, of which it has enough."""
-    start = 2 * math.pi / longest
-    trusted = wave_number > 2.5 * wave_number[0]  # of a window and of levelling
-    longer = trusted & (wave_number < start / 1.5)
-    begins = (wave_number >= start / 1.2) & (wave_number < start * 1.2)
-    if longer.sum() < _FEWEST or not begins.any():
-        return 0.0
-    return float(density[begins].mean() / density[longer].mean())
-
-
-_FEWEST = 4
-"""Values whose mean is more than chance."""
-
-
-def _peak(spectrum: PowerSpectrum, lines: int = 1) -> str:
-    """Words on a peak that the moments are of, or none."""
-    found = peak_of(spectrum, lines=lines)
-    if found is None or found[1] < _PEAK_SHARE:
-        return ""
-    where, part = length_text(found[0]), 100 * found[1]
-    return f"at {where}, with {part:.0f} % of m4: of the instrument, or a pattern; see the spectrum"
-
-
-_PEAK_SHARE = 0.1
-"""Of m4, that is worth saying."""
-
-
-def _history(body: Profile | Surface) -> list[tuple[str, str]]:
-    return [("history" if at == 0 else "", step) for at, step in enumerate(body.history)]
-
-
-def _table(rows: Rows) -> str:
+    found = characterisation_of(body, **options)
     return "".join(
-        fitted(f"{name:<19} {'  '.join(f'{each:<23}' for each in values)}".rstrip(), hang=" " * 20) + "\n"
-        for name, *values in rows
+        fitted(f"{row.label:<19} {'  '.join(f'{each:<23}' for each in row.texts)}".rstrip(), hang=" " * 20) + "\n"
+        for row in (*found.rows, *found.line_rows)
     )
-
-
-_SCATTERED = 2.0
-"""Dispersion that is worth saying."""
-
-
-def estimate_of(body: Profile | Surface, band: tuple[float, float] | None, periodic: bool) -> HurstEstimate | None:
-    """None if no band is given and none is found; whatever else is wrong has been said before."""
-    try:
-        return hurst_exponent_of(body, band=band, periodic=periodic)
-    except ValueError:
-        if band is not None:
-            raise
-        return None
 
 
 def length_text(value: float) -> str:
@@ -216,116 +421,70 @@ def length_text(value: float) -> str:
     return f"{value / size:.4g} {unit}"
 
 
-def surface_characterisation_text(
-    surface: Surface, along_x: LineRoughness, along_y: LineRoughness, *, band: tuple[float, float] | None = None,
-    tip_radius: float | None = None,
-) -> str:  # fmt: skip
-    """History, parameters, moments and Hurst exponent of a surface as it is, and what its lines are like, with units.
-
-    Parameters
-    ----------
-    surface : Surface
-        Not flat, and of at least 7 by 7 points.
-    along_x, along_y : LineRoughness
-        Of the surface, by `line_roughness`.
-    band : (float, float), µm, optional
-        Shortest and longest wavelength that the exponents are fitted to, if it was given.
-    tip_radius : float, µm, optional
-        Of the probe.
-
-    Raises
-    ------
-    ValueError
-        If the surface is flat or too small, or a given band holds too few waves.
-    """
-    return _table(surface_characterisation_rows(surface, along_x, along_y, band=band, tip_radius=tip_radius))
+def _row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> Row:
+    """A row of one value."""
+    text = length_text(value) if unit == "um" else f"{value:.4g}{_SYMBOLS[unit]}"
+    if math.isnan(value):
+        text = "none"
+    return Row(label or name, (f"{text}{words}",), (entry(name, value, unit),))
 
 
-def surface_characterisation_rows(
-    surface: Surface, along_x: LineRoughness, along_y: LineRoughness, *, band: tuple[float, float] | None = None,
-    tip_radius: float | None = None,
-) -> Rows:  # fmt: skip
-    """Names and values of the lines of `surface_characterisation_text`; rows of lines have one along x and along y."""
-    (dy, dx), (width_y, width_x) = surface.spacing, surface.extent
-    found, other = surface_parameters(surface), surface_parameters(surface, derivative="neighbours")
-    spectrum = surface_spectrum(surface)
-    radial = spectrum.radial(RADIAL_BINS)
-    moments = [spectrum.moments(direction) for direction in (0, 90)]
-    estimate = estimate_of(surface, band, False)
-    rows: Rows = [
-        *_history(surface),
-        ("points", f"{surface.heights.shape[1]} along x, {length_text(dx)} apart, over {length_text(width_x)}"),
-        ("", f"{surface.heights.shape[0]} along y, {length_text(dy)} apart, over {length_text(width_y)}"),
-        ("Sq", length_text(found.Sq)),
-        ("Sa", length_text(found.Sa)),
-        ("Sz", length_text(found.Sz)),
-        ("Ssk", f"{found.Ssk:.3f}"),
-        ("Sku", f"{found.Sku:.3f}"),
-        ("Sdq", f"{found.Sdq:.4g} (seven points), {other.Sdq:.4g} (neighbours)"),
-        ("friction by slope", _by_slope(surface)),
-        ("Sdr", f"{100 * found.Sdr:.4g} %"),
-        ("Sal", "none: no decay to 0.2 within half the map" if math.isnan(found.Sal) else length_text(found.Sal)),
-        ("Str", _str(found.Sal, found.Str, surface)),
-        ("Std", f"{found.Std:.0f}° from +x towards +y, of the strongest waves; a lay runs across"),
-        ("Sk, Spk, Svk", f"{length_text(found.Sk)}, {length_text(found.Spk)}, {length_text(found.Svk)}"),
-        ("Smr1, Smr2", f"{100 * found.Smr1:.1f} %, {100 * found.Smr2:.1f} %"),
-        *scale_rows(surface, tip_radius=tip_radius),
-        *_hurst_rows(estimate, band, radial.wave_number, radial.density),
-        ("lines", "along x", "along y"),
-    ]
-    sides = ((along_x, moments[0]), (along_y, moments[1]))
-    columns: list[tuple[str, list[str]]] = [
-        ("number", [f"{line.lines}" for line, _ in sides]),
-        ("Pq", [length_text(line.Pq) for line, _ in sides]),
-        ("Pdq, seven points", [f"{line.Pdq:.4g}" for line, _ in sides]),
-        ("Pdq, neighbours", [f"{line.Pdq_neighbours:.4g}" for line, _ in sides]),
-        ("m0", [f"{moment.height:.4g} µm²" for _, moment in sides]),
-        ("m2", [f"{moment.slope:.4g}" for _, moment in sides]),
-        ("m4", [f"{moment.curvature:.4g} 1/µm²" for _, moment in sides]),
-        ("Nayak's parameter", [f"{moment.nayak_parameter:.4g}" for _, moment in sides]),
-        ("Hurst exponent H", [_line_hurst(line) for line, _ in sides]),
-        (
-            "fitted band",
-            ["none" if line.band is None else " to ".join(map(length_text, line.band)) for line, _ in sides],
-        ),
-        ("scatter", [_misfit(line) for line, _ in sides]),
-    ]
-    if band is None and along_x.band != along_y.band:
-        columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line, _ in sides]))
-    rows += [(f"  {name}", *values) for name, values in columns]
-    rows += [
-        (f"  peak along {axis}", peak)
-        for axis, line in (("x", along_x), ("y", along_y))
-        if (peak := _peak(line.spectrum, line.fitted))
-    ]
-    means = [float(line.hurst_exponents.mean()) for line, _ in sides if line.hurst_exponents.size]
-    if estimate is not None and means and not any(estimate.lower < mean < estimate.upper for mean in means):
-        rows.append(
-            ("  caution", "H of lines is outside the interval of the map's: it depends on the band, see the spectra")
-        )
-    rows.append(("", "each line levelled by a line; Pq and Pdq: rms over lines; H: mean ± standard deviation"))
-    rows.append(("", "m0 to m4: of the map's spectrum after a Hann window, over all of its wavelengths"))
-    return rows
-
-
-RADIAL_BINS = 20
-
-
-def _str(shortest: float, ratio: float, surface: Surface) -> str:
-    if math.isnan(ratio) and not math.isnan(shortest):
-        return f"below {shortest / (min(surface.extent) / 2):.2g}: no decay to 0.2 along the lay within half the map"
-    return "none, without Sal" if math.isnan(ratio) else f"{ratio:.3f}"
-
-
-def _misfit(line: LineRoughness) -> str:
-    """How far the mean spectrum is off its line."""
-    if math.isnan(line.misfit):
-        return "none"
-    return f"factor {line.misfit:.2f}" + (", no line" if line.misfit > BENT else "")
+def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Row]:
+    """A peak that the moments are of, or none."""
+    found = peak_of(spectrum, lines=lines)
+    if found is None or found[1] < _PEAK_SHARE:
+        return []
+    where, part = length_text(found[0]), 100 * found[1]
+    return [Row(label, (f"at {where}, with {part:.0f} % of m4: of the instrument, or a pattern; see the spectrum",))]
 
 
 def _line_hurst(line: LineRoughness) -> str:
-    values = line.hurst_exponents
-    if not values.size:
+    if not line.hurst_exponents.size:
         return "none"
-    return f"{values.mean():.3f} ± {values.std():.3f}" + (" (smooth)" if values.mean() > 1 else "")
+    mean, scatter = line.hurst_exponents.mean(), line.hurst_exponents.std()
+    return f"{mean:.3f} ± {scatter:.3f}{' (smooth)' if mean > 1 else ''}" if line.is_straight else "none, no line"
+
+
+# ---- JSON and CSV ----------------------------------------------------------------------------------------------------
+
+Files = Sequence[tuple[str, Characterisation]]
+"""Names of files and their records."""
+
+
+def _values(found: Characterisation) -> list[dict[str, Any]]:
+    return [value for row in found.rows for value in row.values]
+
+
+def characterisation_record(files: Files) -> str:
+    """Records of files as JSON."""
+    values = [value | {"at": {"file": file}} for file, found in files for value in _values(found)]
+    return record("characterise", values, kind="surface", surfaces=[_about(*each) for each in files])
+
+
+def _about(file: str, found: Characterisation) -> dict[str, Any]:
+    body = found.body
+    return {
+        "file": file, "holds": "profile" if isinstance(body, Profile) else "surface",
+        "points": list(np.shape(body.heights)), "spacing_um": np.atleast_1d(body.spacing).tolist(),
+        "extent_um": np.atleast_1d(body.extent).tolist(), "history": list(body.history),
+    }  # fmt: skip
+
+
+def characterisation_csv(files: Files) -> str:
+    """A row for each file, a column for each value with its unit; empty where a file has none."""
+    import pandas
+
+    rows = []
+    for file, found in files:
+        about = _about(file, found)
+        row = {"file": file, "holds": about["holds"]}
+        for title, key in (("points", "points"), ("spacing (um)", "spacing_um")):
+            row[title] = " x ".join(f"{each:.12g}" for each in about[key])
+        for value in _values(found):
+            name = value["name"]
+            row[name if value["unit"] == "1" else f"{name} ({value['unit']})"] = value["value"]
+            if name == "hurst_exponent":
+                row |= {f"{name} {end}": value[end] for end in ("lower", "upper")}
+        rows.append(row)
+    text: str = pandas.DataFrame(rows).to_csv(index=False, float_format="%.9g")
+    return text

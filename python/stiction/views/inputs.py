@@ -18,7 +18,7 @@ from stiction.surfaces.spectrum import power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt
-from stiction.views.scale_rows import spectra_differ
+from stiction.views.joined import spectra_differ
 
 if TYPE_CHECKING:
     from stiction.studies.measured_files import Body
