@@ -252,7 +252,7 @@ def test_a_map_of_an_atomic_force_microscope(measured, tmp_path):
     assert rows["Sq"] == ["79.42", "nm"]
     assert [float(number) for number in rows["Pq"][::2]] == pytest.approx([38.8, 62.0], abs=0.05)
     assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)
-    # 0.87 to 0.90 by other means; single lines scatter by 0.2. The spectrum along x is off any line by a factor of 1.67.
+    # 0.87 to 0.90 by other means; single lines scatter by 0.2. The spectrum along x is off any line.
     assert rows["Hurst exponent H"][:3] == ["none,", "no", "line"]
     assert float(rows["Hurst exponent H"][3]) == pytest.approx(0.88, abs=0.06)
 

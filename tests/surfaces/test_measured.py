@@ -152,14 +152,20 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)), "as in '1,008', may be decimal or part"),
         ("x (um);z (um)\n1.000,5;0,1\n1.001,5;0,2\n1.002,5;0,3\n1.003,5;0,2\n", "no numbers were found"),
         ('x (um),z (um)\n"1,000.5",0.1\n"1,001.5",0.2\n"1,002.5",0.3\n', "no numbers were found"),
-        ("x (um),z (um)\n0,1\n0.1,2\n0.25,1\n0.3,5\n0.4,1\n", "is not uniform: point 3 is at 0.25 µm, 0.05 µm away"),
+        (
+            "x (um),z (um)\n0,1\n0.1,2\n0.25,1\n0.3,5\n0.4,1\n",
+            "is not uniform: point 2, from 0 on, is at 0.25 µm, 0.05 µm away",
+        ),
         ("x (um),z (um)\n0,1\n0,2.5\n0,1\n0,5\n", "first and last point at the same position"),
         (
             "x (um),z (um)\n" + "".join(f"{0.3 * i:.0f},1.5\n" for i in range(99)),
             "too few digits to tell their spacing",
         ),
-        ("x (um),z (um)\n0,1\n0.1,***\n0.2,1\n0.3,\n0.4,1\n", "has 2 missing points of 5, the first at 2"),
-        ("x (um),z (um)\n0,1\n,2\n0.2,1\n0.3,4\n0.4,1\n", "no usable position at point 2"),
+        (
+            "x (um),z (um)\n0,1\n0.1,***\n0.2,1\n0.3,\n0.4,1\n",
+            "has 2 missing points of 5, the first at point 1, from 0 on",
+        ),
+        ("x (um),z (um)\n0,1\n,2\n0.2,1\n0.3,4\n0.4,1\n", "no usable position at point 1, from 0 on"),
         ("x (um),z (um)\n0,nan\n1,nan\n2,nan\n3,nan\n", "all points are missing"),
         ("x (um),z (um)\n0,1\n1,1e999\n2,5\n3,0.5\n", "which no surface has (1 such values)"),
         ("x (m),z (um)\n0,1\n1e300,1\n2e300,5\n3e300,0.5\n", "no usable position"),
@@ -183,7 +189,7 @@ def test_positions_printed_with_few_digits_are_uniform_within_them(file):
         assert abs(profile.spacing - 0.156245) < 0.1 / 9599
     printed = [f"{x:.1f}" for x in true]
     printed[5000] = f"{float(printed[5000]) + 0.2:.1f}"
-    assert "point 5001 is at" in refusal(file("x (um),z (um)\n" + "".join(f"{x},1.5\n" for x in printed)))
+    assert "point 5000, from 0 on, is at" in refusal(file("x (um),z (um)\n" + "".join(f"{x},1.5\n" for x in printed)))
 
 
 def test_a_spacing_said_in_words_that_disagrees_is_reported_with_both_numbers(file):
@@ -329,7 +335,7 @@ def test_the_column_in_which_pandas_numbers_the_rows_is_left_out(file, separator
     frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
         path = file(table.to_csv(sep=separator))
-        assert "has 1 missing points of 5, the first at 5" in refusal(path)
+        assert "has 1 missing points of 5, the first at point 4, from 0 on" in refusal(path)
         profile = read_profile(path, missing="interpolate")
         assert profile.heights.tolist() == HEIGHTS[:4]
         assert profile.history[1] == "the first column, which numbers the rows, left out"
@@ -350,7 +356,7 @@ def test_two_columns_of_an_array_are_positions_and_heights(file):
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
     uneven = file(npy(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy")  # an area of two columns, as far as one knows
     assert read_measurement(uneven, unit="um", spacing="1 um").heights.shape == (5, 2)
-    assert "is not uniform: point 3" in refusal(uneven, unit="um", columns=(0, 1))
+    assert "is not uniform: point 2, from 0 on" in refusal(uneven, unit="um", columns=(0, 1))
 
 
 def workbook(*sheets, **changes):
@@ -383,7 +389,9 @@ def test_workbooks(file):
     area = read_surface(file(workbook(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # of which openpyxl writes 16 digits
     gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(ROWS)]
-    assert "has 1 missing points of 5, the first at 3" in refusal(file(workbook(("one", gaps)), "d.xlsx"))
+    assert "has 1 missing points of 5, the first at point 2, from 0 on" in refusal(
+        file(workbook(("one", gaps)), "d.xlsx")
+    )
 
 
 def test_workbooks_that_are_none_are_refused(file, monkeypatch):
@@ -519,6 +527,7 @@ def npy(array):
     [
         (npy(np.zeros(9)), "a.npy", "does not say in which unit"),
         (npy(np.array([1, None])), "a.npy", "damaged .npy file, or one of objects"),
+        (npy(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
         (npy(np.zeros(9))[:-5], "a.npy", "damaged"),
         (npy(np.zeros(9, complex)), "a.npy", "array of complex128"),
         (npy(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
@@ -698,7 +707,7 @@ def test_missing_points_of_x3p(file):
     valid = np.ones(METRES.shape, dtype=bool)
     valid[2, 4] = False
     path = file(x3p(METRES, valid=valid.ravel()), "a.x3p")
-    assert "has 1 missing points of 54, the first at 3 5" in refusal(path, read_surface)
+    assert "has 1 missing points of 54, the first at row 2, column 4, from 0 on" in refusal(path, read_surface)
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (METRES[2, 3] + METRES[2, 5]) / 2)
     assert surface.history[-1] == "1 missing points interpolated"

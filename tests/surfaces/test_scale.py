@@ -123,6 +123,10 @@ def test_the_line_through_an_exponent_of_one_is_the_limit_of_its_neighbours():
 
 
 class TestInstrument:
+    def test_a_surface_without_a_spectrum_is_refused_in_a_sentence(self):
+        with pytest.raises(ValueError, match=r"surface must have more than \(2, 2\) points"):
+            instrument_limit(Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0))
+
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
     def test_a_rough_surface_is_limited_by_its_pixels(self, hurst):
         for repetition in range(5):

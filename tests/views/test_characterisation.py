@@ -10,6 +10,7 @@ from matplotlib.text import Text
 from stiction import (
     Profile,
     Surface,
+    cut_off,
     effective_modulus,
     gentle_friction,
     hurst_exponent_of,
@@ -26,9 +27,9 @@ from stiction import (
     surface_spectrum,
 )
 from stiction.surfaces.peak import peak_of
-from stiction.views.characterisation import characterisation_text
+from stiction.views.characterisation import HARMLESS, Characterisation, characterisation_text
 from stiction.views.figures.joined import joined_figure
-from stiction.views.figures.roughness import characterisation_figure
+from stiction.views.figures.roughness import characterisation_figure, panels
 
 NO_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 
@@ -78,6 +79,28 @@ class TestText:
         for heights, match in (([1.0] * 20, "flat"), ([0.0, 1.0, 0.0, 1.0], "7 points")):
             with pytest.raises(ValueError, match=match):
                 characterisation_text(Profile(heights, spacing=1.0))
+
+
+def test_untrusted_waves_that_do_not_matter_are_called_harmless(profile):
+    noise = np.random.default_rng(1).normal(size=len(profile))
+    smooth = cut_off(profile, 0.3).heights
+    for rms, words in ((1e-7, "harmless, "), (1e-4, "not to be trusted below")):
+        found = Characterisation(Profile(smooth + rms * noise, spacing=0.01))
+        assert words in {row.label: row.texts[0] for row in found.rows}["instrument"]
+        assert (found.untrusted < HARMLESS) == (rms < 1e-6)
+
+
+def test_a_spectrum_that_is_no_power_law_has_no_exponent_and_no_fitted_line(profile):
+    steps = np.interp(power_spectrum(profile).wave_number, [0.1, 3.0, 3.01, 300], [1.0, 1.0, 0.02, 0.02])
+    heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], steps]), len(profile))
+    found = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
+    said = {row.label: row.texts[0] for row in found.rows}
+    assert found.misfit > 1.5
+    assert said["Hurst exponent H"].startswith("none: the spectrum is no line")
+    values = {value["name"]: value for row in found.rows for value in row.values}
+    assert (values["hurst_exponent"]["value"], values["hurst_exponent"]["status"]) == (None, "no-line")
+    spectrum = next(panel for panel in panels(found) if panel.id == "spectrum")
+    assert [series.fitted for series in spectrum.series] == [False]
 
 
 class TestFigure:

@@ -28,6 +28,12 @@ def test_heights_beyond_the_length_are_doubted(rough):
     assert texts(Surface(10 * np.eye(8), spacing=1.0), slab) == ["upper: heights span 10 µm over 8 µm"]
 
 
+def test_heights_that_no_scan_has_are_a_fault(rough):
+    tall = Profile(rough.heights * 1e6, spacing=rough.spacing)
+    found = doubts_of_inputs(tall, rough, measured_study())
+    assert [doubt.severity for doubt in found if "heights span" in doubt.text] == ["fault"]
+
+
 def test_form_is_doubted(rough):
     x = np.linspace(-1, 1, 2000)
     for height, doubted in ((1.0, True), (0.01, False)):

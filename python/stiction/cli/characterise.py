@@ -10,7 +10,7 @@ import typer
 
 from stiction._arguments import quantity_of
 from stiction._checks import choice
-from stiction._text import named, printable
+from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import (
     Channel,
@@ -117,7 +117,7 @@ def characterise(
     if together:
         _together(files, found, outputs, as_json=as_json)
         return
-    told = list(zip(map(str, files), found, strict=True))
+    told = [(printable(str(file), LONGEST_NAME), each) for file, each in zip(files, found, strict=True)]
     if as_json:
         tell(views.characterisation_record(told))
     elif len(files) == 1:

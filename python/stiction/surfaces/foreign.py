@@ -69,6 +69,8 @@ def words_of(kind: str, heights: Floats, spacing: tuple[float, ...], history: tu
     if len(steps) > 1:
         apart = f"{with_unit(spacing[1], 'µm')} apart along x and {with_unit(spacing[0], 'µm')} along y"
     rough = f"{'Pq' if heights.ndim == 1 else 'Sq'} {with_unit(float(heights.std()), 'µm')}"
+    if history and not any(step.startswith("levelled") for step in history):
+        rough += ", not levelled"
     made = f"; {', '.join(history)}" if history else ""
     return f"{kind} of {size} points, {apart}, {rough}{made}"
 

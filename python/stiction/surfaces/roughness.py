@@ -32,6 +32,16 @@ _SECTORS = 90
 """Number of sectors, of two degrees each, over which the power of the waves is summed."""
 
 
+NOT_LEVELLED = "no: as they are"
+"""Levelling of heights of which nothing was taken off."""
+
+
+def levelling(history: tuple[str, ...]) -> str:
+    """What was taken off heights, by their history."""
+    steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
+    return steps[-1] if steps else NOT_LEVELLED
+
+
 @dataclass(frozen=True, repr=False)
 class RoughnessParameters(Tabled):
     """Parameters of a primary profile by the names of ISO 21920-2, about its mean.
@@ -50,18 +60,21 @@ class RoughnessParameters(Tabled):
         Kurtosis, 3 for normally distributed heights.
     Pdq : float
         Root-mean-square slope, by the derivative that was asked for.
+    levelled : str
+        What was taken off the heights, or "no: as they are".
 
     Examples
     --------
     >>> from stiction import Profile, roughness_parameters
     >>> roughness_parameters(Profile([0.0, 0.01, 0.0, -0.01, 0.0, 0.01, 0.0, -0.01], spacing=2.0))
     RoughnessParameters
-      Pa   5 nm
-      Pq   7.071 nm
-      Pt   20 nm
-      Psk  0
-      Pku  2
-      Pdq  0.005185
+      Pa        5 nm
+      Pq        7.071 nm
+      Pt        20 nm
+      Psk       0
+      Pku       2
+      Pdq       0.005185
+      levelled  no: as they are
     """
 
     Pa: float = field(metadata={"unit": "µm"})
@@ -70,6 +83,7 @@ class RoughnessParameters(Tabled):
     Psk: float
     Pku: float
     Pdq: float
+    levelled: str = NOT_LEVELLED
 
 
 def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-point") -> RoughnessParameters:
@@ -121,6 +135,7 @@ def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-po
         Psk=float(np.mean((deviation / rms) ** 3)),
         Pku=float(np.mean((deviation / rms) ** 4)),
         Pdq=scale * float(np.sqrt(np.mean(differences**2))) / profile.spacing,
+        levelled=levelling(profile.history),
     )
 
 
@@ -155,6 +170,8 @@ class SurfaceParameters(Tabled):
         Core height, reduced peak height and reduced valley depth of the bearing curve.
     Smr1, Smr2 : float
         Shares of the area at the upper and the lower end of the core.
+    levelled : str
+        What was taken off the heights, or "no: as they are".
 
     Examples
     --------
@@ -179,6 +196,7 @@ class SurfaceParameters(Tabled):
     Svk: float = field(metadata={"unit": "µm"})
     Smr1: float
     Smr2: float
+    levelled: str = NOT_LEVELLED
 
 
 def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-point") -> SurfaceParameters:
@@ -255,6 +273,7 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
         Svk=scale * (2 * float(valleys.mean()) / below if below else 0.0),
         Smr1=above,
         Smr2=1 - below,
+        levelled=levelling(surface.history),
     )
 
 

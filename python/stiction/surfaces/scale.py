@@ -314,6 +314,8 @@ def _noise_floor(body: Profile | Surface, periodic: bool) -> float:
         q, density, count = radial.wave_number, radial.density, radial.count
     if not periodic:  # the window's own
         q, density, count = q[2:], density[2:], count[2:]
+    if q.size < _FEWEST_BINS:
+        return math.nan
     octave = np.log(q[-1] / q) <= _FLOOR_WIDTH
     if octave.sum() < _FEWEST_BINS or not (density[octave] > 0).all():
         return math.nan

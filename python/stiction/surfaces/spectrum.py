@@ -372,6 +372,8 @@ class SurfaceSpectrum(Readable):
         """
         per_decade = whole_number("per_decade", per_decade, least=1)
         q, _, density = self.waves()
+        if not q.size:
+            raise ValueError(f"surface must have more than {self.density.shape} points for a mean over directions")
         _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
         count = np.bincount(index).astype(np.float64)
         return RadialSpectrum(

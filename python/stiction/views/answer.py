@@ -172,7 +172,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         note=_note(point, study),
         doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
         at={name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords},
-        bracket=_bracket(point, study, rules[0]),
+        bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, rules[0]),
     )
 
 

@@ -227,7 +227,7 @@ class Characterisation:
     def _parameter_rows(self) -> list[Row]:
         found, neighbours = self.parameters, self._parameters("neighbours")
         units, rows = units_of(type(found)), []
-        for name in (each.name for each in fields(found)):
+        for name in (each.name for each in fields(found) if each.name != "levelled"):
             value = getattr(found, name)
             row = _row(name, value, _UNITS[units.get(name, "")])
             if name in ("Pdq", "Sdq"):

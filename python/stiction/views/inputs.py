@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from stiction.studies.measured_files import Body
     from stiction.studies.study import Study
 
+IMPOSSIBLE = 10.0
+"""Height over extent from which on no scan has it."""
+
 HIGHEST_MU0 = 2.0
 """Above it a molecular friction coefficient is a slip: clean metals in vacuum come near."""
 
@@ -123,14 +126,14 @@ def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:
     if peak is not None and peak[1] >= PEAK and peak[0] > cut_off:
         part = 100 * peak[1]
         text = f"a peak at {with_unit(peak[0], 'um')}, perhaps of the instrument, has {part:.0f} % of the curvature"
-        yield Doubt(text, "look at it by characterise; --cutoff takes it off", "caution")
+        yield Doubt(text, "its spectrum shows it; --cutoff with a longer wave takes it off", "caution")
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {with_unit(height, 'um')} over {with_unit(extent, 'um')}"
-        yield Doubt(text, "check their unit", "caution")
+        yield Doubt(text, "check their unit", "fault" if height > IMPOSSIBLE * extent else "caution")
     if not isinstance(body, Profile):
         return
     level = levelled(body, "line").heights

@@ -215,7 +215,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         x, digit = _in_um(raw.positions, length), _in_um(digit, length)
         if not np.isfinite(x).all() or np.abs(x).max() > _HIGHEST:
             at = int(np.flatnonzero(~(np.abs(x) <= _HIGHEST))[0])
-            raise FormatError(f"has no usable position at point {at + 1}; each height needs one")
+            raise FormatError(f"has no usable position at point {at}, from 0 on; each height needs one")
         measured = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
@@ -268,8 +268,8 @@ def _refuse_uneven(x: Floats, measured: float, digit: Floats) -> None:
     if worst is not None:
         at, off = worst
         raise FormatError(
-            f"is not uniform: point {at + 1} is at {x[at]:.7g} µm, {abs(off):.3g} µm away from where a spacing of "
-            f"{abs(measured):.6g} µm puts it; resample it first"
+            f"is not uniform: point {at}, from 0 on, is at {x[at]:.7g} µm, {abs(off):.3g} µm away from where a spacing "
+            f"of {abs(measured):.6g} µm puts it; resample it first"
         )
     even = np.abs(np.diff(x) - measured).max() <= UNEVEN * abs(measured)
     if not even and abs(x[-1] - x[0]) < TELLING * digit.max():
@@ -333,8 +333,9 @@ def _refuse_gaps(gaps: np.ndarray[Any, Any], missing: Missing) -> None:
     if gaps.all():
         raise FormatError("has no heights: all points are missing")
     if missing == "error":
-        first = " ".join(str(int(index) + 1) for index in np.argwhere(gaps)[0])
+        first = np.argwhere(gaps)[0].tolist()
+        at = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
-            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {first}; "
+            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {at}, from 0 on; "
             'missing="interpolate" (--missing interpolate) puts them on a line between their neighbours'
         )

@@ -73,7 +73,7 @@ def _array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
     except Exception as error:  # the header is a Python literal, which fails in many ways
         said = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or one of objects ({said})") from None
-    if kind.hasobject:
+    if kind.hasobject or any(isinstance(count, bool) for count in shape):
         raise FormatError("is a damaged .npy file, or one of objects")
     points, rest = math.prod(shape), len(data) - file.tell()
     if min(shape, default=0) < 0 or points * kind.itemsize > rest:

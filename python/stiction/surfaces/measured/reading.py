@@ -159,7 +159,7 @@ def read_surface(
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "map.npy"
     >>> np.save(path, np.eye(8))
     >>> read_surface(path, unit="nm", spacing="0.1 um")
-    Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm; read from map.npy
+    Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm, not levelled; read from map.npy
     """
     return _read(path, read_options(unit, spacing, missing, channel), to_surface)
 

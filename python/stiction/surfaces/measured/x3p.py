@@ -207,7 +207,7 @@ def _listed(rows: list[str], absolute: list[str], points: int) -> dict[str, NDAr
         if not row:
             continue
         if len(cells) != len(absolute):
-            raise FormatError(f"lists {row[:40]!r} as point {at + 1}; {len(absolute)} number(s) are needed")
+            raise FormatError(f"lists {row[:40]!r} as point {at}, from 0 on; {len(absolute)} number(s) are needed")
         for name, cell in zip(absolute, cells, strict=True):
             columns[name][at] = _float(cell)
     return columns
