@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from measure import seconds
 from stiction import Study
-from stiction.studies import runner, tasks
+from stiction.studies import runner
 from stiction.studies.netcdf import encoded
 from stiction.studies.pressed import member_sums
 from stiction.studies.result import bytes_of_member, stacked
@@ -40,11 +40,11 @@ class Given:
         self.path = path
         self.seen = seen
 
-    def __call__(self, version: str, text: str, members: range, folder: tasks.Folder) -> object:
+    def __call__(self, version: str, study: Study, folder: runner.Folder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        tasks.member_sums = lambda _, member: _read[self.path][member % KINDS]
-        return _task(version, text, members, folder if self.seen else tasks.Folder(Path("/nowhere"), ""))
+        runner.member_sums = lambda _, member: _read[self.path][member % KINDS]
+        return _task(version, study, folder if self.seen else runner.Folder(Path("/nowhere"), ""), members)
 
 
 _read: dict[str, list[dict]] = {}

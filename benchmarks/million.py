@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
-from stiction.studies import runner, store, tasks
+from stiction.studies import runner, store
 from stiction.studies.pressed import arrays_of
 from stiction.studies.runner import fill
 
@@ -55,8 +55,8 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 def rows() -> list[tuple[str, str]]:
     # A member that costs nothing makes blocks as large as they may be.
-    real = tasks.member_sums, runner.cost_of_member
-    tasks.member_sums, runner.cost_of_member = stand_in(STUDY), lambda _: 0.0
+    real = runner.member_sums, runner.cost_of_member
+    runner.member_sums, runner.cost_of_member = stand_in(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
@@ -72,7 +72,7 @@ def rows() -> list[tuple[str, str]]:
             assert longer == REPETITIONS + MORE
             _, again = timed(lambda: fill(more, path))
     finally:
-        tasks.member_sums, runner.cost_of_member = real
+        runner.member_sums, runner.cost_of_member = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),

@@ -56,15 +56,15 @@ RECORDING = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
-    from stiction.studies import runner, tasks
+    from stiction.studies import runner
     runner.BLOCK_TIME = 0.02
-    sums = tasks.member_sums
+    sums = runner.member_sums
     def noted(study, member):
         with open(os.environ["storm"], "ab", buffering=0) as file:
             file.write(f"{member} {os.getpid()}\\n".encode())
         time.sleep(1e-3)  # or files would come faster than they are looked at
         return sums(study, member)
-    tasks.member_sums = noted
+    runner.member_sums = noted
     def dawdling(function, seconds):
         def slow(*arguments, **options):
             time.sleep(random.expovariate(1 / seconds))

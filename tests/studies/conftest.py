@@ -2,7 +2,7 @@
 
 import pytest
 from stiction import run
-from stiction.studies import runner, tasks
+from stiction.studies import runner
 from tiny import TINY
 
 
@@ -21,11 +21,11 @@ def undisturbed():
 @pytest.fixture
 def computed(monkeypatch):
     """The repetitions that are computed."""
-    numbers, sums = [], tasks.member_sums
+    numbers, sums = [], runner.member_sums
 
     def record(study, number):
         numbers.append(number)
         return sums(study, number)
 
-    monkeypatch.setattr(tasks, "member_sums", record)
+    monkeypatch.setattr(runner, "member_sums", record)
     return numbers

@@ -1,15 +1,15 @@
 """Several processes, machines or parts that share a folder."""
 
 import itertools
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import xarray
 from stiction import run
-from stiction.studies import runner, store, tasks
-from stiction.studies.runner import fill
-from stiction.studies.tasks import Folder
+from stiction.studies import runner, store
+from stiction.studies.runner import Folder, fill
 from tiny import TINY, Inline, assert_same_bits, repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
@@ -53,59 +53,54 @@ def test_no_such_part(tmp_path, part):
     assert not (tmp_path / "r").exists()
 
 
-class Elsewhere(Inline):
-    """Another machine, on which the folder is not."""
+class Workers(Executor):
+    """Workers of a cluster, on another machine; `sees` is whether the folder is there too."""
 
-    def submit(self, function, /, *args, **kwargs):
-        args = [Folder(Path("/nowhere"), each.token) if isinstance(each, Folder) else each for each in args]
-        if getattr(function, "__self__", None):  # Folder.is_seen
-            function = Folder(Path("/nowhere"), "").is_seen
-        return super().submit(function, *args, **kwargs)
+    def __init__(self, sees):
+        self.sees = sees
+
+    def submit(self, function, /, *args):
+        if not self.sees:
+            args = [replace(each, path=Path("/nowhere")) if isinstance(each, Folder) else each for each in args]
+            if isinstance(getattr(function, "__self__", None), Folder):  # Folder.is_seen
+                function = Folder(Path("/nowhere"), "").is_seen
+        return Inline().submit(function, *args)
 
 
 def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, undisturbed, monkeypatch):
-    sent, done = [], []
-    for module in (runner, tasks):
-        monkeypatch.setattr(
-            module, "put", lambda path, first, *rest: sent.append(first) or store.put(path, first, *rest)
-        )
-    monkeypatch.setattr(runner, "block_task", lambda *args: done.append(tasks.block_task(*args)) or done[-1])
-    for executor, who in ((Inline(), "in 6 files"), (Elsewhere(), "this process writes them")):
-        del sent[:], done[:]
+    written, done = [], []
+    monkeypatch.setattr(
+        runner, "put", lambda path, first, *rest: written.append(first) or store.put(path, first, *rest)
+    )
+    task = runner.block_task
+    monkeypatch.setattr(runner, "block_task", lambda *args: done.append(task(*args)) or done[-1])
+    for where, executor, who in (
+        ("here", Inline(), "in 6 files"),
+        ("shared", Workers(True), "in 6 files"),
+        ("apart", Workers(False), "this process writes them"),
+    ):
+        del written[:], done[:]
         said = []
-        fill(TINY, tmp_path / who, executor=executor, say=said.append)
+        fill(TINY, tmp_path / where, executor=executor, say=said.append)
         assert len(said) == 1
         assert said[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in said[0]
         assert said[0].endswith(who)
-        assert sent == list(range(0, 22, 4))
-        assert [content is None for _, content in done] == [who == "in 6 files"] * 6
-        assert_same_bits(store.read(tmp_path / who), undisturbed)
+        assert written == list(range(0, 22, 4))
+        assert [content is None for content in done] == [where == "shared"] * 6
+        assert_same_bits(store.read(tmp_path / where), undisturbed)
+        assert not list((tmp_path / where).rglob("*.partial"))
 
 
-def test_a_task_that_nobody_waits_for_ends_and_keeps_what_it_has(tmp_path, undisturbed, monkeypatch, computed):
-    """As the command was interrupted or killed: the file by which workers know it is gone."""
-    fill(repetitions(1), tmp_path)
-    monkeypatch.setattr(tasks, "LOOK", 0.0)
-    seen = iter([True, True, True, False])
-    monkeypatch.setattr(Folder, "is_seen", lambda self: next(seen))
-    del computed[:]
-    folder = Folder(tmp_path, "token")
-    assert tasks.block_task(tasks.__version__, TINY, range(8, 16), folder) == (3, None)
-    assert computed == [8, 9, 10]
-    monkeypatch.undo()
-    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
-
-
-def test_a_member_that_fails_does_not_lose_those_before_it(tmp_path, monkeypatch):
-    sums = tasks.member_sums
+def test_a_member_that_fails_does_not_lose_blocks(tmp_path, monkeypatch):
+    sums = runner.member_sums
 
     def fail(study, number):
         if number == 6:
             raise ValueError("member 6")
         return sums(study, number)
 
-    monkeypatch.setattr(tasks, "member_sums", fail)
+    monkeypatch.setattr(runner, "member_sums", fail)
     with pytest.raises(ValueError, match="member 6"):
         run(TINY, store=tmp_path, executor=Inline())
-    assert {4, 5} <= set(store.open_stored(tmp_path).finished.tolist())
+    assert store.open_stored(tmp_path).finished.tolist() == [*range(4), *range(8, 22)]

@@ -3,14 +3,13 @@
 import builtins
 import contextlib
 import importlib.util
-import itertools
 import math
 import multiprocessing
 import os
 import shutil
 import signal
 import threading
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,10 +17,10 @@ import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import executors, members, pressed, runner, tasks
+from stiction.studies import executors, members, pressed, runner
 from stiction.studies.pressed import cost_of_member
 from stiction.studies.result import bytes_of_member
-from stiction.studies.store import StoreError, open_stored
+from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 from stiction.studies.text import StudyError
 from tiny import TINY, Inline, assert_same_bits, repetitions
@@ -144,7 +143,7 @@ def test_a_study_that_cannot_be_computed_is_a_value_error():
 
 
 def test_what_no_memory_or_disk_holds_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(tasks, "member_sums", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(total=10**9))
     for store in (None, tmp_path / "r"):
@@ -156,7 +155,7 @@ def test_what_no_memory_or_disk_holds_is_refused(tmp_path, monkeypatch):
 
 
 def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
-    computed, sums, interrupted = [], tasks.member_sums(repetitions(1), 0), threading.Event()
+    computed, sums, interrupted = [], runner.member_sums(repetitions(1), 0), threading.Event()
 
     def record(study, number):
         computed.append(number)
@@ -167,7 +166,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(tasks, "member_sums", record)
+    monkeypatch.setattr(runner, "member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     held = None
     with ThreadPoolExecutor(1) as pool:
@@ -181,39 +180,6 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
 
 
 # ---- Workers that end ------------------------------------------------------------------------------------------------
-
-
-def ending(monkeypatch, number):
-    """The thread that takes the task of this number ends, without a word, as Python 3.11 ends one without memory."""
-    tasks_taken, take = itertools.count(), Future.set_running_or_notify_cancel
-
-    def taken(future):
-        if next(tasks_taken) == number:
-            raise SystemError("error return without exception set")
-        return take(future)
-
-    monkeypatch.setattr(Future, "set_running_or_notify_cancel", taken)
-    for module in (executors, runner):
-        monkeypatch.setattr(module, "LOOK", 0.05)
-
-
-@pytest.mark.parametrize("number", [0, 1, 2, 4])
-@pytest.mark.parametrize("workers", [1, 2])
-def test_a_thread_that_ends_is_not_waited_for(tmp_path, monkeypatch, number, workers):
-    monkeypatch.setattr(executors, "available_cores", lambda: workers)
-    undisturbed = run(TINY)
-    with monkeypatch.context() as patched:
-        ending(patched, number)
-        with pytest.raises(StudyError, match=r"^a worker has ended before its time; perhaps memory is limited here$"):
-            run(TINY)
-    with monkeypatch.context() as patched:
-        ending(patched, number)
-        with pytest.raises(ValueError, match=r"^a worker has ended before its time; perhaps") as caught:
-            run(TINY, store=tmp_path)
-    if number > workers:
-        kept = len(open_stored(tmp_path).finished)
-        assert f"\n{kept} of 22 repetitions are finished and kept; running" in str(caught.value)
-    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
 
 
 def test_a_process_that_ends_is_said(tmp_path):
@@ -234,21 +200,11 @@ def test_progress_is_drawn_on_request(capfd, monkeypatch):
     assert "2/2" in out + err
 
 
-def test_progress_without_a_terminal_is_a_line_for_every_tenth(capfd, monkeypatch):
-    monkeypatch.setattr(executors, "LINES_APART", 0.0)
-    with executors.progress_bar("repetitions", 100, 55, True) as advance:
-        for _ in range(45):
-            advance()
-    said = capfd.readouterr().err.splitlines()
-    assert [line.split(",")[0] for line in said] == [f"repetitions {n} of 100" for n in (60, 70, 80, 90)]
-    assert all(line.endswith(" s left") for line in said)
-
-
-def test_what_is_quick_says_nothing_without_a_terminal(capfd):
+def test_progress_without_a_terminal_is_nothing(capfd):
     with executors.progress_bar("repetitions", 3, 0, True) as advance:
         for _ in range(3):
             advance()
-    assert capfd.readouterr().err == ""
+    assert capfd.readouterr() == ("", "")
 
 
 def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 import xarray
 from stiction import _files, run
-from stiction.studies import netcdf, runner, store, tasks
+from stiction.studies import netcdf, runner, store
 from stiction.studies import result as results
 from stiction.studies.export import ExportError, export
 from stiction.studies.runner import fill
@@ -110,7 +110,7 @@ def test_every_bit_is_kept(tmp_path, monkeypatch):
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
         for name, x in zip(TINY.sums(), values, strict=False)
     }
-    monkeypatch.setattr(tasks, "member_sums", lambda *_: sums)
+    monkeypatch.setattr(runner, "member_sums", lambda *_: sums)
     result = run(repetitions(1), store=tmp_path)
     for name in sums:
         assert result[name].values.tobytes() == sums[name].tobytes(), name
@@ -536,7 +536,7 @@ def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeyp
         if first == 4:
             path.rename(tmp_path / "moved")
 
-    monkeypatch.setattr(tasks, "put", put_and_remove)
+    monkeypatch.setattr(runner, "put", put_and_remove)
     with pytest.raises(StoreError, match="was removed or replaced"):
         run(TINY, store=path, executor=Inline())
     assert os.listdir(tmp_path) == ["moved"]
@@ -587,8 +587,8 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
 INTERRUPTED = """
 import signal, sys, threading
 from stiction import Study
-from stiction.studies import runner, tasks
-study, sums, interrupted = Study.from_toml("s.toml"), tasks.member_sums, threading.Event()
+from stiction.studies import runner
+study, sums, interrupted = Study.from_toml("s.toml"), runner.member_sums, threading.Event()
 def held(study, member):
     if member >= 20:
         print("held", flush=True)
@@ -598,7 +598,7 @@ def interrupt(*of):
     interrupted.set()
     signal.default_int_handler(*of)
 signal.signal(signal.SIGINT, interrupt)
-tasks.member_sums = held
+runner.member_sums = held
 runner.block_size = lambda study: 8
 print("begun", flush=True)
 try:

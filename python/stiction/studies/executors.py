@@ -6,26 +6,16 @@ import collections
 import contextlib
 import itertools
 import os
-import sys
-import threading
-import time
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
-from typing import Any, TypeVar
+from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
+from typing import TypeVar
 
 from stiction.studies.text import StudyError
 
 MOST_AHEAD = 16
 """Tasks of `in_order` that wait on an executor at a time, because their arguments may be whole profiles."""
 
-ENDED = "a worker has ended before its time"
-BROKEN = f"{ENDED}; perhaps memory is limited here"
-
-MOST_THREADS = 1000
-"""As many as tasks of a run wait at a time."""
-
-LOOK = 1.0
-"""Seconds after which whoever waits for a task looks whether the threads are still there."""
+BROKEN = "a worker has ended before its time; perhaps memory is limited here"
 
 _Argument = TypeVar("_Argument")
 _Result = TypeVar("_Result")
@@ -46,7 +36,7 @@ def in_order(
         waiting = collections.deque(pool.submit(function, each) for each in itertools.islice(rest, MOST_AHEAD))
         try:
             while waiting:
-                result = result_of(waiting.popleft(), pool)
+                result = waiting.popleft().result()
                 waiting.extend(pool.submit(function, each) for each in itertools.islice(rest, 1))
                 advance()
                 yield result
@@ -59,7 +49,7 @@ def in_order(
 def given_or_threads(given: Executor | None) -> Iterator[Executor]:
     """Enter an executor that the caller shuts down, or where there is none, one with a thread for each core.
 
-    Of a worker that ends meanwhile, a thread or a process, a `StudyError` tells.
+    Of a worker process that ends meanwhile a `StudyError` tells.
     """
     try:
         if given is not None:
@@ -71,61 +61,20 @@ def given_or_threads(given: Executor | None) -> Iterator[Executor]:
         raise StudyError(BROKEN) from None
 
 
-def threads(workers: int | None = None) -> Executor:
-    """Make an executor with this many threads, at most 1000, by default one for each core.
+@contextlib.contextmanager
+def threads(workers: int | None = None) -> Iterator[Executor]:
+    """Enter an executor with this many threads, by default one for each core; errors do not wait for its tasks.
 
-    That a thread cannot be started is found out before anything is begun, and is a `RuntimeError`.
+    That no thread can be started is found out before anything is begun, and is a `RuntimeError`.
     """
-    return _Threads(min(workers or available_cores(), MOST_THREADS))
-
-
-class _Threads(ThreadPoolExecutor):
-    """Threads that all begin at once, so that one that is missing later has ended."""
-
-    _numbers = itertools.count()
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-        self.name = f"stiction-{next(self._numbers)}_"
-        super().__init__(count, thread_name_prefix=self.name)
-        begin = threading.Event()
-        try:
-            begun = [self.submit(begin.wait) for _ in range(count)]  # none is free for the next one before all are
-        finally:
-            begin.set()
-        for each in begun:
-            result_of(each, self)
-
-    def check(self) -> None:
-        """Raise a `BrokenExecutor` if a thread has ended."""
-        if sum(each.name.startswith(self.name) for each in threading.enumerate()) < self.count:
-            raise BrokenExecutor(ENDED)
-
-
-def check_workers(pool: Executor) -> None:
-    """Raise a `BrokenExecutor` if a thread of `threads` has ended: its task never will. Others notice that themselves.
-
-    Python 3.11 ends a thread without a word that finds no memory for a call.
-    """
-    if isinstance(pool, _Threads):
-        pool.check()
-
-
-def result_of(future: Future[_Result], pool: Executor) -> _Result:
-    """What a task of an executor returns; a `BrokenExecutor` if a worker has ended, as `check_workers` says."""
-    while True:
-        try:
-            return future.result(LOOK)
-        except TimeoutError:
-            if future.done():  # just now, or by an error of this kind
-                return future.result()
-            check_workers(pool)
-
-
-def all_of(pool: Executor, function: Callable[..., _Result], *arguments: Iterable[Any]) -> list[_Result]:
-    """As `pool.map`, but that a worker that ends is noticed, as by `result_of`."""
-    computing = [pool.submit(function, *each) for each in zip(*arguments, strict=True)]
-    return [result_of(future, pool) for future in computing]
+    pool = ThreadPoolExecutor(workers or available_cores(), thread_name_prefix="stiction")
+    pool.submit(int)
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
 
 
 def available_cores() -> int:
@@ -135,7 +84,7 @@ def available_cores() -> int:
 
 @contextlib.contextmanager
 def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[..., None]]:
-    """Show progress as a bar, or as lines where there is no terminal; enter a function that adds to the count."""
+    """Show progress as a bar, on a terminal or in a notebook; enter a function that adds to the count."""
     if not wanted:
         yield lambda count=1: None
         return
@@ -160,33 +109,9 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
         TextColumn("left"),
         TimeRemainingColumn(),
     )
+    is_notebook = Console().is_jupyter
     # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
-    notebook = Console(stderr=True).is_jupyter
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
-    if not (console.is_terminal or notebook):
-        yield _progress_lines(what, total, finished)
-        return
-    with Progress(*columns, console=console) as bar:
+    with Progress(*columns, console=console, disable=not (console.is_terminal or is_notebook)) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda count=1: bar.advance(task, count)
-
-
-def _progress_lines(what: str, total: int, finished: int) -> Callable[..., None]:
-    """Print a line for every tenth, unless less than a second has gone by since the last one."""
-    started = said = time.monotonic()
-    number = finished
-
-    def advance(count: int = 1) -> None:
-        nonlocal said, number
-        now, number = time.monotonic(), number + count
-        tenth = (10 * number) // total > (10 * (number - count)) // total
-        if tenth and number < total and now - said >= LINES_APART:
-            said, passed = now, now - started
-            left = passed * (total - number) / (number - finished)
-            print(f"{what} {number} of {total}, {passed:.0f} s, about {left:.0f} s left", file=sys.stderr, flush=True)
-
-    return advance
-
-
-LINES_APART = 1.0
-"""Least seconds between lines of progress, so that a short run prints none."""

@@ -20,7 +20,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import ONSET, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.executors import all_of, given_or_threads
+from stiction.studies.executors import given_or_threads
 from stiction.studies.store import Stored, pieces
 from stiction.studies.study import Study, step_of, study_of
 
@@ -227,7 +227,7 @@ def ensemble_map(
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
                     at[cell].add(*asked.curves(cell, *sums, slice(first, first + at_a_time)))
 
-            all_of(pool, add, at, both)
+            list(pool.map(add, at, both))
     return asked.dataset_of(at, averages, others)
 
 

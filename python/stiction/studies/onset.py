@@ -12,7 +12,6 @@ import numpy as np
 
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 from stiction.studies.at_load import OverMembers
-from stiction.studies.executors import all_of
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
 from stiction.studies.result import is_measured, measured
@@ -84,7 +83,7 @@ def onset_of_result(
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
     of_member = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
-    found = [each for each in all_of(executor, of_member, indices) if each]
+    found = [each for each in executor.map(of_member, indices) if each]
     if not found:
         return None
     onset = _over_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})

@@ -7,8 +7,10 @@ import itertools
 import math
 import queue
 import shutil
-from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, wait
+import socket
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +19,12 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import half_written
 from stiction._text import bytes_text, duration_text, named
-from stiction.studies.executors import BROKEN, LOOK, check_workers, given_or_threads, progress_bar, result_of
+from stiction.studies.executors import BROKEN, given_or_threads, progress_bar
 from stiction.studies.members import about
-from stiction.studies.pressed import cost_of_member
-from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of
-from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, open_stored, put
+from stiction.studies.pressed import cost_of_member, member_sums
+from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, stacked
+from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, put
 from stiction.studies.study import Study
-from stiction.studies.tasks import Folder, arrays_task, block_task
 from stiction.studies.text import StudyError
 
 if TYPE_CHECKING:
@@ -45,11 +46,14 @@ LEAST_TIME = 0.06
 MOST_SUBMITTED = 1000
 """Tasks that wait on an executor at a time, if their results are small."""
 
-MOST_WAITING = 2**28
-"""Bytes of results that may wait here, where workers do not write them."""
+FEWEST_SUBMITTED = 256
+"""Tasks that wait at a time in any case, so that the workers of a large machine all have one."""
 
-PATIENCE = 1.0
-"""Seconds that an interrupted run waits for its workers to write what they have."""
+MOST_WAITING = 2**28
+"""Bytes of results that may wait here to be written."""
+
+PATIENCE = 3.0
+"""Seconds that an interrupted run waits for the blocks in hand."""
 
 MOST_IN_MEMORY = 2**34
 """Bytes of a result that is not stored."""
@@ -120,7 +124,7 @@ def run(
         )
     if store is None:
         return _in_memory(study.with_known_files(), executor, progress)
-    return _filled(study, Path(store), None, executor, progress, None).dataset()
+    return filled(prepared(study, store), executor=executor, progress=progress).dataset()
 
 
 def fill(
@@ -139,25 +143,30 @@ def fill(
     hours, and who writes. Returns how many repetitions of the study, or of the part, the folder holds. Raises a
     `ValueError` as `run` does, and if there is no such part.
     """
-    stored = _filled(study, Path(folder), part, executor, progress, say)
+    stored = prepared(study, folder, part)
+    stored = filled(stored, part=part, executor=executor, progress=progress, say=say)
     own = _Missing(stored, part)
     return own.total - own.count
 
 
-def _filled(
-    study: Study,
-    path: Path,
-    part: tuple[int, int] | None,
-    executor: Executor | None,
-    progress: bool,
-    say: Callable[[str], None] | None,
-) -> Stored:
-    """A folder that holds all members of a study, or of a part of it."""
+def prepared(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> Stored:
+    """A folder for a study, or a part of it, with what it holds already; errors as of `fill`."""
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
-    study = study.with_known_files(path)
-    _check_disk(study, path)
-    stored = begin(path, study)
+    study = study.with_known_files(Path(folder))
+    _check_disk(study, Path(folder))
+    return begin(folder, study)
+
+
+def filled(
+    stored: Stored,
+    *,
+    part: tuple[int, int] | None = None,
+    executor: Executor | None = None,
+    progress: bool = False,
+    say: Callable[[str], None] | None = None,
+) -> Stored:
+    """The folder when it holds all members of its study, or of a part of it; errors as of `fill`."""
     missing = _Missing(stored, part)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(given_or_threads(executor))
@@ -165,37 +174,33 @@ def _filled(
             progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
         )
         if missing.count:
-            stack.enter_context(_kept(path, study))
-            _compute(stored, missing, pool, advance, say)
-    filled = Stored(path, study, open_stored(path).blocks)
-    if _Missing(filled, part).count:
-        raise StoreError(f"{named(path)}: was removed or replaced while it was being written")
-    return filled
+            stack.enter_context(_kept(stored))
+            _compute_into(stored, missing, pool, advance, say)
+    stored = stored.again()
+    if _Missing(stored, part).count:
+        raise StoreError(f"{named(stored.path)}: was removed or replaced while it was being written")
+    return stored
 
 
-def _compute(
+def _compute_into(
     stored: Stored, missing: _Missing, pool: Executor, advance: Callable[[int], None], say: Callable[[str], None] | None
 ) -> None:
-    """Compute what is missing."""
-    waiting: dict[Future[tuple[int, Any]], range] = {}
+    """Compute what is missing of a folder; workers elsewhere write it themselves, if they see the folder."""
+
+    def take(members: range, content: bytes | None) -> None:
+        if content is not None:
+            put(stored.path, members[0], content, len(members))
+        advance(len(members))
+
     with contextlib.ExitStack() as stack:
-        stack.callback(wait, waiting, PATIENCE)  # after the token is gone, and workers write what they have
-        folder = stack.enter_context(_token(stored.path))
-        is_seen = result_of(pool.submit(folder.is_seen), pool)
-        most = MOST_SUBMITTED
-        if not is_seen:
-            most = max(32, min(most, MOST_WAITING // (missing.block * bytes_of_member(stored.study))))
-        # Closed before the executor is, or an interrupted run would first compute all that it has submitted.
-        results = stack.enter_context(
-            contextlib.closing(_results(stored.study, missing, pool, block_task, folder, most, waiting))
-        )
-        next(results)
+        here = isinstance(pool, ThreadPoolExecutor)
+        folder = None if here else stack.enter_context(_token(stored.path))
+        is_seen = folder is not None and pool.submit(folder.is_seen).result()
         if say is not None:
-            say(_ahead(stored, missing, is_seen))
-        for members, content in results:
-            if content is not None:
-                put(stored.path, members[0], content, len(members))
-            advance(len(members))
+            say(_ahead(stored, missing, here or is_seen))
+        waiting = MOST_WAITING // (missing.block * bytes_of_member(stored.study))
+        most = MOST_SUBMITTED if is_seen else max(FEWEST_SUBMITTED, min(MOST_SUBMITTED, waiting))
+        _compute(missing, pool, most, take, block_task, __version__, stored.study, folder)
 
 
 @contextlib.contextmanager
@@ -215,19 +220,15 @@ def _token(path: Path) -> Iterator[Folder]:
 
 
 @contextlib.contextmanager
-def _kept(path: Path, study: Study) -> Iterator[None]:
+def _kept(stored: Stored) -> Iterator[None]:
     """Say in a StoreError how many members are finished, also where a worker has ended."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
-        try:
-            kept = Stored(path, study, open_stored(path).blocks).finished.size
-        except StoreError:
-            raise error from None
         said = BROKEN if isinstance(error, BrokenExecutor) else error
         raise StoreError(
-            f"{said}\n{kept} of {study.ensemble.repetitions} repetitions are finished and kept; running the study on "
-            "it again continues from there"
+            f"{said}\n{stored.again().count} of {stored.study.ensemble.repetitions} repetitions are finished and kept; "
+            "running the study on it again continues from there"
         ) from None
 
 
@@ -248,18 +249,19 @@ def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarra
     missing = _Missing(nothing, None)
     axis = len(study.surfaces.cells())
     arrays: Arrays = {}
+
+    def take(members: range, sums: Arrays) -> None:
+        for name, values in sums.items():
+            at = 0 if name in OF_MEMBERS else axis
+            if name not in arrays:
+                arrays[name] = np.empty((*values.shape[:at], missing.total, *values.shape[at + 1 :]), values.dtype)
+            arrays[name][(*(slice(None),) * at, slice(members.start, members.stop))] = values
+        advance(len(members))
+
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(given_or_threads(executor))
         advance = stack.enter_context(progress_bar("repetitions", missing.total, 0, progress))
-        results = _results(study, missing, pool, arrays_task, None, MOST_SUBMITTED, {})
-        for members, sums in stack.enter_context(contextlib.closing(results)):
-            for name, values in (sums or {}).items():
-                at = 0 if name in OF_MEMBERS else axis
-                if name not in arrays:
-                    shape = (*values.shape[:at], missing.total, *values.shape[at + 1 :])
-                    arrays[name] = np.empty(shape, values.dtype)
-                arrays[name][(*(slice(None),) * at, slice(members.start, members.stop))] = values
-            advance(len(members))
+        _compute(missing, pool, MOST_SUBMITTED, take, arrays_task, __version__, study)
     return dataset_of(study, range(missing.total), arrays, about(study))
 
 
@@ -306,48 +308,82 @@ class _Missing:
                 yield range(first + start, first + end)
 
 
-def _results(
-    study: Study,
+def _compute(
     missing: _Missing,
     pool: Executor,
-    task: Callable[..., tuple[int, Any]],
-    folder: Folder | None,
     most: int,
-    waiting: dict[Future[tuple[int, Any]], range],
-) -> Generator[tuple[range, Any]]:
-    """Blocks as they are done, and what their tasks return; so many tasks are submitted, and waiting, at a time.
+    take: Callable[[range, Any], None],
+    task: Callable[..., Any],
+    *arguments: Any,
+) -> None:
+    """Compute blocks by a task that takes its members last, and have each taken as soon as it is done.
 
-    What comes first is nothing, as soon as they are. Tasks that have not begun when this is closed are cancelled.
+    At most so many are submitted at a time. Errors and interruptions cancel those that have not begun, and those in
+    hand are taken if they end soon.
     """
-    blocks = iter(missing)
+    rest = iter(missing)
+    waiting: dict[Future[Any], range] = {}
     # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
-    done: queue.SimpleQueue[Future[tuple[int, Any]]] = queue.SimpleQueue()
+    done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
-    def submit(members: range) -> None:
-        future = pool.submit(task, __version__, study, members, folder)
-        waiting[future] = members
-        future.add_done_callback(done.put)
+    def submit(count: int) -> None:
+        for members in itertools.islice(rest, count):
+            future = pool.submit(task, *arguments, members)
+            waiting[future] = members
+            future.add_done_callback(done.put)
 
     try:
-        for members in itertools.islice(blocks, most):
-            submit(members)
-        yield range(0), None
-        while True:
-            for members in itertools.islice(blocks, max(0, most - len(waiting))):
-                submit(members)
-            if not waiting:
-                return
-            try:
-                future = done.get(timeout=LOOK)
-            except queue.Empty:
-                check_workers(pool)
-                continue
-            members = waiting.pop(future)
-            count, result = future.result()
-            if count < len(members):
-                submit(members[count:])
-            yield members[:count], result
-            del future, result
+        submit(most)
+        while waiting:
+            future = done.get()
+            take(waiting[future], future.result())
+            del waiting[future]
+            submit(most - len(waiting))
     finally:
         for future in waiting:
             future.cancel()
+        for future in wait(waiting, PATIENCE).done:
+            if not future.cancelled() and future.exception() is None:
+                with contextlib.suppress(StoreError):
+                    take(waiting[future], future.result())
+
+
+# ---- Tasks ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A folder into which a worker on another machine writes its blocks, if it sees it."""
+
+    path: Path
+    token: str  # name of a file among the blocks, which is there as long as the run that hands out the tasks
+
+    def is_seen(self) -> bool:
+        """Whether this process sees the folder."""
+        return (self.path / BLOCKS / self.token).exists()
+
+
+def block_task(version: str, study: Study, folder: Folder | None, members: range) -> bytes | None:
+    """The file of a block of members; None where it was written into the folder, because that is seen from here.
+
+    Raises a `StudyError` if another version of stiction asks for it, whose results may differ, and a `StoreError` if it
+    cannot be written.
+    """
+    from stiction.studies.netcdf import encoded
+
+    is_seen = folder is not None and folder.is_seen()
+    content = encoded(study, members, arrays_task(version, study, members))
+    if folder is None or not is_seen:
+        return content
+    put(folder.path, members[0], content, len(members))
+    return None
+
+
+def arrays_task(version: str, study: Study, members: range) -> Arrays:
+    """The numbers of a block of members; errors as of `block_task`."""
+    if version != __version__:
+        raise StudyError(
+            f"the worker on {socket.gethostname()} has stiction {__version__}, and {version} asks for the study; "
+            "install the same version everywhere"
+        )
+    return stacked(study, [member_sums(study, member) for member in members])

@@ -133,6 +133,10 @@ class Stored:
         """Bytes of the result in memory."""
         return self.count * bytes_of_member(self.study)
 
+    def again(self) -> Stored:
+        """The same folder with the blocks that it holds now."""
+        return Stored(self.path, self.study, _listed(self.path))
+
     @cached_property
     def begun(self) -> Members:
         """The members of the first block, of whatever study they are."""

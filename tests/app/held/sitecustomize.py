@@ -6,9 +6,9 @@ from pathlib import Path
 
 hold = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
 if hold.exists():
-    from stiction.studies import tasks
+    from stiction.studies import runner
 
-    sums = tasks.member_sums
+    sums = runner.member_sums
 
     def member_sums(study, member):
         """The sums of a member that is not, or no longer, held."""
@@ -16,4 +16,4 @@ if hold.exists():
             time.sleep(0.02)
         return sums(study, member)
 
-    tasks.member_sums = member_sums
+    runner.member_sums = member_sums
