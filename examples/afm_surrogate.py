@@ -37,14 +37,17 @@ figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), layout="constrained")
 for name, body, colour in (("worn", worn, "0.0"), ("surrogate", made, "0.55")):
     axes[0].hist(1000 * body.heights.ravel(), 80, histtype="step", density=True, color=colour, label=name)
     found = surface_parameters(body)
-    mean = pressed_maps_mean(pressed_maps(turned_over(body), body, load, **MATERIAL))
+    maps = pressed_maps(turned_over(body), body, load, **MATERIAL)
+    mean = pressed_maps_mean(maps)
     area = 100 * mean["contact_area_fraction"].values
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
     axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")
-    friction = mean["friction_coefficient"].sel(sliding="all").isel(load=1).mean("direction").squeeze().values
+    # The mean about the compass of each shift, and then over shifts with twice its standard error.
+    friction = maps["friction_coefficient"].sel(sliding="all").isel(load=1).mean("direction").squeeze()
+    error = 2 * float(friction.std("repetition", ddof=1)) / np.sqrt(friction.sizes["repetition"])
     print(f"{name}: Sq {1000 * found.Sq:.1f} nm, Ssk {found.Ssk:.2f}, Sdq {found.Sdq:.3f}; at 10 MPa")
     print(f"  A/A0 = {area[1, 0]:.2f} % [{area[1, 1]:.2f}, {area[1, 2]:.2f}]")
-    print(f"  mu_s, all contacts: {friction[0]:.3f} [{friction[1]:.3f}, {friction[2]:.3f}]")
+    print(f"  mu_s, all contacts: {float(friction.mean()):.3f} +- {error:.3f}")
 axes[0].set(xlabel="height (nm)", ylabel="density (1/nm)")
 axes[1].set(xlabel="pressure (MPa)", ylabel="true area (%)", xscale="log", yscale="log")
 axes[1].set(xticks=[3, 10, 30], xticklabels=["3", "10", "30"], yticks=[0.3, 1, 3], yticklabels=["0.3", "1", "3"])

@@ -43,8 +43,8 @@ def friction_against_load():
             directory=folder,
             **GIVEN,
         )
-        at = result.at(LOADS.tolist())["friction_coefficient"].mean("direction").squeeze()
-        print(result.at([ASKED])["friction_coefficient"].mean("direction").squeeze().to_pandas())
+        at = result.at(LOADS.tolist())["friction_all_round"].squeeze()
+        print(result.at([ASKED])["friction_all_round"].squeeze().to_pandas())
         return {rule: at.sel(sliding=rule).load() for rule in RULES}
 
 

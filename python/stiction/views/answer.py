@@ -17,7 +17,7 @@ import numpy as np
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.views.digits import percent, quoted, with_unit
+from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.doubts import VERDICTS, doubts_of
 from stiction.views.doubts import WIDE as WIDE
 from stiction.views.doubts import Doubt as Doubt
@@ -83,8 +83,8 @@ class Answer:
     at : dict
         Coordinates: the cell, load (mN), mu0 and tau0 (GPa).
     bracket : (float, float), optional
-        With a hardness, between which ends every finer scan lies where all contacts rub: mu0 + tau0/H, and the upper
-        end of the interval at this scan with what few contacts leave open.
+        With a hardness, and a value to quote, between which ends every finer scan lies where all contacts rub:
+        mu0 + tau0/H, and the upper end of the interval at this scan with what few contacts leave open.
     """
 
     rules: tuple[RuleValue, ...]
@@ -283,10 +283,11 @@ def slopes_text(answer: Answer, point: xarray.Dataset, study: Study) -> str:
     if not known:
         return ""
     values = " and ".join(f"{quoted(rule.slopes)} {RULES[rule.rule]}" for rule in known)
-    words = f"The slopes alone predict {values}"
-    if is_capped(study):
-        words += ", without regard to the hardness"
+    without = ", without regard to the hardness" if is_capped(study) else ""
     kappa = value_of(point, "rms_gradient") * modulus_of(point, study) / pressure_of(point)
     if float(point["tau0"]) > 0 and abs(kappa / KAPPA - 1) > OTHER_KAPPA:
-        words += f", with A E* h'/F = {KAPPA:g} where this pair has {kappa:.2g}"
-    return words + "."
+        return (
+            f"The slopes alone are no check of this pair: their A E* h'/F is {KAPPA:g} and that of the pair "
+            f"{significant(kappa)}. They would predict {values}{without}."
+        )
+    return f"The slopes alone predict {values}{without}."

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.views.digits import finite, quoted, with_interval, with_unit
+from stiction.views.digits import finite, percent, quoted, with_interval, with_unit
 
 if TYPE_CHECKING:
     import xarray
@@ -30,7 +30,7 @@ def onset_text(onset: xarray.Dataset) -> str:
     if math.isfinite(creep[0]):
         parts.append(f"it creeps {quoted(*creep)} nm before it slides")
     slipped = _ends(onset["slipped_area"].sel(fraction=HALF), 100.0)
-    parts.append(f"at half of the load {slipped[0]:.2g} % of the contact slips")
+    parts.append(f"at half of the load {percent(slipped[0] / 100)} of the contact slips")
     stiffness = _ends(onset["stiffness"])
     if math.isfinite(stiffness[0]):
         parts.append(f"its tangential stiffness at rest is {quoted(*stiffness)} mN/µm")
@@ -61,7 +61,7 @@ def onset_note(onset: xarray.Dataset) -> str:
     """What the numbers are means of, and what they assume."""
     a = onset.attrs
     members = int(a["members"])
-    words = f"Of {members} member{'s' if members > 1 else ''}, all contacts rubbing."
+    words = f"This onset is that of {'one member' if members == 1 else f'{members} members'}, all contacts rubbing."
     if not int(a.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
         words += f" Poisson's ratio is taken as {float(np.ravel(a['poisson_ratio'])[0]):g}."
     return words

@@ -16,7 +16,8 @@ from stiction.mechanics.quantities import ONSET, QUANTITIES
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
-from stiction.views.digits import from_to, quoted, with_interval, with_unit
+from stiction.views.digits import from_to, prefix, quoted, significant, with_interval, with_unit
+from stiction.views.doubts import OF_ASPERITIES, doubted
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import CELLS, RULES, has_nominal_area, is_capped, load_text, points, value_of, way_text
 from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
 LEAST_WIDTH = 40
 """Columns below which nothing is made narrower."""
-
-HALF = 0.5
-"""Fraction of the load that is outside of what the model says, from which on a number of a table is marked."""
 
 Rows = Sequence[Sequence[str]]
 
@@ -188,7 +186,7 @@ def _block(one: Answer) -> str:
         if index == 0 and rule.rule == "all":
             words += ": take this if μ0 was measured on smooth faces"
         if math.isfinite(rule.low) and math.isfinite(rule.value):
-            words += f"; four of five members {from_to(rule.low, rule.high)}"
+            words += f"; four of five members in a single direction {from_to(rule.low, rule.high)}"
         lines.append(fitted(words, hang=" " * 8))
     lines.append(fitted(f"at {one.inputs}; {one.note}", indent="  "))
     if one.bracket is not None:
@@ -235,8 +233,8 @@ _MORE = (
 
 _QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
 
-_SCALES = {"um": (1000.0, "nm"), "um^2": (1.0, "µm²"), "GPa": (1.0, "GPa"), "mN": (1.0, "mN"), "mN/um": (1.0, "mN/µm")}
-"""Factor and unit of what tables show."""
+_SCALES = {"um^2": (1.0, "µm²"), "mN/um": (1.0, "mN/µm")}
+"""Factor and name of units that have no prefixes."""
 
 
 def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
@@ -261,11 +259,21 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
 def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list[str]]:
     """A row, or none where no load has a number."""
     unit = QUANTITIES[name].unit
-    factor, shown = (100.0, "%") if _is_fraction(name) else _SCALES.get(unit, (1.0, ""))
+    if unit in ("um", "GPa", "mN"):
+        values = [value for value in map(_largest, tables) if math.isfinite(value)]
+        core, shown = prefix(max(values, default=1.0), unit)
+        factor = 1 / core
+    else:
+        factor, shown = (100.0, "%") if _is_fraction(name) else _SCALES.get(unit, (1.0, ""))
     cells = [_cell(table, factor) for table in tables]
     if all(cell == "none" for cell in cells):
         return []
     return [[f"{words} ({shown})" if shown else words, *cells]]
+
+
+def _largest(table: xarray.DataArray) -> float:
+    means = table.sel(statistic="mean") if "statistic" in table.dims else table
+    return float(np.abs(means).max())
 
 
 def _is_fraction(name: str) -> bool:
@@ -275,10 +283,10 @@ def _is_fraction(name: str) -> bool:
 def _cell(table: xarray.DataArray, factor: float) -> str:
     if "statistic" not in table.dims:
         value = float(factor * table.mean())
-        return "none" if math.isnan(value) else f"{value:.2g}"
+        return "none" if math.isnan(value) else significant(value)
     if table.name == "error":
         worst = float(table.sel(statistic="mean").max())
-        return "none" if math.isnan(worst) else f"{worst:.1g}"
+        return "none" if math.isnan(worst) else significant(worst, 1)
     ends = [factor * float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")]
     return with_interval(*ends)
 
@@ -313,7 +321,7 @@ def lay_text(table: xarray.DataArray) -> str:
     names = [_axis(float(table["axis"][place])) for place in (high, low)]
     if float(lower[high]) > float(upper[low]):
         more = 100 * (float(mean[high]) / float(mean[low]) - 1)
-        return f"Grooves: friction along {names[0]} is {more:.2g} % higher than along {names[1]}."
+        return f"Grooves: friction along {names[0]} is {significant(more)} % higher than along {names[1]}."
     return "No grooves: the axes differ by less than their intervals."
 
 
@@ -420,5 +428,7 @@ def _overview_cell(point: xarray.Dataset) -> str:
     name = "friction_all_round" if "friction_all_round" in point else "friction_coefficient"
     table = point[name]
     cell = with_interval(*(float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")))
-    beyond = any(value_of(point, each) > HALF for each in ("share_beyond_hertz", "share_below_grid"))
-    return cell + "*" * beyond
+    beyond = doubted(
+        OF_ASPERITIES, {name: value_of(point, name) for name in ("share_beyond_hertz", "share_below_grid")}
+    )
+    return cell + "*" * any(beyond)

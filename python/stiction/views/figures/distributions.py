@@ -27,10 +27,11 @@ BINS = 12
 
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Friction coefficient of each member, and how the members are distributed; 80 mm wide.
+    """Friction coefficient of each member in each single direction, and its distribution; 80 mm wide.
 
-    Values are over repetition and sliding, and `points` are their means, as for `compass_figure`. Members of several
-    offsets along one line are drawn over the offset, others in the order of their values.
+    Values are over repetition, direction and sliding, and `points` are their means, as for `compass_figure`. Members of
+    several offsets along one line are drawn over the offset, others in the order of their values. A test slides one
+    way, so that directions are not put together.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
@@ -44,7 +45,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
         own = values.sel(sliding=rule) if "sliding" in values.dims else values
         known = own.values[np.isfinite(own.values)]
         if by_offset:
-            x, y = values["x"].values, own.values
+            x, y = np.repeat(values["x"].values, values.sizes["direction"]), own.values.ravel()
         else:
             x, y = np.arange(1, known.size + 1), np.sort(known)
         each.plot(x, y, "o", color=RULES[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_WORDS[rule])
@@ -59,13 +60,13 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
             ax.axhline(middle, color=RULES[rule], linewidth=0.6)
     each.set_ylim(0, bins[-1])
     each.set_ylabel(label("friction_coefficient"))
-    each.set_xlabel("offset of the upper body (µm)" if by_offset else "members, in the order of their values")
-    distribution.set_xlabel("members")
+    each.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
+    distribution.set_xlabel("number")
     distribution.xaxis.set_major_locator(MaxNLocator(3, integer=True))
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
-    head = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, mean over directions"
+    head = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
     figure.suptitle(f"{title}\n{head}" if title else head, fontsize=6)
-    missing = int(np.isnan(values.values).any(axis=-1).sum()) if values.ndim > 1 else int(np.isnan(values.values).sum())
+    missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
     note = f"; {missing} members have no answer" if missing else ""
     figure.legend(
         *each.get_legend_handles_labels(), title=f"lines: means; bands: their 95 %{note}", loc="outside lower center",

@@ -14,6 +14,7 @@ from stiction.studies.at_load import means, reached_loads
 from stiction.studies.maps import area_map, friction_map
 from stiction.studies.study import Study, study_of
 from stiction.views.digits import with_unit
+from stiction.views.doubts import HALF
 from stiction.views.style import (
     FRICTION_MAP,
     FULL_WIDTH,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 MOST_CURVES = 8
 
-FRACTION_LIMIT = 0.5
+FRACTION_LIMIT = HALF
 """Fraction of the load beyond Hertz, or on radii below the grid spacing, from which on a value is marked."""
 
 COLOUR_QUANTILES = (0.01, 0.95)

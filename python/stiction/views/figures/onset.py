@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import Floats
+from stiction.views.digits import with_unit
 from stiction.views.onset import AMPLITUDES
 from stiction.views.style import AREA, FORCE, FRICTION, MILLIMETRE, WIDTH, friction_parameters_text
 
@@ -38,9 +39,8 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         for amplitude, colour in zip(AMPLITUDES, CYCLES, strict=True):
             cycle = _cycle(way, load, float(curve["tangential_load"].sel(fraction=amplitude)))
             lost = 1e3 * float(curve["energy_lost"].sel(fraction=amplitude))
-            axes.plot(
-                1e3 * cycle[0], cycle[1], color=colour, linewidth=0.8, label=f"cycle of {amplitude:g}: {lost:.2g} pJ"
-            )
+            words = f"cycle of {amplitude:g}: {with_unit(lost, 'pJ')}"
+            axes.plot(1e3 * cycle[0], cycle[1], color=colour, linewidth=0.8, label=words)
         first = _smooth(way, load, float(load[-1]))
         axes.plot(1e3 * first[0], first[1], color=FORCE, linewidth=1.2, label="first way up")
         axes.axhline(0, color="0.7", linewidth=0.4)
@@ -67,7 +67,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     axes.legend(loc="upper left")
     attributes = onset.attrs
     said = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
-    head = [title, f"{said}, $F_N$ = {float(attributes['load_mN']):.3g} mN; bands: 95 %"]
+    head = [title, f"{said}, $F_N$ = {with_unit(float(attributes['load_mN']), 'mN')}; bands: 95 %"]
     figure.suptitle("\n".join(line for line in head if line), fontsize=6)
     return figure
 

@@ -193,8 +193,8 @@ def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
 def _positions(result: Any, read: _Read, load: float, mu0: int, tau0: int) -> Figure:
     at = read.at(load, mu0, tau0)
     members = member_values(result, [load], mu0=[float(at["mu0"])], tau0=[float(at["tau0"])])
-    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).mean("direction", skipna=False)
-    return positions_figure(values.transpose("repetition", ...), at, title=read.title)
+    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
+    return positions_figure(values.transpose("repetition", "direction", ...), at, title=read.title)
 
 
 def _sizes(result: Any, read: _Read, hardness: float | None) -> Figure:

@@ -12,6 +12,7 @@ from stiction.studies.at_load import reached_loads
 from stiction.studies.maps import MOTIONS
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
+from stiction.views.digits import with_unit
 from stiction.views.doubts import checks_of_ensemble
 from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.point import rules_of
@@ -209,7 +210,7 @@ def _head(study: Study) -> list[str]:
     law = "" if contact.mechanics == "half-space" else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.case[0].upper()}{surfaces.case[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
-        f"pressed by {how}{law}; E* = {float(contact.effective_modulus):g} GPa; contacts that rub: "
+        f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts that rub: "
         f"{' and '.join(rules)}; motion to {', '.join(map(way, angles))}."
     ]
 

@@ -16,6 +16,7 @@ from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.answer import answers, slopes_text
+from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt
 from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.figures.standard import hardness_of, picture_of, title_of
@@ -149,8 +150,9 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = hardness_of(study)
     how = "the elastic half-space" if study.contact.mechanics == "half-space" else "asperities"
-    limited = "" if hardness is None else f", hardness {hardness:g} GPa"
-    return [f"{surfaces.pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {facts['modulus']:g} GPa{limited}."]
+    limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
+    modulus = with_unit(facts["modulus"], "GPa")
+    return [f"{surfaces.pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {modulus}{limited}."]
 
 
 def _history(side: str, history: str, study: Study) -> str:

@@ -294,8 +294,9 @@ function showPositions() {
   const step = stepOf(first, loads[state.load]);
   const series = curves().map((curve) => {
     const {result, d, a} = picked(curve.r, curve.rule, false);
-    const values = memberValues(result, "friction", d, a, step, state.mu0, tau0());
-    const found = isByOffset() ? values.map((value, i) => ({x: first.offsets[0][result.members[i]], value}))
+    const each = result.chosen.map((motion) => memberValues({...result, chosen: [motion]}, "friction", d, a, step, state.mu0, tau0()));
+    const values = each.flat();
+    const found = isByOffset() ? each.flatMap((one) => one.map((value, i) => ({x: first.offsets[0][result.members[i]], value})))
       : values.filter(Number.isFinite).sort((one, other) => one - other).map((value, i) => ({x: i + 1, value}));
     return {...curve, points: found.map((point) => ({...point, lower: NaN, upper: NaN, trusted: false}))};
   });
@@ -306,9 +307,9 @@ function showPositions() {
   const xs = series.flatMap(({points}) => points.map(({x}) => x));
   const [low, high] = xs.length ? [Math.min(...xs), Math.max(...xs)] : [0, 1];
   const room = isByOffset() ? 0.02 * (high - low || 1) : 0.5;
-  drawCurves(byId("positions"), series, {low: low - room, high: high + room, title: isByOffset() ? "offset of the upper body (µm)" : "members, in the order of their values"},
+  drawCurves(byId("positions"), series, {low: low - room, high: high + room, title: isByOffset() ? "offset of the upper body (µm)" : "members and directions, in order"},
     {...QUANTITY.friction, isScatter: true, levels, said: ({x, value}, name) => `${shown(value, 3)}${isByOffset() ? ` at ${shown(x, 3)} µm` : ""}${name ? `, ${name}` : ""}`});
-  byId("positions-caption").textContent = `Each point is one ${isByOffset() ? "position" : "pair of pieces"}, at ${loadName(state.load)}, ${materialName()}; ${motionWords()}. Dashed: means.`;
+  byId("positions-caption").textContent = `Each point is one ${isByOffset() ? "position" : "pair of pieces"} in one direction, at ${loadName(state.load)}, ${materialName()}; ${motionWords()}. Dashed: the mean.`;
 }
 
 function showCompass() {
