@@ -108,6 +108,11 @@ def exactly(value: float, unit: str) -> str:
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
+def exact(value: float, unit: str) -> Quantity:
+    """A number in core units as a quantity, whatever its magnitude."""
+    return Quantity(value, exactly(value, unit))
+
+
 def shortened(value: object) -> str:
     """Text of a value for a message, of a length that fits a line."""
     try:

@@ -20,12 +20,14 @@ from stiction import (
     turned_over,
 )
 from stiction.studies import intervals
-from stiction.surfaces.pairing import lower_piece
 
 LOADS = [0.003, 0.03]
 FRICTION = {"mu0": 0.3, "tau0": 0.1}
 EXACT = 1e-9
 """Relative: roots are found to 1e-12 of the approach."""
+
+BETWEEN = 2e-3
+"""Relative, of what is read off between two elastic loads that are pressed, and of friction there."""
 
 
 def scan(side="lower", *, points=3000, repetition=0, spacing=0.01):
@@ -51,44 +53,27 @@ def test_every_position_is_press_at_the_approach_of_its_load(pair, result, shear
     upper, lower = pair
     beneath = cropped(lower, offset, offset + 20)
     choices = {"detection": "gap-minimum", "shear": shear}
-    at = result.sel(shear=shear, offset=offset, line=0)
-    approaches = approach_at_load(upper, beneath, LOADS, **FRICTION, **choices)
+    elastic = traverse(upper, lower, LOADS, offsets=[offset], load="elastic", **FRICTION)
+    at = elastic.sel(shear=shear, offset=offset, line=0)
+    approaches = approach_at_load(upper, beneath, LOADS, mu0=0.0, **choices)
     curve = press(upper, beneath, approaches, **choices)
     np.testing.assert_allclose(at["approach"], approaches, rtol=EXACT)
     np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=EXACT)
+    np.testing.assert_allclose(at["tangential_load"], curve.tangential_load(**FRICTION), rtol=EXACT)
     np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=EXACT)
     np.testing.assert_array_equal(at["contact_count"], curve.contact_count)
     np.testing.assert_allclose(at["share_beyond_hertz"], curve.validity.share_beyond_hertz, rtol=EXACT, atol=1e-12)
-    np.testing.assert_allclose(at["tangential_load"], at["friction_coefficient"] * LOADS, rtol=EXACT)
-    step = 0.02
     for index, approach in enumerate(approaches):
-        ends = press(upper, beneath, [(1 - step) * approach, (1 + step) * approach], **choices).normal_load(**FRICTION)
-        assert float(at["normal_stiffness"][index]) == pytest.approx((ends[1] - ends[0]) / (2 * step * approach))
+        ends = press(upper, beneath, [0.98 * approach, 1.02 * approach], **choices).normal_elastic
+        assert float(at["normal_stiffness"][index]) == pytest.approx((ends[1] - ends[0]) / (0.04 * approach))
+    at = result.sel(shear=shear, offset=offset, line=0)
+    approaches = approach_at_load(upper, beneath, LOADS, **FRICTION, **choices)
+    curve = press(upper, beneath, approaches, **choices)
+    np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=BETWEEN)
+    np.testing.assert_allclose(at["tangential_load"], at["friction_coefficient"] * LOADS, rtol=EXACT)
+    np.testing.assert_allclose(at["approach"], approaches, rtol=BETWEEN)
+    np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=BETWEEN)
     assert (at["status"] == "ok").all()
-
-
-@pytest.mark.parametrize("shear", ["+x", "-x"])
-def test_where_the_load_jumps_values_are_in_proportion_between_before_and_behind(rough_pair, shear):
-    upper, lower = rough_pair(1.5, repetition=1)
-    loads = np.geomspace(1e-4, 3e-3, 12)
-    at = traverse(upper, lower, loads, detection="cell", **FRICTION).sel(shear=shear).isel(line=0, offset=0)
-    jumps = 0
-    for place in np.flatnonzero(at["status"] == "ok"):
-        load, approach = loads[place], float(at["approach"][place])
-        curve = press(upper, lower, [approach * (1 - 1e-10), approach], detection="cell", shear=shear)
-        normal, tangential = curve.normal_load(**FRICTION), curve.tangential_load(**FRICTION)
-        jumps += normal[1] > 1.1 * load
-        for name, both in (
-            ("tangential_load", tangential),
-            ("contact_area", curve.contact_area),
-            ("contact_count", curve.contact_count),
-        ):
-            assert float(at[name][place]) == pytest.approx(np.interp(load, normal, both), rel=1e-6, abs=1e-12), name
-        coefficient = float(at["friction_coefficient"][place])
-        assert coefficient == pytest.approx(np.interp(load, normal, tangential) / load, rel=1e-6, abs=1e-12)
-        shares = [np.interp(load, normal, part) for part in (curve.load_below_grid, curve.normal_elastic)]
-        assert float(at["share_below_grid"][place]) == pytest.approx(shares[0] / shares[1], rel=1e-6, abs=1e-12)
-    assert jumps > 2
 
 
 def test_an_offset_is_the_nearest_point(pair):
@@ -97,7 +82,7 @@ def test_an_offset_is_the_nearest_point(pair):
     at = traverse(upper, lower, [0.01], offsets=[0.29], **FRICTION).sel(shear="+x")
     beneath = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
     wanted = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", **FRICTION)
-    assert float(at["approach"].squeeze()) == pytest.approx(float(wanted), rel=EXACT)
+    assert float(at["approach"].squeeze()) == pytest.approx(float(wanted), rel=BETWEEN)
     assert float(at["offset"].squeeze()) == pytest.approx(0.29)
 
 
@@ -129,14 +114,6 @@ def test_units_names_and_what_it_was_made_of_go_with_it(result):
     assert result.attrs["detection"] == "gap-minimum"
     assert "turned over" in result.attrs["upper"]
     assert result.attrs["stiction_version"] == stiction.__version__
-
-
-def test_executors_give_the_same_bits(pair, result):
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(1) as one:
-        other = traverse(*pair, LOADS, offsets=[0.0, 4.0, 10.0], executor=one, **FRICTION)
-    assert other.identical(result)
 
 
 def test_scaling_all_lengths_leaves_the_numbers_without_units(pair):
@@ -410,7 +387,7 @@ def two_rough_profiles():
 def test_the_share_that_opposes_is_that_of_the_contacts_by_either_rule(sliding):
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
-    result = traverse(slider, lower, [0.3], mu0=0.3, offsets=[1.0], sliding=sliding)
+    result = traverse(slider, lower, [0.3], mu0=0.3, offsets=[1.0], sliding=sliding, load="elastic")
     assert result.attrs["sliding"] == sliding
     for shear in ("+x", "-x"):
         at = result.sel(shear=shear, line=0, offset=1.0, load=0.3)
@@ -474,34 +451,6 @@ def test_half_planes_are_half_space_at_each_position(small_pair, sliding):
         assert np.isnan(result[name]).all()
     assert result.attrs["mechanics"] == "half-space"
     assert "law" not in result.attrs
-
-
-def test_a_direction_of_a_half_space_is_that_of_another_solution(small_pair):
-    upper, lower = small_pair[0], cropped(small_pair[1], 0, 2)
-    turned = half_space(upper, lower, LOADS).with_direction("-x")
-    other = half_space(upper, lower, LOADS, direction="-x")
-    for name in ("tangential_elastic", "tangential_frictional", "normal_frictional", "tangential_adhesive"):
-        np.testing.assert_allclose(getattr(turned, name), getattr(other, name), rtol=SAME)
-    assert turned.direction == 180
-    with pytest.raises(ValueError, match="direction on profiles"):
-        turned.with_direction(30.0)
-
-
-def test_a_position_without_a_solution_leaves_the_others_theirs(small_pair, monkeypatch):
-    def unsolved(upper, lower, loads, **given):
-        if upper.heights[0] + lower.heights[0] == bad and max(loads) > LOADS[0]:
-            raise RuntimeError("no solution")
-        return half_space(upper, lower, loads, **given)
-
-    upper, lower = small_pair
-    bad = upper.heights[0] + lower_piece(lower, 1.0, upper).heights[0]
-    monkeypatch.setattr("stiction.studies.pressing.half_space", unsolved)
-    result = traverse(upper, lower, LOADS, offsets=[0.0, 1.0], mechanics="half-space", **FRICTION)
-    there = result.isel(line=0)
-    assert (there["status"].sel(offset=1.0, load=LOADS[1]) == "not-solved").all()
-    assert np.isnan(there["contact_area"].sel(offset=1.0, load=LOADS[1])).all()
-    assert (there["status"] == "ok").sum() == 6
-    assert int(traverse_mean(result)["ok"].sel(shear="+x", load=LOADS[1])) == 1
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ def pair():
 def test_every_position_presses_what_lies_above_each_other_to_the_load():
     upper, lower = pair()
     offsets = [(0.0, 0.0), (0.8, -0.5), (-0.4, 1.0)]
-    result = traverse(upper, lower, [0.02, 0.1], mu0=0.3, offsets=offsets, direction=[0, 45])
+    result = traverse(upper, lower, [0.02, 0.1], mu0=0.3, offsets=offsets, direction=[0, 45], load="elastic")
     assert dict(result.sizes) == {"direction": 2, "offset": 3, "load": 2}
     assert result["x"].values.tolist() == [0.0, 0.8, -0.4]
     assert np.allclose(result["nominal_area"], [3.2**2, 2.4 * 2.7, 2.8 * 2.2])
@@ -28,7 +28,7 @@ def test_every_position_presses_what_lies_above_each_other_to_the_load():
             at = result.isel(direction=d, offset=1, load=k)
             assert at["status"] == "ok"
             curve = press(above, below, [float(at["approach"])], direction=angle)
-            assert curve.normal_load(mu0=0.3)[0] == pytest.approx(load, rel=1e-9)
+            assert curve.normal_elastic[0] == pytest.approx(load, rel=1e-9)
             assert curve.friction_coefficient(mu0=0.3)[0] == pytest.approx(float(at["friction_coefficient"]), rel=1e-12)
             assert curve.lateral_load(mu0=0.3)[0] == pytest.approx(float(at["lateral_load"]), rel=1e-12)
 

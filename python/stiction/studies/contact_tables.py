@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, create_model, model_validator
 
 from stiction._checks import Floats
-from stiction._units import quantity, shortened
+from stiction._units import exact, quantity, shortened
 from stiction.mechanics.half_space import Boundary
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import ContactModel, Curvature, Detection, Direction, Shear, Sliding
@@ -92,6 +92,18 @@ LawEntry = Annotated[
     PlainValidator(_read_law),
     PlainSerializer(lambda law: law.model_dump() if isinstance(law, LawTable) else law),
 ]
+
+
+def entry_of(law: Law | LawName) -> LawName | LawTable:
+    """A law as a study has it."""
+    law = law_of(law)
+    if law.name not in LAW_TABLES:
+        return law.name  # type: ignore[return-value]
+    values: dict[str, Any] = {"name": law.name}
+    for each in dataclasses.fields(law):
+        value, unit = getattr(law, each.name), each.metadata["unit"]
+        values[each.name] = exact(value, unit.replace("µ", "u")) if unit in _KINDS else value
+    return LAW_TABLES[law.name].model_validate(values)
 
 
 # ---- What all contacts have -----------------------------------------------------------------------------------------

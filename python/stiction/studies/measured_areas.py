@@ -33,17 +33,28 @@ class MeasuredAreas(MeasuredBodies):
         description="How many members, the first ones, are pairs of surrogates: other surfaces of the same spectra.",
     )
 
+    positions: tuple[tuple[int, int], ...] | None = Field(
+        default=None, description="Rows and columns by which the upper of two prepared maps lies beyond the lower one."
+    )
+
     @property
     def first_scanned(self) -> int:
         """Number of the first member that is a pair of pieces of the maps."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas:
+    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas | AreasAt:
         """Pieces of two maps at relative positions, the first ones of their surrogates."""
         upper, lower = self.filtered(scans, wavelength)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
-        return Areas(pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate), scans, self.surrogates)
+        if self.positions is not None:
+            return AreasAt(upper, lower, self.positions)
+        pairs = (
+            MapPairs(upper, lower, self.level, seed)
+            if self.prepared
+            else pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate)
+        )
+        return Areas(pairs, scans, self.surrogates)
 
 
 def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:
@@ -82,3 +93,41 @@ class Areas:
             spacings = [np.atleast_1d(scan.spacing) for scan in scans]
             extents = [np.atleast_1d(scan.extent) for scan in scans]
         return Facts(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, spacings, extents)
+
+
+@dataclass(frozen=True, eq=False)
+class AreasAt:
+    """Members that are what of two maps lies above each other, as they are, at given positions in rows and columns."""
+
+    upper: Surface
+    lower: Surface
+    positions: tuple[tuple[int, int], ...]
+
+    def member(self, index: int) -> Member:
+        """The maps at one of the positions."""
+        dy, dx = self.lower.spacing
+        rows, columns = self.positions[index]
+        return Member(overlap(self.upper, self.lower, (rows, columns)), columns * dx, rows * dy)
+
+    def facts(self) -> Facts:
+        """What the first member is; others may have another size."""
+        piece, both = self.member(0).pair[0], (self.upper, self.lower)
+        assert isinstance(piece, Surface)
+        return Facts(
+            *both, float(np.prod(piece.extent)), piece.heights.shape, piece.spacing,
+            [piece.heights.size / body.heights.size for body in both], [np.array(body.spacing) for body in both],
+            [np.array(body.extent) for body in both],
+        )  # fmt: skip
+
+
+def overlap(upper: Surface, lower: Surface, place: tuple[int, int]) -> tuple[Surface, Surface]:
+    """What of two maps lies above each other when the upper is moved by rows and columns over the lower."""
+    of_upper, of_lower = [], []
+    for size_upper, size_lower, moved in zip(upper.heights.shape, lower.heights.shape, place, strict=True):
+        first, last = max(0, moved), min(size_lower, moved + size_upper)
+        of_lower.append(slice(first, max(first, last)))
+        of_upper.append(slice(first - moved, max(first, last) - moved))
+    return (
+        Surface(upper.heights[tuple(of_upper)], spacing=upper.spacing, history=upper.history),
+        Surface(lower.heights[tuple(of_lower)], spacing=lower.spacing, history=lower.history),
+    )

@@ -285,6 +285,9 @@ class MeasuredBodies(Table):
         description="Waves shorter than this are taken off both bodies (Gaussian); 0 keeps all. "
         "A list is a dimension of the result.",
     )
+    prepared: Literal[True] | None = Field(
+        default=None, description="Said of bodies that are as they are pressed: level, the upper one turned over."
+    )
 
     def cells(self) -> dict[str, Floats]:
         """The dimensions of a result that come before its members, and their values."""

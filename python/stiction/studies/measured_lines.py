@@ -46,8 +46,15 @@ class MeasuredLines(MeasuredBodies):
         default="none", description="Which of the two is replaced by its surrogate, a new one for each line."
     )
 
-    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Lines:
+    positions: tuple[int, ...] | None = Field(
+        default=None, description="Points of the lower of two prepared profiles before the slider, one position each."
+    )
+
+    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Lines | LinesAt:
         """Lines of both scans, or of what replaces them, at positions on each other."""
+        if self.positions is not None:
+            uppers, lowers = (scan if isinstance(scan, tuple) else (scan,) for scan in scans)
+            return LinesAt(uppers, lowers, self.positions)
         upper, lower = self.filtered(scans, wavelength)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         travel = None if self.travel is None else float(self.travel)
@@ -94,4 +101,27 @@ class Lines:
         return Facts(
             slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [len(slider) / len(track)] * 2,
             [np.atleast_1d(scan.spacing) for scan in scans], [np.atleast_1d(scan.extent) for scan in scans],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class LinesAt:
+    """Members that are profiles as they are: each upper one at given positions (points) on the lower of its place."""
+
+    uppers: tuple[Any, ...]
+    lowers: tuple[Any, ...]
+    positions: tuple[int, ...]
+
+    def member(self, index: int) -> Member:
+        """A slider at one of the positions, those of a pair one after the other."""
+        line, place = divmod(index, len(self.positions))
+        slider, offset = self.uppers[line], self.positions[place] * self.uppers[line].spacing
+        return Member((slider, lower_piece(self.lowers[line], offset, slider)), offset, 0.0, line=line)
+
+    def facts(self) -> Facts:
+        """What all members share, those of the first pair."""
+        slider, track = both = self.uppers[0], self.lowers[0]
+        return Facts(
+            slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [1.0, len(slider) / len(track)],
+            [np.atleast_1d(body.spacing) for body in both], [np.atleast_1d(body.extent) for body in both],
         )  # fmt: skip

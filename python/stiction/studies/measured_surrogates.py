@@ -43,5 +43,7 @@ class MeasuredSurrogates(MeasuredBodies):
             return Areas(pairs_of_maps(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):
             raise ValueError('surfaces.press: "surrogates" are of two maps or of two profiles, not of one of each')
+        if self.prepared:
+            return Areas(IsotropicPairs(upper, lower, self.level, seed), scans)
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
         return Areas(IsotropicPairs(turned_over(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)

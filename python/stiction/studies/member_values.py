@@ -98,7 +98,7 @@ def piece_at(
     there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
     elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    off = _Off.of(curve, loads, ratio=ratio)
+    off = Off.of(curve, loads, ratio=ratio)
     motions = [name for name in MOTIONS if name in piece.dims]
     sums = {
         name: _over(there[name], (*lead, "sliding", "direction", step), missing=True) for name in SIX
@@ -197,7 +197,7 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
     return np.asarray(values[tuple(slice(None) if dim in own else np.newaxis for dim in dims)])
 
 
-class _Off:
+class Off:
     """Where curves (..., k) first reach loads (l,), and what other curves are there."""
 
     def __init__(self, crossing: Crossing, lead: tuple[int, ...], scale: tuple[Floats, Floats] | None) -> None:
@@ -205,7 +205,7 @@ class _Off:
         self.reached, self.below = (each.reshape(*lead, -1) for each in (crossing.reached, crossing.below))
 
     @classmethod
-    def of(cls, curve: Floats, loads: Floats, *, ratio: bool) -> _Off:
+    def of(cls, curve: Floats, loads: Floats, *, ratio: bool) -> Off:
         """By straight lines; with `ratio` by straight lines of value/load over the logarithm of the load."""
         lead, flat = curve.shape[:-1], curve.reshape(-1, curve.shape[-1])
         if not ratio:
@@ -238,6 +238,15 @@ class _Off:
             there = there * self._scale[1]
         return np.where(self._broadcast(self._crossing.reached, more), there, np.nan)
 
+    def slope(self, values: Floats, over: Floats) -> Floats:
+        """(..., l): steps of values over those of others, (..., k) each, between which the loads are reached."""
+        index = np.maximum(self._crossing.index.reshape(*self._lead, -1), 1)
+        rise, run = (
+            np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
+            for each in (values, over)
+        )
+        return np.asarray(rise / run)
+
     def _broadcast(self, array: NDArray[Any], more: tuple[int, ...]) -> NDArray[Any]:
         return array.reshape(*self._lead, *(1,) * len(more), -1)
 
@@ -258,7 +267,7 @@ def _at_normal_load(
     normal, tangential = (np.moveaxis(each, -3, -1) for each in loads_of(sums, mu0, tau0))
     normal = np.broadcast_to(normal, tangential.shape)
     with np.errstate(invalid="ignore"):
-        off = _Off.of(np.where(normal > 0, normal, np.nan) if ratio else normal, loads, ratio=ratio)
+        off = Off.of(np.where(normal > 0, normal, np.nan) if ratio else normal, loads, ratio=ratio)
     reached, below = (np.moveaxis(each, -1, -3) for each in (off.reached, off.below))
     return (
         np.moveaxis(off.at(normal), -1, -3), np.moveaxis(off.at(tangential), -1, -3), reached, below,

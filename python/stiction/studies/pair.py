@@ -18,11 +18,12 @@ from stiction._arguments import (
 )
 from stiction._checks import Floats, whole_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exactly, quantity
+from stiction._units import Quantity, exact, exactly, quantity
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.ladder import ladder
 from stiction.studies.measured_files import Body, MeasuredFile
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.members import about
 from stiction.studies.study import Study
 from stiction.studies.text import validated
@@ -399,6 +400,18 @@ def pair_study(upper: Any, lower: Any, **asked: Any) -> Study:
     study = Pair(upper=upper, lower=lower, **asked).study
     about(study)
     return study
+
+
+def given_study(
+    surfaces: Measured, contact: dict[str, Any], loads: Floats, *, repetitions: int, seed: int = SEED
+) -> Study:
+    """The study of bodies in memory that are pressed to these loads (mN) and no others."""
+    load = [exact(load, "mN") for load in loads.tolist()]
+    data = {
+        "surfaces": surfaces, "contact": contact | {"load": load}, "friction": {"mu0": [0.0], "load": load[:1]},
+        "ensemble": {"repetitions": repetitions, "seed": seed},
+    }  # fmt: skip
+    return validated(Study, data, "bodies in memory")
 
 
 ARGUMENTS = tuple(each.name for each in fields(Pair))

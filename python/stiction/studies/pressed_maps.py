@@ -10,19 +10,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, choice, number, part_of_one, whole_number
-from stiction._core import __version__
+from stiction._units import exact
 from stiction.mechanics import friction
 from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.model import ContactModel, Sliding, modulus_for
-from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, attributes_of
+from stiction.mechanics.model import Sliding, modulus_for
+from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
-from stiction.studies.contact_statistics import QUANTILES
-from stiction.studies.executors import in_order
+from stiction.studies.contact_tables import COMPASS
+from stiction.studies.measured_areas import MeasuredAreas
+from stiction.studies.measured_files import MeasuredFile
+from stiction.studies.measured_surrogates import MeasuredSurrogates
 from stiction.studies.member_values import SIX, piece_at
-from stiction.studies.pressing import Mechanics, Pressing, checked_loads
-from stiction.studies.result import Arrays
-from stiction.surfaces.pairing import IsotropicPairs, MapPairs
+from stiction.studies.members import about, bodies_of
+from stiction.studies.pair import SEED, SHIFTS, SURROGATES, given_study
+from stiction.studies.pressing import Mechanics, checked_loads
+from stiction.studies.runner import run
+from stiction.studies.study import Study
+from stiction.surfaces.pairing import MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -30,17 +35,8 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray
 
-COMPASS = tuple(30.0 * step for step in range(12))
-"""Degrees."""
-
-SHIFTS = 16
-
-SURROGATES = 16
-"""Of profiles, which have no areas of their own."""
-
-SEED = 2016
-
 RULES: tuple[Sliding, Sliding] = ("opposing", "all")
+"""Sliding rules, in the order of the dimension."""
 
 _DIMS = ("sliding", "direction", "repetition", "fraction_below", "load", "mu0", "tau0")
 
@@ -145,44 +141,49 @@ def pressed_maps(
     if hardness is not None and mechanics != "half-space":
         raise ValueError(f"hardness is for the half-space, got mechanics={mechanics!r}")
     modulus = modulus_for(effective_modulus, upper, lower)
-    pressing = Pressing(
-        mechanics=mechanics,
-        loads=checked_loads(loads),
-        angles=_angles(directions),
-        rules=RULES,
-        model=ContactModel(effective_modulus=modulus, detection="gap-minimum", curvature="signed"),
-        compliance_share=part_of_one("compliance_share", compliance_share),
-        hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
-    )
+    contact: dict[str, Any] = {
+        "mechanics": mechanics, "effective_modulus": exact(modulus, "GPa"), "direction": _angles(directions),
+    }  # fmt: skip
+    share = part_of_one("compliance_share", compliance_share)
+    if mechanics == "half-space":
+        contact["compliance_share"] = share
+        if hardness is not None:
+            contact["hardness"] = exact(number("hardness", hardness, unit="GPa", above=0), "GPa")
+    steps = checked_loads(loads)
     material = _material("mu0", mu0), _material("tau0", tau0)
     friction.check_shear_strength(material[1], modulus)
-    maker, count, made = _members(upper, lower, shifts, surrogates, whole_number("seed", seed, least=0), level)
+    surfaces, count, made = _surfaces(upper, lower, shifts, surrogates, level)
+    study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, least=0))
     if isinstance(upper, Surface) and isinstance(lower, Surface):
         warn_of_one_body(upper, lower, moved=True)
-
-    def one(index: int) -> Arrays:
-        pair = maker.surrogates(index - count) if index >= count else maker.pair(index)  # type: ignore[union-attr]
-        return pressing.pressed(*pair)
-
-    maker.shape  # noqa: B018, which refuses maps of too few points before anything is computed
-    computed = in_order(
-        one, range(count + made), total=count + made, what="shifts", executor=executor, progress=progress
-    )
-    sums = _dataset(list(computed), maker, (count, made), pressing, level, seed, (upper, lower))
+    _check_shifts(study, shifts, count)
+    result = run(study, executor=executor, progress=progress).isel(cut_off=0, drop=True)
+    # Relative positions first.
+    sums = result.isel(repetition=np.r_[made : made + count, :made], sliding=[1, 0]).drop_vars(["repetition", "line"])
+    facts = {name: sums.attrs[name] for name in ("shape", "spacing_um", "upper", "lower", "stiction_version")}
+    attributes = {
+        "title": "stiction pair of maps", "mechanics": mechanics, "level": level, "seed": seed,
+        "of_profiles": int(isinstance(upper, Profile)), "compliance_share": share,
+        **({} if hardness is None else {"hardness_GPa": hardness}), **facts,
+    }  # fmt: skip
+    sums = sums.assign_coords(
+        {name: sums[name].fillna(0.0) for name in ("x", "y")}
+    )  # of surrogates, which are not moved
+    sums.attrs = attributes
     return _with_friction(sums, *material)
 
 
 def overlap_area(upper: Surface | Profile, lower: Surface | Profile) -> float:
     """The nominal area (µm²) of what `pressed_maps` presses of two maps, or of surfaces made of two profiles."""
-    maker, _, _ = _members(upper, lower, None, None, SEED, "plane")
-    return maker.area
+    surfaces, count, made = _surfaces(upper, lower, None, None, "plane")
+    return float(about(given_study(surfaces, {}, np.ones(1), repetitions=count + made)).nominal_area or 0.0)
 
 
-def _angles(directions: Sequence[float]) -> Floats:
+def _angles(directions: Sequence[float]) -> list[float]:
     angles = np.array([number("directions", each, unit="degrees") % 360 for each in np.atleast_1d(directions)])
     if not angles.size or np.unique(angles).size < angles.size:
         raise ValueError(f"directions must be one or several different angles, got {directions!r}")
-    return angles
+    return [float(angle) for angle in angles]
 
 
 def _material(name: str, given: ArrayLike) -> Floats:
@@ -192,24 +193,36 @@ def _material(name: str, given: ArrayLike) -> Floats:
     return values
 
 
-def _members(
-    upper: Any, lower: Any, shifts: int | None, surrogates: int | None, seed: int, level: SurfaceTrend
-) -> tuple[MapPairs | IsotropicPairs, int, int]:
-    """What makes the pairs, how many relative positions there are, and how many pairs of surrogates."""
-    if isinstance(upper, Profile) and isinstance(lower, Profile):
+def _surfaces(
+    upper: Any, lower: Any, shifts: int | None, surrogates: int | None, level: SurfaceTrend
+) -> tuple[MeasuredAreas | MeasuredSurrogates, int, int]:
+    """Both bodies in a study, how many relative positions there are, and how many pairs of surrogates."""
+    of_profiles = isinstance(upper, Profile) and isinstance(lower, Profile)
+    both = {"upper": upper, "lower": lower}
+    for name, body in both.items():
+        if not of_profiles and not isinstance(body, Surface):
+            raise ValueError(f"{name} must be a Surface, got {type(body).__name__}")
+    bodies: dict[str, Any] = {
+        "upper": MeasuredFile.holding(upper, "upper"),
+        "lower": MeasuredFile.holding(lower, "lower"),
+    }
+    if of_profiles:
         if shifts:
             raise ValueError(f"shifts are of maps; of profiles surrogates are pressed, got shifts={shifts!r}")
         count = whole_number("surrogates", SURROGATES if surrogates is None else surrogates, least=1)
-        return IsotropicPairs(upper, lower, level, seed), 0, count
-    for name, body in (("upper", upper), ("lower", lower)):
-        if not isinstance(body, Surface):
-            raise ValueError(f"{name} must be a Surface, got {type(body).__name__}")
+        return MeasuredSurrogates(**bodies, level=level, prepared=True), 0, count
     made = whole_number("surrogates", 0 if surrogates is None else surrogates, least=0)
     count = 0 if shifts == 0 and made else whole_number("shifts", SHIFTS if shifts is None else shifts, least=1)
-    maker = MapPairs(upper, lower, level, seed)
-    if len({maker.origins(index) for index in range(count)}) < count:
-        raise ValueError(f"shifts must be fewer on maps of {upper.heights.shape} points, got {shifts!r}")
-    return maker, count, made
+    return MeasuredAreas(**bodies, level=level, surrogates=made, prepared=True), count, made
+
+
+def _check_shifts(study: Study, shifts: int | None, count: int) -> None:
+    """Refuse more relative positions than there are, and maps of too few points, before anything is computed."""
+    members = bodies_of(study).members(0.0)
+    members.facts()
+    pairs = getattr(members, "pairs", None)
+    if isinstance(pairs, MapPairs) and len({pairs.origins(index) for index in range(count)}) < count:
+        raise ValueError(f"shifts must be fewer on maps of {pairs.upper.heights.shape} points, got {shifts!r}")
 
 
 def _with_friction(sums: xarray.Dataset, mu0: Floats, tau0: Floats) -> xarray.Dataset:
@@ -236,61 +249,6 @@ def _with_friction(sums: xarray.Dataset, mu0: Floats, tau0: Floats) -> xarray.Da
     )
     whole = result.assign({name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX})
     return whole.transpose(*_DIMS, missing_dims="ignore")
-
-
-def _dataset(
-    parts: list[Arrays],
-    maker: MapPairs | IsotropicPairs,
-    counts: tuple[int, int],
-    pressing: Pressing,
-    level: str,
-    seed: int,
-    bodies: tuple[Any, Any],
-) -> xarray.Dataset:
-    """What every shift has, as a result has it of its members."""
-    import xarray
-
-    variables = {
-        name: (("repetition", *_dims(name)), np.stack([part[name] for part in parts]), attributes_of(name))
-        for name in parts[0]
-    }
-    shifts, made = counts
-    moved = [maker.moved(index) for index in range(shifts)] if isinstance(maker, MapPairs) else []
-    x, y = np.array([*moved, *[(0.0, 0.0)] * made]).reshape(-1, 2).T
-    modulus = float(pressing.model.effective_modulus)
-    coordinates: dict[str, Any] = {
-        "sliding": ("sliding", list(RULES), {"long_name": "which contacts rub and push"}),
-        "direction": ("direction", pressing.angles, attributes_of("direction")),
-        "x": ("repetition", x, attributes_of("x")),
-        "y": ("repetition", y, attributes_of("y")),
-        "surrogate": ("repetition", np.arange(shifts + made) >= shifts, attributes_of("surrogate")),
-        "fraction_below": ("fraction_below", list(QUANTILES), attributes_of("fraction_below")),
-        "load": ("load", pressing.loads, attributes_of("load")),
-        "effective_modulus": ((), modulus, attributes_of("effective_modulus")),
-        "nominal_area": ((), maker.area, attributes_of("nominal_area")),
-    }
-    return xarray.Dataset(variables, coordinates, {
-        "title": "stiction pair of maps",
-        "mechanics": pressing.mechanics,
-        "shape": np.array(maker.shape),
-        "spacing_um": np.array(maker.spacing),
-        "level": level,
-        "seed": seed,
-        "of_profiles": int(isinstance(bodies[0], Profile)),
-        "compliance_share": pressing.compliance_share,
-        **({} if pressing.hardness is None else {"hardness_GPa": pressing.hardness}),
-        "upper": "\n".join(bodies[0].history),
-        "lower": "\n".join(bodies[1].history),
-        "stiction_version": __version__,
-    })  # fmt: skip
-
-
-def _dims(name: str) -> tuple[str, ...]:
-    if name in GAP:
-        return ("direction",) if name == "rms_slope" else ()
-    if name in DISTRIBUTIONS:
-        return ("load", "fraction_below")
-    return ("sliding", "direction", "load") if name in DIRECTED else ("load",)
 
 
 def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None) -> xarray.Dataset:

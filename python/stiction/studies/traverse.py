@@ -2,38 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, part_of_one
+from stiction._checks import Floats, choice, float_array, part_of_one
 from stiction._core import __version__
+from stiction._units import exact
 from stiction.mechanics import friction
+from stiction.mechanics.friction import STATUSES, Validity
 from stiction.mechanics.model import (
     THICKNESS,
     ContactKeywords,
     ContactModel,
     Shear,
+    Sliding,
     check_modulus,
     check_pair,
     model_of,
     shows_model,
 )
-from stiction.mechanics.quantities import AREAL_VALIDITY, VALIDITY, attributes_of
+from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.executors import in_order
-from stiction.studies.positions import Asked, Pair, overlap, places_on_lines, places_on_maps
+from stiction.studies.contact_tables import entry_of
+from stiction.studies.measured_areas import MeasuredAreas, overlap
+from stiction.studies.measured_files import MeasuredFile
+from stiction.studies.measured_lines import MeasuredLines
+from stiction.studies.member_values import SIX, Off, loads_of
+from stiction.studies.pair import given_study
 from stiction.studies.pressing import Load, Mechanics, checked_loads
-from stiction.surfaces.pairing import lower_piece
+from stiction.studies.runner import run
+from stiction.surfaces.pairing import FEWEST_POINTS
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
+
+AROUND = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8, 3.0, 30.0)
+"""Elastic loads over a normal load that are pressed to find it, close together where friction on slopes adds little."""
 
 SHEARS: tuple[Shear, ...] = get_args(Shear)
 
@@ -108,12 +120,13 @@ def traverse(
         over 2 % of the approach on both sides), approach (µm), share_opposing (of the load, on contacts that oppose the
         motion), the figures of `Validity`, and status, over shear, line, offset (µm) and load (mN), and over mu0 and
         tau0 (GPa) if lists of them are given. The status is "ok", "no-contact", "self-locked", "not-reached" or
-        "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". Where F_N
-        jumps over a load, values are between those before and behind the jump, in the proportion that carries the load.
+        "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". At a
+        normal load values are between those of two elastic loads, which is right to 2e-3; where F_N jumps over a load,
+        as contacts by cells let it, they are those behind the jump.
         Of half-planes the coefficient is F_T/F_N at this pressing; approach, normal_stiffness and the figures of
         `Validity` are NaN, for a free half-plane has no approach; the status is "not-solved" where a solution did not
         reach its tolerance. Of surfaces over direction (degrees), offset and load: also lateral_load (mN) and the
-        figures of `SurfaceValidity`, but no stiffness; where F_N jumps, values are those behind the jump.
+        figures of `SurfaceValidity`, but no stiffness.
 
     Raises
     ------
@@ -136,36 +149,45 @@ def traverse(
     """
     choice("mechanics", mechanics, Mechanics)
     choice("load", load, Load)
-    if isinstance(upper, Surface) or isinstance(lower, Surface):
-        if mechanics != "asperities":
-            raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
-        positions = _on_maps(upper, lower, offsets, contact)
+    areal = isinstance(upper, Surface) or isinstance(lower, Surface)
+    if areal and mechanics != "asperities":
+        raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
+    positions = (_on_maps if areal else _on_lines)(upper, lower, offsets, contact, mechanics)
+    model, wanted = positions.model, checked_loads(loads)
+    material = _listed("mu0", mu0), _listed("tau0", tau0)
+    friction.check_shear_strength(material[1], model.effective_modulus)
+    table: dict[str, Any] = {"mechanics": mechanics, "effective_modulus": exact(model.effective_modulus, "GPa")}
+    attributes: dict[str, Any]
+    if mechanics == "half-space":
+        attributes = {"compliance_share": part_of_one("compliance_share", compliance_share)}
+        table |= attributes
     else:
-        positions = _on_lines(upper, lower, offsets, contact, mechanics)
-    model = positions.models[0]
-    material = {"mu0": _listed("mu0", mu0), "tau0": _listed("tau0", tau0)}
-    friction.check_shear_strength(material["tau0"], model.effective_modulus)
-    fraction = part_of_one("compliance_share", compliance_share) if mechanics == "half-space" else None
-    asked = Asked(checked_loads(loads), load, **material, models=positions.models, compliance_share=fraction)
-    count = int(np.prod(list(positions.sizes.values())))
-    computed = in_order(asked.at, positions.pairs, total=count, what="positions", executor=executor, progress=progress)
-    of_asperities = {"detection": model.detection, "law": str(model.law), "curvature": model.curvature}
-    return _dataset(positions, asked, material, list(computed)).assign_attrs(
-        mechanics=mechanics, **(of_asperities if fraction is None else {"compliance_share": fraction}),
-        sliding=model.sliding, **positions.histories, stiction_version=__version__,
+        attributes = {"detection": model.detection, "law": str(model.law), "curvature": model.curvature}
+        table |= {"law": entry_of(model.law), "detection": model.detection, "curvature": model.curvature}
+    if areal:
+        table["direction"] = np.atleast_1d(model.angles()).tolist()
+    # By half-planes loads are elastic, as they are where friction does not carry.
+    by_normal = load == "normal" and mechanics == "asperities"
+    steps = np.unique(np.outer(wanted, AROUND)) if by_normal else wanted
+    study = given_study(positions.surfaces, table, steps, repetitions=int(np.prod(list(positions.sizes.values()))))
+    result = run(study, executor=executor, progress=progress).isel(cut_off=0, drop=True)
+    result = result.transpose("direction", "repetition", "sliding", "load", ...)
+    found = _Read(result, model.sliding, wanted, [np.atleast_1d(each) for each in material], by_normal).values()
+    return _dataset(positions, wanted, material, found).assign_attrs(
+        mechanics=mechanics, **attributes, sliding=model.sliding, upper=result.attrs["upper"],
+        lower=result.attrs["lower"], stiction_version=__version__,
     )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class _Positions:
-    """Pairs at every position, the models of every motion, and what a dataset says of them."""
+    """Bodies at every position, how they are pressed, and what a dataset says of them."""
 
-    models: tuple[ContactModel, ...]
-    pairs: Iterator[Pair]
+    model: ContactModel
+    surfaces: MeasuredLines | MeasuredAreas
     sizes: dict[str, int]  # dimensions of the positions
     names: tuple[str, ...]  # of the quantities
     coordinates: dict[str, Any]  # of motions first
-    histories: dict[str, str]
 
 
 def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanics: Mechanics) -> _Positions:
@@ -174,6 +196,8 @@ def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanic
         raise ValueError(f"upper and lower must be as many profiles, got {len(uppers)} and {len(lowers)}")
     if len({(len(each), each.spacing) for each in uppers}) > 1:
         raise ValueError("the profiles of upper must all be on the same grid, or a load would not mean the same")
+    for pair in zip(uppers, lowers, strict=True):
+        check_pair(*pair)
     check_modulus(contact, *uppers, *lowers)
     for name in ("shear", "direction"):
         if name in contact:
@@ -181,48 +205,53 @@ def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanic
     if mechanics == "half-space" and (wrong := contact.keys() - {"effective_modulus", "sliding"}):
         raise ValueError(f"{min(wrong)} must not be given for half-planes: it is of asperities")
     model = model_of(contact)
-    model = replace(model, detection=model.detection or "gap-minimum").for_profiles()
-    offset = places_on_lines(offsets, uppers, lowers) * uppers[0].spacing
-    area = uppers[0].extent * THICKNESS
+    places = _places_on_lines(offsets, uppers, lowers)
     return _Positions(
-        tuple(replace(model, shear=shear) for shear in SHEARS),
-        ((above, lower_piece(below, at, above)) for above, below in zip(uppers, lowers, strict=True) for at in offset),
-        {"line": len(uppers), "offset": offset.size},
+        replace(model, detection=model.detection or "gap-minimum").for_profiles(),
+        MeasuredLines(
+            upper=MeasuredFile.of_lines(uppers, "upper"), lower=MeasuredFile.of_lines(lowers, "lower"), prepared=True,
+            positions=tuple(places.tolist()),
+        ),
+        {"line": len(uppers), "offset": places.size},
         QUANTITIES,
         {
             "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
             "line": ("line", np.arange(len(uppers)), attributes_of("line")),
-            "offset": ("offset", offset, {"units": "um", "long_name": "offset of the upper body along +x"}),
-            "nominal_area": ((), area, {"units": "um^2", "long_name": "extent of the slider times 1 um"}),
+            "offset": (
+                "offset", places * uppers[0].spacing, {"units": "um", "long_name": "offset of the upper body along +x"},
+            ),
+            "nominal_area": (
+                (), uppers[0].extent * THICKNESS, {"units": "um^2", "long_name": "extent of the slider times 1 um"},
+            ),
         },
-        {"upper": "\n".join(uppers[0].history), "lower": "\n".join(lowers[0].history)},
-    )
+    )  # fmt: skip
 
 
-def _on_maps(upper: Any, lower: Any, offsets: ArrayLike, contact: Any) -> _Positions:
+def _on_maps(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, _: Mechanics) -> _Positions:
     check_pair(upper, lower)
     check_modulus(contact, upper, lower)
     model = model_of(contact)
     if model.direction is None and model.shear == "+x" and "shear" not in contact:
         model = replace(model, direction=DIRECTIONS)
     model = model.for_surfaces()
-    angles = np.atleast_1d(model.angles())
-    places = places_on_maps(offsets, upper, lower)
+    places = _places_on_maps(offsets, upper, lower)
     y, x = places.T * np.array(upper.spacing)[:, np.newaxis]
     area = np.array([np.prod(overlap(upper, lower, place)[0].extent) for place in places.tolist()])
     return _Positions(
-        tuple(replace(model, shear="+x", direction=angle) for angle in angles.tolist()),
-        (overlap(upper, lower, place) for place in places.tolist()),
+        model,
+        MeasuredAreas(
+            upper=MeasuredFile.holding(upper, "upper"), lower=MeasuredFile.holding(lower, "lower"), prepared=True,
+            positions=tuple(map(tuple, places.tolist())),
+        ),
         {"offset": len(places)},
         _OF_SURFACES,
         {
-            "direction": ("direction", angles, attributes_of("direction")),
+            "direction": ("direction", np.atleast_1d(model.angles()), attributes_of("direction")),
             "x": ("offset", x, {"units": "um", "long_name": "offset of the upper body along +x"}),
             "y": ("offset", y, {"units": "um", "long_name": "offset of the upper body along +y"}),
             "nominal_area": ("offset", area, {"units": "um^2", "long_name": "overlap of both maps"}),
         },
-        {"upper": "\n".join(upper.history), "lower": "\n".join(lower.history)},
-    )
+    )  # fmt: skip
 
 
 def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
@@ -239,26 +268,164 @@ def _listed(name: str, given: ArrayLike) -> Floats:
     return values
 
 
+def _places_on_lines(offsets: ArrayLike, uppers: list[Profile], lowers: list[Profile]) -> NDArray[np.intp]:
+    """Offsets in whole spacings, at which every slider is over its lower profile."""
+    spacing = uppers[0].spacing
+    values = np.atleast_1d(float_array("offsets", offsets))
+    if values.ndim != 1 or not values.size or not (values >= 0).all() or not (np.diff(values) > 0).all():
+        raise ValueError(f"offsets must be numbers of at least 0 µm that rise, got {offsets!r}")
+    places = np.rint(values / spacing).astype(np.intp)
+    if not (np.diff(places) > 0).all():
+        raise ValueError(
+            f"offsets must be at least a spacing apart, {spacing:g} µm, got {values.size} offsets of which two are "
+            f"{np.diff(values).min():.3g} µm apart"
+        )
+    for line, (above, below) in enumerate(zip(uppers, lowers, strict=True)):
+        if places[-1] + len(above) > len(below):
+            raise ValueError(
+                f"the slider must be over the lower profile: line {line} has {above.extent:g} µm of it and "
+                f"{below.extent:g} µm below, so that offsets are at most {(len(below) - len(above)) * spacing:g} µm, "
+                f"got {places[-1] * spacing:g} µm"
+            )
+    return places
+
+
+def _places_on_maps(offsets: ArrayLike, upper: Surface, lower: Surface) -> NDArray[np.intp]:
+    """Offsets (x, y) in whole rows and columns, with enough of both maps above each other."""
+    values = float_array("offsets", offsets)
+    if values.ndim == 0 and values == 0:
+        values = np.zeros((1, 2))
+    if values.ndim == 1 and values.size == 2:
+        values = values[np.newaxis]
+    if values.ndim != 2 or values.shape[1] != 2 or not len(values):
+        raise ValueError(f"offsets of surfaces must be (x, y) or a list of these, µm, got {offsets!r}")
+    if not (np.abs(values) < 1e9 * np.array(upper.spacing[::-1])).all():
+        raise ValueError(f"offsets must not move the maps further apart than they are long, got {offsets!r}")
+    places = np.rint(values[:, ::-1] / np.array(upper.spacing)).astype(np.intp)
+    moved_to, below = np.array(upper.heights.shape), np.array(lower.heights.shape)
+    common = np.minimum(places + moved_to, below) - np.maximum(places, 0)
+    if (common < FEWEST_POINTS).any():
+        x, y = values[(common < FEWEST_POINTS).any(axis=1)][0]
+        raise ValueError(
+            f"offsets must leave at least {FEWEST_POINTS} rows and columns of both maps above each other, got ({x:g}, "
+            f"{y:g}) µm"
+        )
+    return np.asarray(places)
+
+
+# ---- At the loads of each position ----------------------------------------------------------------------------------
+
+
+class _Read:
+    """Each quantity of a result at given loads, (motions, positions, loads, mu0, tau0)."""
+
+    def __init__(
+        self, result: xarray.Dataset, sliding: Sliding, loads: Floats, material: Sequence[Floats], by_normal: bool
+    ) -> None:
+        self._result, self._sliding, self._loads = result, sliding, loads
+        self._motions = result.sizes["direction"]
+        self._mu0, self._tau0 = material
+        self.normal, self.tangential = (
+            np.moveaxis(each, 2, -1) for each in loads_of({name: self._sum(name) for name in SIX}, *material)
+        )
+        # (motions, positions, mu0, tau0, steps)
+        self.normal = np.broadcast_to(self.normal, self.tangential.shape)
+        with np.errstate(invalid="ignore"):
+            carried = np.where(self.normal > 0, self.normal, np.nan)
+        self._off = Off.of(carried, loads, ratio=True) if by_normal else None
+
+    def _sum(self, name: str, sliding: Sliding | None = None) -> Floats:
+        """A variable of the result over motions, positions and steps."""
+        values = self._result[name]
+        if "sliding" in values.dims:
+            values = values.sel(sliding=sliding or self._sliding)
+        array = values.values.astype(np.float64)
+        return array if "direction" in values.dims else np.broadcast_to(array, (self._motions, *array.shape))
+
+    def _at(self, values: Floats, *, sums: bool = True) -> Floats:
+        """What a quantity (motions, positions, [mu0, tau0,] steps) is at the loads."""
+        if values.ndim == 3:
+            values = np.broadcast_to(values[:, :, np.newaxis, np.newaxis], self.normal.shape)
+        at = values if self._off is None else self._off.at(values, sums=sums)
+        return np.moveaxis(at, -1, 2)
+
+    def values(self) -> dict[str, NDArray[Any]]:
+        """Every quantity and the status."""
+        normal, tangential = self._at(self.normal), self._at(self.tangential)
+        status = self._status(normal)
+        has = self._result.data_vars
+        elastic = self._at(self._sum("normal_elastic"))
+        found = {
+            "tangential_load": tangential,
+            "contact_area": self._at(self._sum("contact_area")),
+            "contact_count": self._at(self._sum("contact_count")),
+        }
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found["share_opposing"] = self._at(self._sum("tangential_frictional", "opposing")) / elastic
+        if "overlap_load" in has:
+            found["approach"] = self._at(self._sum("approach"), sums=False)
+            found["normal_stiffness"] = self._stiffness()
+            sums = {name: self._at(self._sum(name)) for name in (*SUMS, *AREAL_SUMS) if name in has}
+            found |= vars(Validity.of(SimpleNamespace(**sums)))  # type: ignore[arg-type]
+        if "lateral_elastic" in has:
+            parts = [self._at(self._sum(f"lateral_{part}")) for part in ("elastic", "frictional", "adhesive")]
+            found["lateral_load"] = parts[0] + self._mu0[:, np.newaxis] * parts[1] + self._tau0 * parts[2]
+            with np.errstate(invalid="ignore", divide="ignore"):
+                found["share_overlapping"] = sums["load_overlapping"] / elastic
+                found["share_at_edge"] = sums["load_at_edge"] / elastic
+                found["share_unanswered"] = sums["unanswered_count"] / sums["grid_minimum_count"]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found["friction_coefficient"] = tangential / normal
+        return {name: np.where(status == friction.STATUS_OK, each, np.nan) for name, each in found.items()} | {
+            "status": status
+        }
+
+    def _stiffness(self) -> Floats:
+        """dF_N/dδ: that of the elastic load, and what friction adds to it between two steps."""
+        stiffness = self._at(self._sum("normal_stiffness"))
+        if self._off is None:
+            return stiffness
+        elastic = np.broadcast_to(self._sum("normal_elastic")[:, :, np.newaxis, np.newaxis], self.normal.shape)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return stiffness * np.moveaxis(self._off.slope(self.normal, elastic), -1, 2)
+
+    def _status(self, normal: Floats) -> NDArray[Any]:
+        codes = self._result["status"].values
+        steps = self._result["load"].values
+        place = np.searchsorted(steps, self._loads)
+        why = np.array(STATUSES)[codes[:, place]][..., np.newaxis, np.newaxis]
+        if self._off is None:
+            counts = self._at(self._sum("contact_count"))
+            status = friction.status_of(touched=counts != 0, reached=normal > 0, locked=np.isfinite(normal))
+        else:
+            reached, below = (np.moveaxis(each, -1, 2) for each in (self._off.reached, self._off.below))
+            last = np.where(np.isfinite(self.normal), self.normal, -np.inf)
+            locked = np.isfinite(self.normal).any(axis=-1) & (last.max(axis=-1) <= 0)
+            status = friction.status_of(touched=True, reached=reached, locked=locked[:, :, np.newaxis], below=below)
+        told = (status != friction.STATUS_OK) & (why != friction.STATUS_OK)
+        return np.asarray(np.where(told, why, status))
+
+
 def _dataset(
-    positions: _Positions, asked: Asked, material: dict[str, Floats], computed: list[dict[str, NDArray[Any]]]
+    positions: _Positions, loads: Floats, material: tuple[Floats, Floats], found: dict[str, NDArray[Any]]
 ) -> xarray.Dataset:
     import xarray
 
-    listed = {name: values.size for name, values in material.items() if values.ndim}
+    both = dict(zip(("mu0", "tau0"), material, strict=True))
+    listed = {name: values.size for name, values in both.items() if values.ndim}
     motion = next(iter(positions.coordinates))
-    sizes = {motion: len(asked.models), **positions.sizes, "load": asked.loads.size, **listed}
+    sizes = {motion: found["status"].shape[0], **positions.sizes, "load": loads.size, **listed}
     variables = {}
     for name in (*positions.names, "status"):
-        nothing = np.full(computed[0]["status"].shape, np.nan)
-        values = np.stack([each.get(name, nothing) for each in computed], axis=1)
+        values = found.get(name, np.full(found["status"].shape, np.nan))
         variables[name] = (tuple(sizes), values.reshape(tuple(sizes.values())), attributes_of(name))
     coordinates = positions.coordinates | {
-        "load": ("load", asked.loads, attributes_of("load")),
+        "load": ("load", loads, attributes_of("load")),
         **{
             name: ((name,) if name in listed else (), values, attributes_of(name))
-            for name, values in material.items()
+            for name, values in both.items()
         },
-        "effective_modulus": ((), float(asked.models[0].effective_modulus), attributes_of("effective_modulus")),
+        "effective_modulus": ((), float(positions.model.effective_modulus), attributes_of("effective_modulus")),
     }  # fmt: skip
     title = "stiction traverse" if motion == "shear" else "stiction traverse of surfaces"
     return xarray.Dataset(variables, coordinates, {"title": title})
