@@ -1,7 +1,6 @@
 """How the command speaks, and that no surrounding makes it end with a traceback."""
 
 import os
-import resource
 import subprocess
 import sys
 import threading
@@ -9,6 +8,7 @@ import threading
 import pytest
 from command import assert_refused, stiction_command
 from stiction import read_spectrum
+from stiction.cli import application, main
 from stiction.studies import store
 from stiction.surfaces.measured.raw import FormatError
 
@@ -69,25 +69,38 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("stiction.cli.running.fill", fail)
+    monkeypatch.setattr("stiction.cli.running.filled", fail)
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
 
 
-def test_a_limit_that_leaves_a_library_no_room_is_named(tmp_path, monkeypatch):
-    """Others wrap the sentence of the loader, which names a file that nobody knows."""
+@pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "cp437", "koi8-r", "shift_jis", "ascii:strict"])
+def test_an_encoding_of_few_letters_spells_those_that_it_lacks(tmp_path, encoding):
+    done = subprocess.run(
+        [sys.executable, "-m", "stiction", "run", "quick", *TINY],
+        cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": encoding},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"")
+    said = done.stdout.decode(encoding.partition(":")[0] if encoding != "ascii:strict" else "utf-8")
+    assert "_s [95 %]" in said
+    assert ("\N{GREEK SMALL LETTER MU}" in said) == (encoding in ("shift_jis", "ascii:strict"))
 
-    def fail(*_, **__):
-        try:
-            raise ImportError("libz.so: failed to map segment from shared object")
-        except ImportError:
-            raise ValueError("it needs an extra") from None
 
-    monkeypatch.setattr("stiction.cli.running.fill", fail)
-    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "stiction: it needs an extra")
-    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (1_500_000_000, resource.RLIM_INFINITY))
-    said = "stiction: memory is limited to 1.5 GB here, too little for the libraries of this command"
-    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), said)
+def test_letters_are_spelt_as_they_are_said():
+    assert (
+        "\u03bc_s \u03c4 \u0394 \u00b5m\u00b2 h\u0304 \u2603".encode("ascii", "stiction") == b"mu_s tau Delta um^2 h ?"
+    )
+
+
+def test_an_interruption_while_libraries_are_loaded_is_no_traceback(monkeypatch):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    ended = []
+    monkeypatch.setattr(application, "start", interrupt)
+    monkeypatch.setattr(os, "_exit", ended.append)
+    with pytest.raises(SystemExit):
+        main()
+    assert ended == [130]
 
 
 def test_no_threads_are_one_message(tmp_path, monkeypatch):

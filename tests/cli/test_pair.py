@@ -20,6 +20,7 @@ from stiction.cli.application import app
 from stiction.cli.options import announce_reader
 from stiction.studies import store
 from stiction.studies.at_load import at_load
+from stiction.studies.export import export
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import ARGUMENTS, Pair
 from stiction.views.digits import quoted
@@ -404,6 +405,38 @@ def test_the_same_command_goes_on_and_another_is_refused(where, areas):
     turned = stiction_command(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
     assert turned.returncode == 0, turned.stderr
     assert store.open_stored(where / "areas").finished.size == 2
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_another_friction_keeps_the_positions_and_says_so(where):
+    command = ("pair", *MAPS, "--effective-modulus", "10 GPa", "--mu0", "0.3", "--load", "1 MPa", "--shifts", 2)
+    command += ("--mechanics", "asperities", "--onset", 0, "--output", "friction")
+    assert stiction_command(*command, "--tau0", "0 MPa", cwd=where).returncode == 0
+    seen = sorted((where / "friction" / "blocks").iterdir())
+    done = stiction_command(*command, "--tau0", "50 MPa", cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert "friction was asked for other friction; its 2 repetitions are kept" in done.stderr
+    assert "friction.tau0 = " in done.stderr
+    assert sorted((where / "friction" / "blocks").iterdir()) == seen
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatch):
+    """Two equal commands in one folder: whoever comes second has its answer too."""
+    from stiction.studies import contact_picture, onset
+
+    for module, name in ((contact_picture, "contact_picture"), (onset, "onset_of_result")):
+
+        def beside(*args, make=getattr(module, name), file=module.FILE, **options):
+            made = make(*args, **options)
+            export(made, where / "twice" / file)
+            return made
+
+        monkeypatch.setattr(module, name, beside)
+    command = ("pair", *MAPS, *MATERIAL, "--load", "1 MPa", "--shifts", 2, "--mechanics", "asperities", "--onset", 2)
+    done = stiction_command(*command, "--output", "twice", cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert "μ_s" in done.stdout
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -156,7 +156,7 @@ class Jobs:
 
     async def _count(self, job: Job) -> None:
         stored = await asyncio.to_thread(open_stored, job.folder)
-        job.finished, job.total = int(stored.finished.size), stored.study.ensemble.repetitions
+        job.finished, job.total = stored.count, stored.study.ensemble.repetitions
 
     async def _tell(self, job: Job, take: Callable[[], Result], by: str = "") -> None:
         """Take a result as the answer, with its page and what can be saved; the first numbers do not wait for these."""

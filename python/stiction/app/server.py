@@ -300,7 +300,7 @@ def _listed(folder: Path) -> dict[str, Any]:
     except ValueError as error:
         return {"name": folder.name, "error": str(error)}
     return {
-        "name": folder.name, "finished": int(stored.finished.size), "total": stored.study.ensemble.repetitions,
+        "name": folder.name, "finished": stored.count, "total": stored.study.ensemble.repetitions,
         "kind": stored.study.surfaces.kind,
     }  # fmt: skip
 

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from contextlib import suppress
+
+INTERRUPTED = 130
+"""Exit status, as of a shell's own commands."""
 
 
 def main() -> None:
     """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
-    from stiction.cli.application import start  # the function `stiction.pair` needs no command line
+    try:
+        from stiction.cli.application import start
 
-    sys.exit(start())
+        status = start()
+    except KeyboardInterrupt:  # while libraries are loaded
+        status = INTERRUPTED
+    if status == INTERRUPTED:  # threads may still compute, and nobody waits for them
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)
+    sys.exit(status)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 import resource
 import shutil
+import signal
 import sys
 import textwrap
+import threading
+import unicodedata
 import warnings
+from _thread import interrupt_main
 from collections.abc import Callable
 from importlib import import_module
 from typing import Annotated, Any, TypeVar
@@ -20,9 +25,7 @@ from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import reason
 from stiction._text import LONGEST_LINE, bytes_text, named, printable
-
-INTERRUPTED = 130
-"""Exit status, as of a shell's own commands."""
+from stiction.cli import INTERRUPTED
 
 BAD_INPUT = 2
 """Exit status."""
@@ -46,6 +49,13 @@ def say(text: str, kind: str = "") -> None:
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
     print("\n".join(lines), file=sys.stderr)
+
+
+def interrupted(more: str = "") -> typer.Exit:
+    """Say that the command was interrupted; another Ctrl-C would only add a traceback."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    say(f"interrupted{more}")
+    return typer.Exit(INTERRUPTED)
 
 
 def announce(text: str) -> None:
@@ -161,8 +171,7 @@ class _Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:  # of which typer makes a bare status
-            say("interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+            raise interrupted() from None
 
 
 # Without rich's markup: loading what it takes would be half of the time that help takes.
@@ -196,6 +205,7 @@ def start() -> int:
     """Run the command that the arguments are; its exit status."""
     _open_streams()
     warnings.showwarning = show_warning
+    sys.unraisablehook = _interrupt_again
     try:
         return _started()
     except OSError:  # standard error itself takes nothing more
@@ -231,12 +241,11 @@ def _started() -> int:
 
         say(error.said(option_of))
     except (ValueError, ImportError) as error:
-        say(_too_small_for(error) or str(error) or type(error).__name__)
+        say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so
         say(f"{error or type(error).__name__}; perhaps memory or processes are limited here")
     except KeyboardInterrupt:
-        say("interrupted")
-        return INTERRUPTED
+        return interrupted().exit_code
     except SystemExit:  # by the parser, whose help nobody reads to its end
         return 0
     return BAD_INPUT
@@ -257,23 +266,51 @@ def _take_memory() -> None:
     dgemm(1.0, [[1.0]], [[1.0]])  # the first product reserves what the later ones use
 
 
-def _too_small_for(error: Exception) -> str:
-    """A sentence where a limit of memory left a library no room; the loader's own, which others wrap, names a file."""
-    causes: list[BaseException | None] = [error, error.__cause__, error.__context__]
-    most = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if most == resource.RLIM_INFINITY or not any("failed to map segment" in str(each) for each in causes):
-        return ""
-    return f"memory is limited to {bytes_text(most)} here, too little for the libraries of this command"
-
-
 def _open_streams() -> None:
-    """Streams that were closed lead nowhere: what is opened next must not take their places."""
+    """Streams that were closed lead nowhere: what is opened next must not take their places. Others spell letters."""
     while (file := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(file, True)
     os.close(file)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, as long as the process
+        elif hasattr(stream := getattr(sys, name), "reconfigure"):
+            stream.reconfigure(errors="stiction")
+
+
+def _spelt(error: UnicodeError) -> tuple[str, int]:
+    """Letters that a stream has for those that its encoding lacks: mu for μ, ^2 for ²."""
+    assert isinstance(error, UnicodeEncodeError)
+    said = []
+    for letter in error.object[error.start : error.end]:
+        plain = unicodedata.normalize("NFKD", letter)
+        name = unicodedata.name(plain[0], "").split()
+        if letter in _SPELT:
+            said.append(_SPELT[letter])
+        elif name[:1] == ["GREEK"]:
+            said.append(name[-1].capitalize() if "CAPITAL" in name else name[-1].lower())
+        elif name[:1] == ["COMBINING"]:
+            continue
+        else:
+            power = "^" if unicodedata.decomposition(letter).startswith("<super>") else ""
+            said.append(power + (plain.encode("ascii", "ignore").decode() or "?"))
+    return "".join(said), error.end
+
+
+_SPELT = {
+    "µ": "u", "×": "x", "·": "*", "±": "+-", "–": "-", "≥": ">=", "≤": "<=", "°": " deg", "∝": "~", "√": "sqrt ",
+    "→": "->", "ß": "ss", "∇": "grad ",
+}  # fmt: skip
+
+codecs.register_error("stiction", _spelt)
+
+
+def _interrupt_again(ignored: Any) -> None:
+    """Let Ctrl-C, which Python ignores where it cleans up, be a moment later."""
+    if issubclass(ignored.exc_type, KeyboardInterrupt):
+        threading.Timer(0.0, interrupt_main).start()
+    else:
+        sys.__unraisablehook__(ignored)
 
 
 def _print_version(wanted: bool) -> None:

@@ -24,7 +24,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
     from stiction.views.text import fitted
 
     stored = open_stored(directory)
-    study, finished = stored.study, int(stored.finished.size)
+    study, finished = stored.study, stored.count
     if as_json:
         about = {
             "study": study.to_toml(), "finished": finished, "repetitions": study.ensemble.repetitions,

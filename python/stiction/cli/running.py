@@ -9,18 +9,17 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from stiction._core import __version__
 from stiction._text import named
 from stiction._units import shortened
-from stiction.cli.application import INTERRUPTED, announce, say, tell
+from stiction.cli.application import announce, interrupted, say, tell
 from stiction.cli.options import option
 from stiction.studies.complete import fill_beside, remove_result, write_picture
 from stiction.studies.executors import threads
-from stiction.studies.runner import fill
+from stiction.studies.runner import filled, prepared
+from stiction.studies.same_study import Difference, listed
 from stiction.studies.store import STUDY, Stored, StoreError, open_stored
-from stiction.studies.study import Study
+from stiction.studies.study import Study, differences
 from stiction.studies.text import StudyError
 
 Workers = Annotated[
@@ -111,24 +110,23 @@ def fill_folder(
         What the folder holds now.
     """
     check_folder(directory)
-    if replace and (directory / STUDY).exists():
+    there = open_stored(directory) if (directory / STUDY).exists() else None
+    if replace and there:
         remove_result(directory)
-    before = open_stored(directory).finished.size if (directory / STUDY).exists() else 0
     total = study.ensemble.repetitions
     try:
-        held = fill(study, directory, part=part, executor=executor, progress=progress, say=said)
+        stored = prepared(study, directory, part)
+        before = stored.count
+        if there and before and (other := _other_friction(there.study, stored.study)):
+            say(f"{directory} was asked for other friction; its {before} repetitions are kept, and its table, page and "
+                f"figures are replaced\n{listed(other)}")  # fmt: skip
+        stored = filled(stored, part=part, executor=executor, progress=progress, say=said)
     except KeyboardInterrupt:
-        # Said at once; the members that are being computed come to their end first.
-        say(f"interrupted{_how_to_go_on(directory)}")
-        raise typer.Exit(INTERRUPTED) from None
-    stored = open_stored(directory)
+        raise interrupted(_how_to_go_on(directory)) from None
     if beside and part is None:
         write_picture(stored, anew=before < total)
     if part is not None:
-        said(
-            f"part {part[0]}/{part[1]} is finished, {held} repetitions; {stored.finished.size} of {total} are in "
-            f"{directory}"
-        )
+        said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {directory}")
     elif before < total:
         said(f"wrote {directory}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
     else:
@@ -139,10 +137,14 @@ def fill_folder(
     return stored
 
 
+def _other_friction(one: Study, other: Study) -> list[Difference]:
+    return [each for each in differences(one, other) if each[0].startswith("friction.")]
+
+
 def _how_to_go_on(directory: Path) -> str:
     try:
         stored = open_stored(directory)
     except StoreError:
         return ""
-    finished, total = stored.finished.size, stored.study.ensemble.repetitions
+    finished, total = stored.count, stored.study.ensemble.repetitions
     return f"; {finished} of {total} repetitions are finished and kept: the same command goes on from there"

@@ -20,12 +20,10 @@ def opened(directory: Path) -> Stored:
 
     stored = open_stored(directory)
     total = stored.study.ensemble.repetitions
-    if not stored.finished.size:
+    if not stored.count:
         raise StoreError(f"{directory}: none of its {total} repetitions is finished yet")
-    if stored.finished.size < total:
-        show_warning(
-            f"{directory}: {stored.finished.size} of {total} repetitions are finished; the result has only those"
-        )
+    if stored.count < total:
+        show_warning(f"{directory}: {stored.count} of {total} repetitions are finished; the result has only those")
     return stored
 
 

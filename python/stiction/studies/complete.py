@@ -7,7 +7,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from stiction.studies.runner import fill
+from stiction._files import replace as put
+from stiction.studies.runner import fill, filled, prepared
 from stiction.studies.same_study import computed_otherwise
 from stiction.studies.store import BLOCKS, STUDY, Stored, open_stored
 from stiction.studies.study import Study
@@ -27,10 +28,10 @@ def complete(
     """Compute what a folder lacks of a study and of what is kept beside it; another study there may be replaced."""
     if replace and (folder / STUDY).exists():
         remove_result(folder)
-    before = open_stored(folder).finished.size if (folder / STUDY).exists() else 0
-    fill(study, folder, executor=executor, progress=progress)
-    stored = open_stored(folder)
-    write_picture(stored, anew=before < study.ensemble.repetitions)
+    stored = prepared(study, folder)
+    is_new = stored.count < study.ensemble.repetitions
+    stored = filled(stored, executor=executor, progress=progress)
+    write_picture(stored, anew=is_new)
     fill_beside(stored, executor, onset, progress=progress)
     return stored
 
@@ -49,7 +50,7 @@ def write_picture(stored: Stored, *, anew: bool) -> None:
     except ValueError:  # the files are not there any more
         return
     if picture is not None:
-        export(picture, stored.path / FILE, replace=(stored.path / FILE).exists())
+        export(picture, stored.path / FILE, replace=True)
 
 
 def fill_beside(
@@ -92,8 +93,8 @@ def fill_beside(
         say(f"without cut-offs or onset: {error}")
         return
     if curve is not None:
-        export(curve, stored.path / FILE, replace=(stored.path / FILE).exists())
-        (stored.path / TABLE).write_text(backbone(curve), encoding="utf-8")
+        export(curve, stored.path / FILE, replace=True)
+        put(stored.path / TABLE, backbone(curve).encode())
 
 
 def remove_result(directory: Path) -> None:
