@@ -77,7 +77,7 @@ def test_a_wrong_calibration_is_seen(whole):
 
 
 def test_what_a_tip_or_noise_hides_is_left_out(whole):
-    coarse, fine = instruments(whole, noise=0.1)[:2]
+    coarse, fine = instruments(whole, noise=0.02)[:2]
     blunt = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
     assert blunt.reasons[1] == "tip"
     curvature = scale_dependent_roughness(fine).curvature_at(blunt.bands[1][0] * 1.2)

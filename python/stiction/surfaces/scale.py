@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,21 +27,41 @@ spectrum at 0.1 (0.07 to 0.18) and left a third of it at 1/2.
 _PER_DECADE = 48
 """Bins of the wave number in which slope and curvature are summed."""
 
+_PER_OCTAVE = 8
+"""Bins to an octave of the wave number, in which waves of an instrument are looked for."""
+
+_WIDTHS = (1.0, 2.0)
+"""Octaves over which the exponent of a spectrum is taken."""
+
+_DEVIATIONS = 3.0
+"""Standard deviations by which an exponent must be above or below that of the roughest self-affine surface."""
+
+_NEAR = 24.0
+"""Points of the longest wave at which a hump is the instrument's; above, it is texture if the spectrum falls behind."""
+
+_ABOVE = 4.0
+"""Density of the last trusted waves over that where the spectrum is lowest: less, and noise is a part of them."""
+
+_RISE = 3.0
+"""Density over the lowest of all longer waves, by which no surface's spectrum rises."""
+
+_CLEAR = 1.9
+"""Cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude."""
+
+_LEAST_SHARE = 1e-4
+"""Smallest share of the mean square slope that is of an instrument and not of round-off."""
+
+_FOLDED = 0.6
+"""Exponent of the last octave of a rough surface, with what is folded back at the Nyquist wave number."""
+
+_ROUNDED = 0.3
+"""Share of the mean square second difference from which on rounding explains a noise floor."""
+
 _FLAT = 0.35
-"""Exponent of the wave number below which the end of a spectrum is flat; that of a rough surface, with what is folded
-back at the Nyquist wave number, is 0.6 or more over the last octave."""
-
-_FLOOR_BINS = 12
-"""Bins to a decade in which a noise floor is looked for."""
-
-_FLOOR_WIDTH = math.log(2)
-"""Narrowest noise floor, in log q: an octave."""
-
-_FEWEST_BINS = 3
-"""Of such an octave."""
+"""Exponent of the last octave below which it is flat."""
 
 _FINEST = 1e-6
-"""Of the shortest wave of the scan, as far as a power law is followed."""
+"""Fraction of the shortest wave of the scan, as far as a power law is followed."""
 
 _HALVINGS = 60
 
@@ -231,13 +252,18 @@ class InstrumentLimit(Tabled):
     wavelength : float, µm
         The largest of those below.
     reason : str
-        Which it is: "pixels", "noise floor" or "tip".
+        Which it is: "pixels", "tip", or what the noise looks like: "noise floor", "quantisation", "line", "roll-up"
+        at the shortest waves, or "hump".
     pixels : float, µm
         Two points of the coarser spacing.
     noise : float, µm
-        From which on, towards shorter waves, the spectrum is flat; NaN without such a floor.
+        From which on, towards shorter waves, the spectrum is no surface's; NaN without such an end.
     tip : float, µm
         Below which the curvature is more than the tip follows; NaN without a tip radius, or if it follows all.
+    noise_x, noise_y : float, µm
+        Of a surface, `noise` of its lines along x and along y.
+    slope_share, curvature_share : float
+        Share of the mean square slope and curvature in waves below `wavelength`; 0 if that is of the pixels.
 
     Examples
     --------
@@ -253,6 +279,10 @@ class InstrumentLimit(Tabled):
     pixels: float = field(metadata={"unit": "µm"})
     noise: float = field(metadata={"unit": "µm"})
     tip: float = field(metadata={"unit": "µm"})
+    noise_x: float = field(default=math.nan, metadata={"unit": "µm"})
+    noise_y: float = field(default=math.nan, metadata={"unit": "µm"})
+    slope_share: float = 0.0
+    curvature_share: float = 0.0
 
 
 def instrument_limit(
@@ -275,9 +305,14 @@ def instrument_limit(
 
     Notes
     -----
-    Noise that does not depend on the wavelength is a flat end of the spectrum, of at least an octave; where waves have
-    as much power as the noise, the spectrum is twice as high as its end. The optics of an instrument, which cut waves
-    off well above its pixels, are not seen: then the spectrum falls faster, and H above 1 is found.
+    The spectrum of a self-affine surface falls along a line as q^-(1+2H), with an exponent of -1 to -3, and steeper
+    where it is smooth. One that has fallen and is then shallower than -1 over one or two octaves, by three standard
+    deviations, or that rises to three times its lowest, is of something else: noise, a line, ringing, quantisation. It
+    is taken for the instrument's if it begins at 24 points or less, or does not fall behind; further up, a hump is
+    texture. The limit is where the density is four times its lowest, so that h' of the waves that are kept is right
+    within 5 %. Noise whose spectrum falls like a surface's, as pink noise, cannot be told from one; two scans of one
+    place tell it. The optics of an instrument, which cut waves off well above its pixels, are not seen: then the
+    spectrum falls faster, and H above 1 is found.
 
     A tip of radius R cannot follow curvatures above 1/R; h''_rms(λ) must be below c/R (Jacobs, Junge &
     Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001; Sanner et al., Applied Surface Science
@@ -296,35 +331,131 @@ def instrument_limit(
     radius = None if tip_radius is None else number("tip_radius", tip_radius, unit="µm", above=0)
     roughness = scale_dependent_roughness(body, periodic=periodic)
     spacing = body.spacing if isinstance(body, Profile) else max(body.spacing)
-    limits = {"pixels": 2 * spacing, "noise floor": _noise_floor(body, periodic), "tip": math.nan}
+    found = [_foreign_waves(*each, periodic=periodic) for each in _line_spectra(body, periodic)]
+    along = [wave for wave, _ in found]
+    noise, kind = max(found, key=lambda each: -1.0 if math.isnan(each[0]) else each[0])
+    if not float(roughness.fraction_below(noise if noise > 0 else 2 * spacing)) > _LEAST_SHARE:
+        noise = math.nan
+    if kind == "noise floor" and noise > 0 and _is_quantised(body):
+        kind = "quantisation"
+    limits = {"pixels": 2 * spacing, kind: noise, "tip": math.nan}
     if radius is not None and (sharp := roughness.curvature > TIP_FACTOR / radius).any():
         limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
     reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
-    return InstrumentLimit(limits[reason], reason, limits["pixels"], limits["noise floor"], limits["tip"])
+    wave, shares = limits[reason], (0.0, 0.0)
+    if reason != "pixels":
+        bent = float(roughness.curvature_at(wave) / roughness.curvature[-1])
+        shares = float(roughness.fraction_below(wave)), 1 - bent**2
+    along_x, along_y = along if len(along) == 2 else (math.nan, math.nan)
+    return InstrumentLimit(wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares)
 
 
-def _noise_floor(body: Profile | Surface, periodic: bool) -> float:
-    """Wavelength (µm) at which the spectrum is twice its flat end; NaN where the end is not flat."""
+Spectrum = tuple[Floats, Floats, Floats, float]
+"""Wave numbers, densities, and numbers of independent values of a spectrum, and the spacing of its points."""
+
+
+def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
+    """Spectrum of a profile, or mean spectra of a surface's lines along x and along y."""
     if isinstance(body, Profile):
-        line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic).in_bins(_FLOOR_BINS)
-        q, density, count = line.wave_number, line.density, line.count
-    else:
-        area = surface_spectrum(body if periodic else levelled(body, "plane"), periodic=periodic)
-        radial = area.radial(_FLOOR_BINS)
-        q, density, count = radial.wave_number, radial.density, radial.count
+        line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
+        return [(line.wave_number, line.density, line.count, body.spacing)]
+    heights = body.heights if periodic else levelled(body, "plane").heights
+    spectra = []
+    for axis in (1, 0):
+        along = heights if axis else heights.T
+        points, step = along.shape[1], body.spacing[axis]
+        window = 1.0 if periodic else (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
+        power = np.square(np.abs(np.fft.rfft((along - along.mean(axis=1, keepdims=True)) * window))).mean(axis=0)
+        q = 2 * math.pi * np.arange(1, power.size) / (points * step)
+        # Lines that are a wavelength apart are independent.
+        lines = np.clip(body.extent[1 - axis] * q / (2 * math.pi), 1, along.shape[0])
+        spectra.append((q, power[1:] * (step / points), lines, step))
+    return spectra
+
+
+def _foreign_waves(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
+    """Wavelength (µm) below which a spectrum is no surface's, NaN if it is, and what it looks like there."""
+    nothing = math.nan, "noise floor"
     if not periodic:  # the window's own
         q, density, count = q[2:], density[2:], count[2:]
-    if q.size < _FEWEST_BINS:
-        return math.nan
-    octave = np.log(q[-1] / q) <= _FLOOR_WIDTH
-    if octave.sum() < _FEWEST_BINS or not (density[octave] > 0).all():
-        return math.nan
-    exponent = -np.polyfit(np.log(q[octave]), np.log(density[octave]), 1, w=np.sqrt(count[octave]))[0]
-    if not abs(exponent) < _FLAT:
-        return math.nan
-    level = float(np.average(density[octave], weights=count[octave]))
-    above = np.flatnonzero(density > 2 * level)
-    if not above.size:
-        return float(2 * math.pi / q[0])
-    last = int(above[-1])
-    return float(2 * math.pi / math.sqrt(q[last] * q[min(last + 1, q.size - 1)]))
+    if q.size < _PER_OCTAVE:
+        return nothing
+    _, index = np.unique(np.floor(_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
+    number = np.bincount(index, count)
+    density = np.bincount(index, count * density) / number
+    wave = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / number)
+    density = np.maximum(density, 1e-12 * density.max())
+    chance = (1.0 if periodic else 35 / 18) / number
+    laws = [list(_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WIDTHS]
+    if _slope(-np.log(wave), np.log(density), chance)[0] > -_FLAT:
+        return float(wave[0]), "noise floor"
+    last = wave <= 2.01 * wave[-1]
+    end, deviation = _slope(-np.log(wave[last]), np.log(density[last]), chance[last])
+    places = [_lowest(law, wave / spacing, density, chance) for law in laws]
+    places.append(_before_a_rise(wave / spacing, density, chance))
+    if end - 2 * deviation > -_FOLDED:
+        places.append(int(np.argmin(np.where(last, density, math.inf))))
+    if not any(place is not None for place in places):
+        return nothing
+    place = min(place for place in places if place is not None)
+    higher = np.flatnonzero(density[: place + 1] >= _ABOVE * density[place])
+    trusted = int(higher[-1]) if higher.size else 0
+    limit = math.sqrt(wave[trusted] * wave[min(trusted + 1, place)])
+    behind = place + np.flatnonzero(density[place:] > 2 * density[place])
+    if behind.size:
+        limit = max(limit, _CLEAR * float(wave[behind[0]]))
+    if abs(end) < _FLAT or not behind.size:
+        return limit, "noise floor"
+    if wave[behind[0]] < 1.4 * wave[-1]:
+        return limit, "roll-up"
+    return limit, "line" if np.sum(density[place:] > density[place:].max() / 4) <= 2 else "hump"
+
+
+def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
+    """Slope of a line through values of given variances, and its standard deviation."""
+    weight = 1 / (variance + 0.01)
+    about = x - np.average(x, weights=weight)
+    square = float(weight @ about**2)
+    return float(weight @ (about * y)) / square, 1 / math.sqrt(square)
+
+
+def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
+    """Of each window of so many octaves its first bin, the one behind its last, exponent and standard deviation."""
+    width = octaves * math.log(2)
+    for first in range(x.size):
+        end = int(np.searchsorted(x, x[first] + width + 1e-6))
+        if end - first >= _PER_OCTAVE // 2 and x[end - 1] - x[first] > 0.85 * width:
+            yield first, end, *_slope(x[first:end], y[first:end], chance[first:end])
+
+
+def _lowest(law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats) -> int | None:
+    """The lowest bin where a spectrum that has fallen no longer falls as a surface's."""
+    has_fallen = False
+    for first, end, exponent, deviation in law:
+        if exponent + _DEVIATIONS * deviation < -1:
+            has_fallen = True
+        elif has_fallen and exponent - _DEVIATIONS * deviation > -1:
+            behind = _slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
+            if points[first] <= _NEAR or behind > -1:
+                return first + int(np.argmin(density[first:end]))
+    return None
+
+
+def _before_a_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
+    """The lowest bin before one near the resolution that is far higher."""
+    lowest, place = math.inf, 0
+    for at in np.flatnonzero(chance < 1 / 4):
+        if points[at] <= _NEAR and place and density[at] > max(_RISE, 1 + 5 * math.sqrt(chance[at])) * lowest:
+            return place
+        bound = float(density[at]) * (1 + 3 * math.sqrt(chance[at]))
+        if bound < lowest:
+            lowest, place = bound, int(at)
+    return None
+
+
+def _is_quantised(body: Profile | Surface) -> bool:
+    """Whether heights, as they are, are few levels: their noise is then what rounding them makes."""
+    steps = np.diff(np.unique(body.heights))
+    bends = float(np.square(np.diff(body.heights, 2)).mean())
+    # Rounding to a step has a twelfth of its square as variance, and second differences of white noise six times that.
+    return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _ROUNDED * bends)

@@ -68,7 +68,15 @@ _SCATTERED = 2.0
 _HANN_CHANCE = 2.0
 """Variance of the logarithm of a bin of a windowed spectrum, times its harmonics."""
 
-_REASONS = {"noise floor": "the spectrum ends flat, like noise", "tip": "sharper than the tip follows"}
+REASONS = {
+    "noise floor": "the spectrum ends flat, like noise",
+    "quantisation": "the spectrum ends flat, by the steps of the heights",
+    "line": "a line stands in the spectrum",
+    "roll-up": "the spectrum rises at its end",
+    "hump": "the spectrum has a hump that no surface has",
+    "tip": "sharper than the tip follows",
+}
+"""Words for what ends the waves to be trusted."""
 
 _SYMBOLS = {"1": "", "um2": " µm²", "1/um2": " 1/µm²", "degrees": "°"}
 """Units of JSON as text."""
@@ -183,7 +191,7 @@ class Characterisation:
     @cached_property
     def untrusted(self) -> float:
         """Share of the mean square slope in waves that are not to be trusted."""
-        return 0.0 if self.limit.reason == "pixels" else float(self.roughness.fraction_below(self.limit.wavelength))
+        return self.limit.slope_share
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
@@ -276,13 +284,11 @@ class Characterisation:
         octave = entry("slope_in_shortest_octave", share)
         wave, part = with_unit(limit.wavelength, "um"), f"{percent(self.untrusted)} of the mean square slope"
         if limit.reason == "pixels":
-            words = f"no noise floor{'' if self.tip_radius is None else ', and its tip follows all'}"
+            words = f"nothing but its pixels{'' if self.tip_radius is None else ', and its tip follows all'}"
         elif self.untrusted < HARMLESS:
-            words = f"below {wave} {_REASONS[limit.reason]}: harmless, {part}"
+            words = f"below {wave} {REASONS[limit.reason]}: harmless, {part}"
         else:
-            words = (
-                f"not to be trusted below {wave}: {_REASONS[limit.reason]}, {part}; --cutoff '{wave}' takes that off"
-            )
+            words = f"not to be trusted below {wave}: {REASONS[limit.reason]}, {part}; --cutoff '{wave}' takes that off"
         below = f"those below {with_unit(2 * limit.pixels, 'um')} make {percent(share)} of the mean square slope"
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [
