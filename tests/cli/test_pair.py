@@ -425,14 +425,16 @@ def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatc
     """Two equal commands in one folder: whoever comes second has its answer too."""
     from stiction.studies import contact_picture, onset
 
+    def beside(make, file):
+        def made(*args, **options):
+            dataset = make(*args, **options)
+            export(dataset, where / "twice" / file)
+            return dataset
+
+        return made
+
     for module, name in ((contact_picture, "contact_picture"), (onset, "onset_of_result")):
-
-        def beside(*args, make=getattr(module, name), file=module.FILE, **options):
-            made = make(*args, **options)
-            export(made, where / "twice" / file)
-            return made
-
-        monkeypatch.setattr(module, name, beside)
+        monkeypatch.setattr(module, name, beside(getattr(module, name), module.FILE))
     command = ("pair", *MAPS, *MATERIAL, "--load", "1 MPa", "--shifts", 2, "--mechanics", "asperities", "--onset", 2)
     done = stiction_command(*command, "--output", "twice", cwd=where)
     assert done.returncode == 0, done.stderr
