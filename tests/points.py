@@ -18,6 +18,7 @@ def interval(mean, half=0.05):
 def measured_study(*, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,)):
     """As much of a study of measured bodies as views ask for."""
     return SimpleNamespace(
+        is_measured=False,  # there are no files whose waves could be seen
         surfaces=SimpleNamespace(kind="measured", press=press),
         contact=SimpleNamespace(
             mechanics=mechanics, effective_modulus=100.0, hardness=hardness, law=law, detection="gap-minimum",
@@ -30,6 +31,7 @@ def measured_study(*, mechanics="half-space", press="areas", hardness=None, law=
 def generated_study():
     """As much of a study of generated profiles as views ask for."""
     return SimpleNamespace(
+        is_measured=False,
         surfaces=SimpleNamespace(kind="profile"),
         contact=SimpleNamespace(
             mechanics="asperities", effective_modulus=10.0, hardness=None, law="hertz-sphere", detection="cell",

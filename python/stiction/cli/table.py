@@ -55,7 +55,7 @@ def table_command(
     from stiction.studies import export as exports
     from stiction.studies.elasticity import elasticity_of
     from stiction.studies.friction_table import friction_table, table_study
-    from stiction.views.laws import friction_table_csv, friction_table_text, laws_csv
+    from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
     shortest, longest = _two_lengths(wavelengths)

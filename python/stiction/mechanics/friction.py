@@ -233,7 +233,7 @@ class Curve(Shown):
         mu0, tau0 : float or array_like of float, GPa for tau0
             As for `normal_load`; a line for each, and for each direction.
         """
-        from stiction.mechanics.drawing import draw_area, draw_friction
+        from stiction._drawing import draw_area, draw_friction
 
         if mu0 is None:
             return draw_area(axes_for(ax), self.normal_elastic, self.contact_area)

@@ -83,7 +83,7 @@ class HalfSpaceContact(Shown):
         ax : matplotlib.axes.Axes, optional
             New ones by default, which are returned.
         """
-        from stiction.mechanics.drawing import draw_contact
+        from stiction._drawing import draw_contact
 
         return draw_contact(axes_for(ax), self.pressure, self.heights, self.spacing)
 

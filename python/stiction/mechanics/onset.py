@@ -236,7 +236,7 @@ class Onset(Shown):
         ax : matplotlib.axes.Axes, optional
             New ones by default, which are returned.
         """
-        from stiction.mechanics.drawing import draw_onset
+        from stiction._drawing import draw_onset
 
         of_curve = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
         return draw_onset(axes_for(ax), self.tangential_load, self.displacement, self.slipped_area, **of_curve)

@@ -82,6 +82,20 @@ QUANTITIES: dict[str, Quantity] = (
         "share_at_edge": Quantity(
             "1", "fraction of the load on contacts that reach the edge of the overlap", "load on contacts at the edge"
         ),
+        "share_on_largest": Quantity(
+            "1", "fraction of the load on the contact that carries most", "load on the largest contact"
+        ),
+        "fraction_on_small": Quantity(
+            "1", "fraction of the load on contacts of at most four grid cells", "load on contacts of 4 points or fewer"
+        ),
+        **{
+            f"share_on_steepest_{side}": Quantity(
+                "1",
+                f"fraction of the load on the steepest tenth of the {side} body",
+                f"load on the {side}'s steepest tenth",
+            )
+            for side in ("upper", "lower")
+        },
         "patch_area": Quantity("um^2", "areas of contacts on the ground plan", "area of a contact"),
         "pressure": Quantity("GPa", "pressures over the true area", "pressure"),
         "rms_gradient": Quantity("1", "root-mean-square gradient of the gap", "rms gradient of the gap"),
@@ -121,7 +135,7 @@ QUANTITIES: dict[str, Quantity] = (
         "status": Quantity("", "whether the value exists, or why not"),
     }
 )
-"""All of them, coordinates included; statistics of contacts add their own."""
+"""Words and units of all quantities, coordinates included."""
 
 
 def attributes_of(name: str) -> dict[str, str]:

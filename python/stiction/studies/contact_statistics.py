@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
-from stiction.mechanics.quantities import QUANTITIES, Quantity
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -89,7 +88,7 @@ class Table:
         """What a result keeps of them: fractions of the load, and quantiles of areas and pressures."""
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
-        return {name: of_table(self) for name, (_, of_table) in OF_CONTACTS.items()} | {
+        return {name: of_table(self) for name, of_table in OF_CONTACTS.items()} | {
             "patch_area": np.quantile(self.area, QUANTILES),
             "pressure": np.interp(
                 QUANTILES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
@@ -97,35 +96,15 @@ class Table:
         }  # fmt: skip
 
 
-OF_CONTACTS: dict[str, tuple[Quantity, Callable[[Table], float]]] = {
-    "share_on_largest": (
-        Quantity("1", "fraction of the load on the contact that carries most", "load on the largest contact"),
-        lambda table: table.force.max() / table.force.sum(),
-    ),
-    "share_at_edge": (
-        QUANTITIES["share_at_edge"],  # as of asperities
-        lambda table: table.force[table.at_edge].sum() / table.force.sum(),
-    ),
-    "fraction_on_small": (
-        Quantity(
-            "1", "fraction of the load on contacts of at most four grid cells", "load on contacts of 4 points or fewer"
-        ),
-        lambda table: table.force[table.cells <= SMALL].sum() / table.force.sum(),
-    ),
+OF_CONTACTS: dict[str, Callable[[Table], float]] = {
+    "share_on_largest": lambda table: table.force.max() / table.force.sum(),
+    "share_at_edge": lambda table: table.force[table.at_edge].sum() / table.force.sum(),
+    "fraction_on_small": lambda table: table.force[table.cells <= SMALL].sum() / table.force.sum(),
 }
-"""Numbers of the contacts of a member at a load. What is here is a variable of every result of measured bodies, and a
-row of its verbose table, of its CSV and of its JSON."""
+"""Numbers of the contacts of a member at a load, with words in `QUANTITIES`. What is here is a variable of every result
+of measured bodies, and a row of its verbose table, of its CSV and of its JSON."""
 
-_ON_STEEPEST = {
-    f"share_on_steepest_{side}": Quantity(
-        "1", f"fraction of the load on the steepest tenth of the {side} body", f"load on the {side}'s steepest tenth"
-    )
-    for side in ("upper", "lower")
-}
-
-QUANTITIES.update({name: quantity for name, (quantity, _) in OF_CONTACTS.items()} | _ON_STEEPEST)
-
-FRACTIONS: tuple[str, ...] = (*OF_CONTACTS, *_ON_STEEPEST)
+FRACTIONS: tuple[str, ...] = (*OF_CONTACTS, "share_on_steepest_upper", "share_on_steepest_lower")
 """Statistics of contacts."""
 
 STATISTICS: tuple[str, ...] = ("normal_stiffness", "error", *FRACTIONS)

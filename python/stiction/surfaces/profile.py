@@ -130,7 +130,7 @@ class Profile(Shown):
         ax : matplotlib.axes.Axes, optional
             New ones by default, which are returned.
         """
-        from stiction.surfaces.drawing import draw_profile
+        from stiction._drawing import draw_profile
 
         return draw_profile(axes_for(ax), self.x, self.heights)
 

@@ -91,7 +91,7 @@ class PowerSpectrum(Shown):
         ax : matplotlib.axes.Axes, optional
             New ones by default, which are returned.
         """
-        from stiction.surfaces.drawing import draw_spectrum
+        from stiction._drawing import draw_spectrum
 
         bins = self.in_bins()
         return draw_spectrum(axes_for(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))

@@ -139,7 +139,7 @@ class Surface(Shown):
         ax : matplotlib.axes.Axes, optional
             New ones by default, which are returned.
         """
-        from stiction.surfaces.drawing import draw_surface
+        from stiction._drawing import draw_surface
 
         return draw_surface(axes_for(ax), self.heights, self.spacing)
 

@@ -187,6 +187,12 @@ def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str)
     yield from doubted((*AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES), numbers)
 
 
+def limit_of(name: str) -> float | None:
+    """The least value from which on a number is doubted whatever the bodies are; None if it is not."""
+    groups = (*AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES)
+    return min((check.limit for group in groups for check in group if check.name == name), default=None)
+
+
 def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
     """The first check of each group that the numbers of a point do not pass; a number that is not there passes."""
     for group in checks:

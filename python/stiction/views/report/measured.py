@@ -10,6 +10,7 @@ import numpy as np
 
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.at_load import at_load
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
@@ -17,8 +18,7 @@ from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.answer import answers, slopes_text
 from stiction.views.digits import with_unit
-from stiction.views.doubts import Doubt
-from stiction.views.figures.ensemble import FRACTION_LIMIT
+from stiction.views.doubts import Doubt, limit_of
 from stiction.views.figures.standard import hardness_of, picture_of, title_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
@@ -37,22 +37,17 @@ if TYPE_CHECKING:
 MOST_VALUES = 4_000_000
 """Numbers of measured bodies in a page."""
 
-_OF_LOAD = (
-    ("contact_area_fraction", "True contact area A/A0", "contact_area", "%", None),
-    ("contact_area", "True contact area", "contact_area", "µm²", None),
-    ("contact_count", "Contacts", "contact_count", "", None),
-    ("mean_pressure", "Mean pressure in contact", "contact_area", "GPa", None),
-    ("normal_stiffness", "Normal stiffness", "normal_stiffness", "mN/µm", None),
-    ("approach", "Approach", "approach", "um", None),
-    ("share_on_largest", "Load on the contact that carries most", "share_on_largest", "%", 0.4),
-    ("share_at_edge", "Load on contacts that the edge cuts", "share_at_edge", "%", FRACTION_LIMIT),
-    ("fraction_on_small", "Load on contacts of at most 4 points", "fraction_on_small", "%", FRACTION_LIMIT),
-    ("load_share_at_hardness", "Load where the pressure is the hardness", "load_share_at_hardness", "%", None),
-    ("share_beyond_hertz", "Load beyond Hertz (overlap > radius / 10)", "", "%", FRACTION_LIMIT),
-    ("share_below_grid", "Load on radii below the grid spacing", "", "%", FRACTION_LIMIT),
-    ("share_overlapping", "Load on ellipses that overlap", "", "%", 0.1),
-)
-"""Name, words, variable, unit, and from where on the page warns, of what it says of each load beside friction."""
+_OF_LOAD = {
+    "contact_area_fraction": "contact_area", "contact_area": "contact_area", "contact_count": "contact_count",
+    "mean_pressure": "contact_area", "normal_stiffness": "normal_stiffness", "approach": "approach",
+    "share_on_largest": "share_on_largest", "share_at_edge": "share_at_edge",
+    "fraction_on_small": "fraction_on_small", "load_share_at_hardness": "load_share_at_hardness",
+    "share_beyond_hertz": "", "share_below_grid": "", "share_overlapping": "",
+}  # fmt: skip
+"""Quantities that the page has at each load beside friction, and the variable of each, or none where it is a ratio."""
+
+_UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}
+"""Names of units that have no prefixes."""
 
 
 def page_of_measured(
@@ -176,13 +171,18 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
 
 def _quantities(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     found = []
-    for name, words, of, unit, limit in _OF_LOAD:
-        of, over = (of, ()) if of else RATIOS[name]
+    for name, variable in _OF_LOAD.items():
+        of, over = (variable, ()) if variable else RATIOS[name]
         if not {of, *over} <= set(dataset.data_vars) or not np.isfinite(dataset[of].values).any():
             continue
         if name == "load_share_at_hardness" and not dataset[of].values.any():
             continue
-        found.append({"name": name, "words": words, "of": of, "over": list(over), "unit": unit, "limit": limit})
+        quantity = QUANTITIES[name]
+        unit = "%" if "share" in name or "fraction" in name else _UNITS.get(quantity.unit, quantity.unit)
+        words = quantity.short[0].upper() + quantity.short[1:]
+        found.append(
+            {"name": name, "words": words, "of": of, "over": list(over), "unit": unit, "limit": limit_of(name)}
+        )
     return found
 
 
