@@ -1,10 +1,9 @@
 """What `at_load` gives, invented: results of measured and of generated bodies, with any number changed."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import xarray
 from stiction.mechanics.friction import STATUS_DTYPE
+from stiction.studies.study import Study
 
 STATISTIC = ("mean", "lower", "upper")
 RULES = ("all", "opposing")
@@ -16,29 +15,23 @@ def interval(mean, half=0.05):
 
 
 def measured_study(*, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,)):
-    """As much of a study of measured bodies as views ask for."""
-    return SimpleNamespace(
-        is_measured=False,  # there are no files whose waves could be seen
-        surfaces=SimpleNamespace(kind="measured", press=press),
-        contact=SimpleNamespace(
-            mechanics=mechanics, effective_modulus=100.0, hardness=hardness, law=law, detection="gap-minimum",
-            curvature="convex", rules=lambda: ("opposing", "all"),
-        ),
-        friction=SimpleNamespace(mu0=mu0, tau0=(0.05,), load=(10.0,)),
-    )  # fmt: skip
+    """A study of two files that are nowhere."""
+    contact = {"mechanics": mechanics, "effective_modulus": "100 GPa"}
+    if mechanics == "asperities":
+        yielding = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
+        contact["law"] = yielding if law == "jackson-green" else law
+    elif hardness is not None:
+        contact["hardness"] = f"{hardness} GPa"
+    files = {side: {"file": f"nowhere/{side}.npy"} for side in ("upper", "lower")}
+    friction = {"mu0": sorted(mu0), "tau0": ["50 MPa"], "load": ["10 mN"]}
+    return Study.model_validate(
+        {"surfaces": {"kind": "measured", "press": press, **files}, "contact": contact, "friction": friction}
+    )
 
 
 def generated_study():
-    """As much of a study of generated profiles as views ask for."""
-    return SimpleNamespace(
-        is_measured=False,
-        surfaces=SimpleNamespace(kind="profile"),
-        contact=SimpleNamespace(
-            mechanics="asperities", effective_modulus=10.0, hardness=None, law="hertz-sphere", detection="cell",
-            curvature="convex", rules=lambda: ("opposing",),
-        ),
-        friction=SimpleNamespace(mu0=(0.4,), tau0=(0.0,)),
-    )  # fmt: skip
+    """A study of generated profiles at one mu0 and tau0."""
+    return Study.model_validate({"friction": {"mu0": [0.4], "tau0": ["0 MPa"]}})
 
 
 LOADED = {

@@ -113,7 +113,7 @@ def test_a_scan_that_is_much_coarser_than_the_other_is_said():
 
 def test_pieces_that_are_much_smaller_than_the_scan_are_said():
     made = measured_study()
-    made.surfaces.press = "surrogates"
+    made = made.with_changes({"surfaces.press": "surrogates"})
     for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
         at = measured().assign_attrs(shape=[shape, shape], spacing_um=[0.1, 0.1])
         for side in ("upper", "lower"):
@@ -138,7 +138,7 @@ def test_rubber_that_does_not_yield_is_not_doubted_by_what_other_materials_do(ki
     at, study = (measured(), measured_study()) if kind == "measured" else (generated(), generated_study())
     at["mean_pressure"] = 0 * at["mean_pressure"] + 2e-4
     for modulus, doubted in ((0.003, False), (0.2, False)):
-        study.contact.effective_modulus = modulus
+        study = study.with_changes({"contact.effective_modulus": f"{modulus} GPa"})
         at = at.assign_coords(effective_modulus=modulus)
         assert any("pressure" in doubt.text for doubt in answers(at, study)[0].doubts) == doubted
     at["mean_pressure"] = 0 * at["mean_pressure"] + 0.02
@@ -147,7 +147,7 @@ def test_rubber_that_does_not_yield_is_not_doubted_by_what_other_materials_do(ki
 
 def test_soft_bodies_are_compared_with_a_hardness_that_is_known():
     study = measured_study(mechanics="asperities")
-    study.contact.materials = ("mild steel", "brass")
+    study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     at = measured(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
     assert any("brass yields" in doubt.text for doubt in answers(at, study)[0].doubts)
 
@@ -250,8 +250,7 @@ def test_numbers_of_several_members_are_told_beside_the_mean():
 
 def with_materials(hardness, names=("mild steel", "brass")):
     study = measured_study(hardness=hardness)
-    study.contact.materials = names
-    return study
+    return study.with_changes({"contact.materials": list(names)})
 
 
 def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
@@ -295,7 +294,7 @@ def test_materials_are_named_with_the_range_of_the_softer_hardness():
 )
 def test_materials_that_must_have_yielded_are_named(pressure, severity):
     study = measured_study(mechanics="asperities")
-    study.contact.materials = ("mild steel", "brass")
+    study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     found = [doubt for doubt in answers(measured(mean_pressure=pressure), study)[0].doubts if "brass" in doubt.text]
     assert [doubt.severity for doubt in found] == severity
     assert all("brass yields at 230 MPa to 1.7 GPa" in doubt.text for doubt in found)

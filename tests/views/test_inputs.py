@@ -42,7 +42,7 @@ def test_form_is_doubted(rough):
     assert 0 < FORM < 1
     bowed = Profile(rough.heights + x**2, spacing=rough.spacing)
     study = measured_study()
-    study.surfaces.level = "quadratic"  # which takes it off
+    study = study.with_changes({"surfaces.level": "quadratic"})  # which takes it off
     assert doubts_of_inputs(rough, bowed, study) == ()
 
 
@@ -86,5 +86,5 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
 
 def texts_behind(body, cut_off):
     study = measured_study(press="lines")
-    study.surfaces.cut_off = (cut_off,)
+    study = study.with_changes({"surfaces.cut_off": [f"{cut_off} um"]})
     return [doubt.text for doubt in doubts_of_inputs(body, body, study)]

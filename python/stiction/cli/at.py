@@ -61,7 +61,7 @@ def at(
     from stiction.views.inputs import doubts_of_study
 
     stored = opened(directory)
-    measured = stored.study.surfaces.kind == "measured"
+    measured = stored.study.is_measured
     rubbing = None if mu0 is None else at_least_0("mu0", numbers_of("mu0", mu0), mu0)
     strengths: list[float] | None = None if measured else [0.0]
     if tau0 is not None:

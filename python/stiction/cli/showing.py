@@ -55,7 +55,7 @@ def show_result(
     besides: dict[str, Any] = {"beside": beside, "over": resolution_at(stored), "onset": onset_beside(stored)}
     if as_json:
         tell(rows.record_text(command, at, study, **besides, **(about or {})))
-    elif study.surfaces.kind == "measured":
+    elif study.is_measured:
         tell(text.result_text(at, study, verbose=verbose, **besides))
     else:
         tell(text.overview_text(at, study))

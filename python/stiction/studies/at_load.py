@@ -21,7 +21,6 @@ from stiction.mechanics.quantities import ONSET, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import CELLS, cells_of, ensemble_map, head_of, material_of, means, study_of_result
 from stiction.studies.member_values import Kind, Reading, member_values
-from stiction.studies.result import is_measured, measured
 from stiction.studies.study import Study, step_of
 
 if TYPE_CHECKING:
@@ -82,7 +81,7 @@ def at_load(
         If a load, mu0 or tau0 is outside its range, or there are no members of the kind.
     """
     study = study_of_result(result)
-    measured = is_measured(study)
+    measured = study.is_measured
     reading = reading or ("elastic" if measured else "mean")
     choice("reading", reading, Reading)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
@@ -287,7 +286,7 @@ class OverMembers:
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
         """Of lines at places: neighbours are the lines of maps, side by side, and the positions on one line."""
-        if not is_measured(study) or measured(study).is_areal:
+        if not study.is_measured or study.is_areal:
             return cls(None, None)
         lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))
         order = np.lexsort((x, lines, y))

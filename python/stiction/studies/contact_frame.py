@@ -14,7 +14,6 @@ from stiction.studies.contact_picture import typical
 from stiction.studies.maps import cells_of, study_of_result
 from stiction.studies.members import bodies_of, pair_of
 from stiction.studies.one_load import OneLoad
-from stiction.studies.result import is_measured
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:
@@ -77,7 +76,7 @@ def _places(at: xarray.DataArray, loads: Floats, chosen: list[int] | None) -> It
 
 
 def _pair(study: Study, index: int, cell: dict[str, float]) -> Any:
-    if is_measured(study):
+    if study.is_measured:
         return bodies_of(study).member(index, cell["cut_off"]).pair
     return pair_of(study, index, **cell)
 

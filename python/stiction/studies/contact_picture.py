@@ -13,7 +13,6 @@ from stiction.studies.contact_statistics import Table
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
-from stiction.studies.result import is_measured, measured
 from stiction.studies.store import read_beside
 from stiction.studies.tables import MeasuredFriction
 from stiction.surfaces.surface import Surface
@@ -69,7 +68,7 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         If the files that the study names are not there any more.
     """
     study = study_of_result(result)
-    if not is_measured(study) or not measured(study).is_areal:
+    if not study.is_measured or not study.is_areal:
         return None
     assert isinstance(study.friction, MeasuredFriction)
     load = float(study.friction.load[0]) if load is None else load
@@ -91,7 +90,7 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
 
 def picture_beside(result: Stored) -> xarray.Dataset | None:
     """The picture that lies beside a stored result, if there is one; a `StoreError` if it is damaged."""
-    zoom = ("zoom_pressure", "zoom_height") if result.study.contact.mechanics == "half-space" else ()
+    zoom = ("zoom_pressure", "zoom_height") if result.study.by_half_space else ()
     return read_beside(result.path / FILE, (*_OF_CONTACTS, "upper_height", "lower_height", *zoom))
 
 

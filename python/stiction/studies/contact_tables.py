@@ -138,13 +138,12 @@ class ContactTable(Table):
         """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
         raise NotImplementedError
 
-    def largest_pressure(self) -> float | None:
-        """The hardness, GPa, where pressures are bounded by one: of the half-space, if it has one."""
-        return None
-
 
 class GeneratedContact(ContactTable):
     """How a generated pair is pressed together: one or several rules and directions."""
+
+    materials: ClassVar[None] = None
+    poisson_ratio: ClassVar[None] = None
 
     shear: Shear = Field(default="+x", description="Where the upper body is about to move along a profile.")
     direction: Directions = Field(
@@ -185,6 +184,7 @@ class MeasuredContact(ContactTable):
     """How a measured pair is pressed together: to loads, under both sliding rules."""
 
     sliding: ClassVar[tuple[Sliding, ...]] = ("all", "opposing")
+    onset: ClassVar[None] = None
 
     load: LoadsOrRange = Field(
         description="Elastic normal loads that the members are pressed to; loads around `friction.load` unless given."
@@ -217,6 +217,8 @@ class MeasuredContact(ContactTable):
 class ByHalfSpace(ContactTable):
     """Keys of the half-space."""
 
+    law: ClassVar[None] = None
+
     mechanics: Literal["half-space"] = Field(default="half-space", description="The elastic half-space.")
     boundary: Boundary = Field(
         default="free", description="What lies beyond the edges: nothing, or the same surfaces again."
@@ -229,17 +231,17 @@ class ByHalfSpace(ContactTable):
     def solid(self) -> dict[str, Any]:
         """What `half_space` takes besides bodies, loads and motion."""
         return {
-            "effective_modulus": float(self.effective_modulus), "boundary": self.boundary,
-            "compliance_share": self.compliance_share, "hardness": self.largest_pressure(),
-        }  # fmt: skip
-
-    def largest_pressure(self) -> float | None:
-        """The hardness, GPa, if there is one."""
-        return None if self.hardness is None else float(self.hardness)
+            "effective_modulus": float(self.effective_modulus),
+            "boundary": self.boundary,
+            "compliance_share": self.compliance_share,
+            "hardness": None if self.hardness is None else float(self.hardness),
+        }
 
 
 class ByAsperities(ContactTable):
     """Keys of asperities."""
+
+    hardness: ClassVar[None] = None
 
     mechanics: Literal["asperities"] = Field(
         default="asperities", description="Hertzian contacts that do not interact."
@@ -339,6 +341,7 @@ class HalfSpace(GeneratedContact, ByHalfSpace):
     """Contact by the half-space, pressed over loads."""
 
     case: ClassVar[str] = "contact by the half-space"
+    onset: ClassVar[None] = None
 
     load: LoadsOrRange = Field(
         default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
@@ -372,6 +375,8 @@ class _AroundTheCompass(MeasuredContact):
 
 class _AlongTheLine(MeasuredContact):
     """Directions of measured lines."""
+
+    direction: ClassVar[None] = None
 
     def ways(self) -> tuple[Direction, ...]:
         """Both directions along a line."""

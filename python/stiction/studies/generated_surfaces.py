@@ -53,6 +53,10 @@ class FractalParameters(Table):
     is_areal: ClassVar[bool] = True
     """Whether members are pairs of areas, and not of lines."""
 
+    press: ClassVar[None] = None
+    level: ClassVar[None] = None
+    cut_off: ClassVar[tuple[float, ...]] = ()
+
     fractal_dimension: DimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),
         description="D, in the measure of `convention`; of surfaces that of a section.",

@@ -16,7 +16,7 @@ from stiction._checks import Floats, read_only
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_files import Member, Members
 from stiction.studies.measured_surfaces import Measured
-from stiction.studies.result import About, areas, is_measured, measured, profiles
+from stiction.studies.result import About, areas, measured, profiles
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import (
     BandLimit,
@@ -193,7 +193,7 @@ def pair_of(
     >>> press(upper, lower, [0.01, 0.02]).contact_count.shape
     (2,)
     """
-    if is_measured(study):
+    if study.is_measured:
         raise ValueError("pair_of is for studies of generated bodies; the members of measured ones have no dimension")
     if study.surfaces.kind == "surface":
         one, other = (

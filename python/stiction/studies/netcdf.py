@@ -28,7 +28,6 @@ from stiction.studies.result import (
     Arrays,
     coordinates_of,
     dataset_of,
-    is_measured,
     variables_of,
 )
 from stiction.studies.study import Study, study_from_text
@@ -99,7 +98,7 @@ def _template(study: Study, count: int) -> bytes:
     """
     numbers = range(count)
     arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
-    if is_measured(study):
+    if study.is_measured:
         arrays |= {name: np.zeros(count, dtype) for name, dtype in OF_MEMBERS.items()}
     image = io.BytesIO()
     write(dataset_of(study, numbers, arrays, about(study)), image)
@@ -161,7 +160,7 @@ def decoded(content: bytes) -> Members:
             name: _values(file, name, each.dtype, each.shape) for name, each in variables_of(study, numbers).items()
         }
         of_bodies = About()
-        if is_measured(study):
+        if study.is_measured:
             arrays |= {name: _values(file, name, dtype, numbers.shape) for name, dtype in OF_MEMBERS.items()}
             attributes: dict[str, Any] = {name: str(file.attrs[name]) for name in TEXT_OF_BODIES}
             attributes |= {name: np.atleast_1d(file.attrs[name]) for name in NUMBERS_OF_BODIES}

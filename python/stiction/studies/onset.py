@@ -14,7 +14,7 @@ from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 from stiction.studies.at_load import OverMembers
 from stiction.studies.members import bodies_of
 from stiction.studies.one_load import OneLoad
-from stiction.studies.result import is_measured, measured
+from stiction.studies.result import measured
 from stiction.studies.slip_map import slip_map
 from stiction.studies.store import read_beside
 from stiction.studies.study import Study
@@ -69,7 +69,7 @@ def onset_of_result(
     there are, and have the parameters of the Iwan and LuGre models of the mean curve. None of generated bodies, where
     nothing holds the bodies, and where no member has an answer.
     """
-    if not is_measured(study):
+    if not study.is_measured:
         return None
     assert isinstance(study.friction, MeasuredFriction)
     mu0, tau0 = float(study.friction.mu0[0]), float(study.friction.tau0[0])
@@ -79,7 +79,7 @@ def onset_of_result(
     surfaces = measured(study)
     first = surfaces.first_scanned
     first = first if first < study.ensemble.repetitions else 0
-    few = surfaces.is_areal and study.contact.mechanics == "half-space"
+    few = surfaces.is_areal and study.by_half_space
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
     of_member = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
@@ -93,7 +93,7 @@ def onset_of_result(
 def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: float) -> dict[str, Any] | None:
     """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
     member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
-    poisson = getattr(study.contact, "poisson_ratio", None) or (POISSON_RATIO, POISSON_RATIO)
+    poisson = study.contact.poisson_ratio or (POISSON_RATIO, POISSON_RATIO)
     try:
         pressed = OneLoad.of(study, member.pair, load)
         if pressed is None:
@@ -128,7 +128,7 @@ def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str
         "fraction": ("fraction", list(FRACTIONS), {"units": "1", "long_name": "tangential over sliding load"}),
         "statistic": _STATISTICS,
     }
-    ratios = getattr(study.contact, "poisson_ratio", None)
+    ratios = study.contact.poisson_ratio
     about = about | {
         "members": len(found), "mechanics": study.contact.mechanics,
         "poisson_ratio": np.array(ratios or (POISSON_RATIO, POISSON_RATIO)), "poisson_given": int(ratios is not None),

@@ -26,7 +26,7 @@ from stiction.studies.members import (
     unscaled_surface,
 )
 from stiction.studies.pressing import Pressing, nothing, solved
-from stiction.studies.result import Arrays, areas, generated, is_measured, measured, names_of, profiles, variables_of
+from stiction.studies.result import Arrays, areas, generated, names_of, profiles, variables_of
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, scaled_profile
@@ -43,7 +43,7 @@ def member_sums(study: Study, index: int) -> Arrays:
     `ValueError` if the bodies cannot be made.
     """
     arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in arrays_of(study).items()}
-    for place, part in _measured(study, index, arrays) if is_measured(study) else _generated(study, index):
+    for place, part in _measured(study, index, arrays) if study.is_measured else _generated(study, index):
         for name, values in part.items():
             arrays[name][place] = values.reshape(arrays[name][place].shape)
     return arrays
@@ -72,15 +72,15 @@ def cost_of_member(study: Study) -> float:
     """A rough estimate of the seconds that a member takes on one core, whatever the number of members."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
-    if is_measured(study):
-        if not measured(study).is_areal:
+    if study.is_measured:
+        if not study.is_areal:
             each = loads * (COSTS["line"] if study.contact.mechanics == "asperities" else 30 * COSTS["line"])
         else:
-            each = COSTS["half-space"] * 400**2 * loads if study.contact.mechanics == "half-space" else 0.3
+            each = COSTS["half-space"] * 400**2 * loads if study.by_half_space else 0.3
         return cells * each
     on_profiles = study.surfaces.kind == "profile"
     points = profiles(study).points if on_profiles else math.prod(areas(study).shape)
-    if study.contact.mechanics == "half-space":
+    if study.by_half_space:
         return cells * points * loads * COSTS["half-space"]
     onsets = cells * loads * COSTS["onset"] if set(ONSET) & set(study.sums()) else 0.0
     return cells * points * COSTS["profile" if on_profiles else "asperities"] + onsets + 1e-4

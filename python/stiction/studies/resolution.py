@@ -24,7 +24,7 @@ from stiction.mechanics.continuation import (
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_statistics import slopes_of
 from stiction.studies.members import about, bodies_of
-from stiction.studies.result import is_measured, measured
+from stiction.studies.result import measured
 from stiction.studies.same_study import computed_otherwise
 from stiction.studies.store import STUDY, StoreError, open_stored
 from stiction.studies.study import Study
@@ -65,7 +65,7 @@ def resolution_study(study: Study) -> Study | None:
     generated bodies, of asperities, where the study has several cut-offs itself, and where the scans are too short for
     any.
     """
-    if not is_measured(study) or study.contact.mechanics != "half-space":
+    if not study.is_measured or not study.by_half_space:
         return None
     assert isinstance(study.friction, MeasuredFriction)
     own = study.surfaces.cells()["cut_off"].tolist()
@@ -81,7 +81,7 @@ def resolution_study(study: Study) -> Study | None:
         "surfaces.cut_off": [exactly(each, "um") for each in lengths],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
-            study.ensemble.repetitions, MEMBERS if measured(study).is_areal else LINES
+            study.ensemble.repetitions, MEMBERS if study.is_areal else LINES
         ),
     }  # fmt: skip
     if measured(study).first_scanned:
@@ -95,7 +95,7 @@ def resolution_at(result: Stored) -> xarray.Dataset | None:
     None where it has none, or those of another study.
     """
     study = result.study
-    if not is_measured(study):
+    if not study.is_measured:
         return None
     assert isinstance(study.friction, MeasuredFriction)
     loads = [float(load) for load in study.friction.load]

@@ -25,7 +25,6 @@ from stiction.studies.generated_surfaces import (
     SelfAffineSurfaces,
     WeierstrassMandelbrotSurfaces,
 )
-from stiction.studies.measured_files import MeasuredBodies
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.study import Study
 
@@ -69,11 +68,6 @@ class About:
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
-def is_measured(study: Study) -> bool:
-    """Whether the bodies of a study are read from files."""
-    return isinstance(study.surfaces, MeasuredBodies)
-
-
 def generated(study: Study) -> Generated:
     """The surfaces of a study of which it is known that they are generated."""
     assert isinstance(study.surfaces, Generated)
@@ -108,10 +102,10 @@ def coordinates_of(
         **{name: np.array(each) for name, each in study.motions().items()},
         study.step: study.contact.steps(),
     }
-    if is_measured(study):
+    if study.is_measured:
         values["fraction_below"] = np.array(QUANTILES)
     more: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
-    if not is_measured(study):
+    if not study.is_measured:
         more["fractal_dimension"] = {"convention": generated(study).convention}
         more["amplitude"] = {"measure": generated(study).amplitude_measure}
     return {
@@ -146,7 +140,7 @@ def piece_of(size: int) -> int:
 
 def names_of(study: Study) -> tuple[str, ...]:
     """Names of the variables of a result: the study's sums, and of measured bodies the statistics of contacts."""
-    if not is_measured(study):
+    if not study.is_measured:
         return study.sums()
     return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP, "status")))
 
@@ -193,7 +187,7 @@ def dataset_of(
         for name, (each, values) in coordinates_of(study, repetitions).items()
     }
     about = about or About()
-    if is_measured(study):
+    if study.is_measured:
         coordinates |= {
             name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), attributes_of(name))
             for name, dtype in OF_MEMBERS.items()
@@ -212,6 +206,6 @@ def empty_dataset(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | 
     """The dataset of a study, or of some of its repetitions: zeros, with units, names and attributes in place."""
     numbers = np.arange(study.ensemble.repetitions) if repetitions is None else np.asarray(repetitions)
     arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
-    if is_measured(study):
+    if study.is_measured:
         arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
-    return dataset_of(study, numbers, arrays, About(nominal_area=1.0) if is_measured(study) else None)
+    return dataset_of(study, numbers, arrays, About(nominal_area=1.0) if study.is_measured else None)

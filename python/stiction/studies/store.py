@@ -27,7 +27,7 @@ import stiction._files as _files
 from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason
 from stiction._text import named, printable
-from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, is_measured, piece_of, variables_of
+from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, piece_of, variables_of
 from stiction.studies.same_study import Difference, computed_otherwise, listed
 from stiction.studies.study import LONGEST_FILE, Study, study_from_text
 
@@ -186,7 +186,7 @@ class Stored:
         arrays: Arrays = {
             name: np.empty(each.shape, each.dtype) for name, each in variables_of(self.study, numbers).items()
         }
-        if is_measured(self.study):
+        if self.study.is_measured:
             arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
         begin = done = 0
         of_bodies = None

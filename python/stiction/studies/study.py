@@ -123,7 +123,7 @@ class Study(Table):
             self._check_measured()
             return self
         if surfaces.kind == "profile":
-            given = getattr(contact, "direction", None)
+            given = contact.direction
             if not (given is None or given in ("+x", "-x")):
                 words = shortened(list(given) if isinstance(given, tuple) else given)
                 raise ValueError(f'contact.direction: must be "+x" or "-x" on profiles, got {words}')
@@ -206,7 +206,7 @@ class Study(Table):
             return HALF_SPACE_SUMS
         lines = not self.surfaces.is_areal
         approach = ("approach",) if self.step == "load" else ()
-        onset = ONSET if getattr(self.contact, "onset", None) is not None else ()
+        onset = ONSET if self.contact.onset is not None else ()
         return SUMS + (() if lines else AREAL_SUMS) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:

@@ -198,8 +198,8 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
 
     The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
     """
-    hardness = getattr(study.contact, "hardness", None)
-    measured = study.surfaces.kind == "measured" and study.contact.mechanics == "half-space"
+    hardness = study.contact.hardness
+    measured = study.is_measured and study.by_half_space
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
     mu0, adhesion = float(point["mu0"]), float(point["tau0"]) / float(hardness)
@@ -230,10 +230,10 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
     if made_of := materials_text(study):
         words.append(made_of)
     words.append(f"E* = {with_unit(modulus_of(point, study), 'GPa')}")
-    hardness = getattr(study.contact, "hardness", None)
+    hardness = study.contact.hardness
     if hardness is not None:
         words.append(f"hardness {with_unit(float(hardness), 'GPa')}{_range(study)}")
-    elif study.surfaces.kind == "measured":
+    elif study.is_measured:
         words.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
     if "spacing_um" in point.attrs:
         words.append(f"points {_spacing_text(point)} apart")
@@ -262,12 +262,12 @@ _READINGS = {
 
 def _note(point: xarray.Dataset, study: Study) -> str:
     words = []
-    if getattr(study.surfaces, "press", "") == "lines" and point["direction"].size == 2:
+    if study.surfaces.press == "lines" and point["direction"].size == 2:
         words.append("the mean over both directions of the lines")
-    elif "direction" in point.coords and (study.surfaces.kind == "measured" or point["direction"].size > 1):
+    elif "direction" in point.coords and (study.is_measured or point["direction"].size > 1):
         words.append(over_text(np.atleast_1d(point["direction"].values)))
     members = value_of(point, "members")
-    made = getattr(study.surfaces, "press", "") == "surrogates"
+    made = study.surfaces.press == "surrogates"
     of = "pairs of random surfaces with these spectra" if made else "members"
     words.append(f"95 % intervals over {members:.0f} {of}" if members > 1 else "95 % intervals")
     difference = value_of(point, "reading_difference")

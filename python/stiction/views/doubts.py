@@ -242,7 +242,7 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
     if modulus < SOFT:
         return ()
     highest, high = HIGHEST_PRESSURE * modulus, HIGH_PRESSURE * modulus
-    if study.surfaces.kind == "measured":
+    if study.is_measured:
         yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
         harder = "it holds only if the softer body is harder than {}, the mean pressure in contact"
         return (
@@ -285,7 +285,7 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         ratio = significant(max(steps) / min(steps), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so its fine waves are missing"
         yield Doubt(text, "scan both alike", "caution")
-    if getattr(study.surfaces, "press", "") == "surrogates":
+    if study.surfaces.press == "surrogates":
         piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
         whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
         if piece < HALF * whole:
@@ -308,7 +308,7 @@ def _of_the_contacts(point: xarray.Dataset, ok: float) -> Iterator[Doubt]:
 def _cell_area(point: xarray.Dataset, study: Study) -> float:
     """µm² of a cell of the grid of maps that are pressed by the half-space; NaN of others."""
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    return float(np.prod(steps)) if steps.size == 2 and study.contact.mechanics == "half-space" else math.nan
+    return float(np.prod(steps)) if steps.size == 2 and study.by_half_space else math.nan
 
 
 def _fewest_with_an_answer(point: xarray.Dataset) -> float:

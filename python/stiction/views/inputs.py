@@ -48,8 +48,8 @@ WHOLE_PART = 0.1
 
 def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
     """A doubt for each thing that is seldom meant, of two bodies as they were read, their study, and loads (mN)."""
-    bowed = getattr(study.surfaces, "level", "") == "quadratic"  # what is taken off is no doubt
-    lengths = [float(each) for each in getattr(study.surfaces, "cut_off", ())]
+    bowed = study.surfaces.level == "quadratic"  # what is taken off is no doubt
+    lengths = [float(each) for each in study.surfaces.cut_off]
     of_upper, of_lower = (
         list(_of_scans(body))
         if isinstance(body, JoinedSpectrum)

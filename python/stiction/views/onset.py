@@ -110,7 +110,7 @@ def _cell(table: xarray.DataArray, factor: float = 1.0) -> str:
 
 def words_of(name: str, study: Study) -> str:
     """What tables call a quantity: creep, and what slips, with the strengths at which the study keeps them."""
-    onset, words = getattr(study.contact, "onset", None), QUANTITIES[name].short
+    onset, words = study.contact.onset, QUANTITIES[name].short
     if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
         return words
     return f"{words} at μ0 = {onset.mu0:g}, τ0 = {_strength(float(onset.tau0))}"

@@ -56,7 +56,7 @@ def pressure_of(point: xarray.Dataset) -> float:
 
 def rules_of(study: Study) -> list[str]:
     """The sliding rules of a study, the one to quote first."""
-    order = list(RULES) if study.surfaces.kind == "measured" else list(reversed(RULES))
+    order = list(RULES) if study.is_measured else list(reversed(RULES))
     return sorted(study.contact.rules(), key=order.index)
 
 
@@ -64,18 +64,17 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
     """Whether load over nominal area has a meaning, which it has not for spheres on a strip of arbitrary thickness."""
     if "nominal_area" not in point.coords:
         return False
-    lines = study.surfaces.kind == "profile" or getattr(study.surfaces, "press", "areas") == "lines"
-    return not lines or study.contact.mechanics == "half-space" or "cylinder" in law_of(study)
+    return study.is_areal or study.by_half_space or "cylinder" in law_of(study)
 
 
 def law_of(study: Study) -> str:
     """The contact law of asperities, in whatever words; empty of a half-space."""
-    return str(getattr(study.contact, "law", "")).lower()
+    return str(study.contact.law or "").lower()
 
 
 def is_capped(study: Study) -> bool:
     """Whether pressures have a limit."""
-    return getattr(study.contact, "hardness", None) is not None or "jackson" in law_of(study)
+    return study.contact.hardness is not None or "jackson" in law_of(study)
 
 
 def modulus_of(point: xarray.Dataset, study: Study) -> float:
@@ -85,13 +84,13 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 
 def materials_text(study: Study) -> str:
     """What the bodies are made of, "mild steel on brass"; empty where their names are not known."""
-    names = getattr(study.contact, "materials", None)
+    names = study.contact.materials
     return "" if names is None else " on ".join(names)
 
 
 def hardness_range(study: Study) -> tuple[float, float] | None:
     """Between which values (GPa) the hardness of the softer material lies, if it is that which the study has."""
-    softer, hardness = softer_material(study), getattr(study.contact, "hardness", None)
+    softer, hardness = softer_material(study), study.contact.hardness
     if softer is None or hardness is None:
         return None
     known = softer.hardness
@@ -104,7 +103,7 @@ def softer_material(study: Study) -> Material | None:
     from stiction.mechanics.materials import material
 
     try:
-        bodies = [material(name) for name in getattr(study.contact, "materials", None) or ()]
+        bodies = [material(name) for name in study.contact.materials or ()]
     except ValueError:  # of names that somebody gave himself
         return None
     return min(bodies, key=lambda body: float(body.hardness), default=None)

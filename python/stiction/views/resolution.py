@@ -84,14 +84,14 @@ def _pressure(point: xarray.Dataset) -> str:
 
 def hardness_of(study: Study) -> float:
     """GPa; NaN without one."""
-    hardness = getattr(study.contact, "hardness", None)
+    hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
     """mu0 + tau0/H, below which no finer scan comes where all contacts rub; None without a hardness."""
     hardness = hardness_of(study)
-    if math.isnan(hardness) or study.contact.mechanics != "half-space":
+    if math.isnan(hardness) or not study.by_half_space:
         return None
     return float(point["mu0"]) + float(point["tau0"]) / hardness
 
@@ -192,7 +192,7 @@ def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | N
     record: dict[str, Any] = {}
     if found is not None:
         record["waves"] = waves_record(found)
-        if getattr(study.contact, "hardness", 0) is None:
+        if study.by_half_space and study.contact.hardness is None:
             record["yielding"] = [each for point in points(_scan(at)) for each in yielding_records(point, study, found)]
     if over is not None:
         record["cut_offs"] = cut_off_records(over, study)
@@ -219,7 +219,7 @@ def limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
         hardness = hardness_of(study)
         return table | {"area_fraction": load / hardness / area}
     fraction = value_of(at.isel(cut_off=0), "contact_area_fraction")
-    if found is None or not fraction > 0 or study.contact.mechanics != "half-space":
+    if found is None or not fraction > 0 or not study.by_half_space:
         return table
     waves, gradients, fractions = found.finer(fraction, value_of(at.isel(cut_off=0), "contact_count"))
     steepness = gradients[:, :1]

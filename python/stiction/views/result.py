@@ -14,7 +14,6 @@ from stiction._shown import picture_of, png_of, words
 from stiction._units import in_core_units, loads_in_core_units
 from stiction.studies.at_load import at_load
 from stiction.studies.maps import study_of_result
-from stiction.studies.result import is_measured
 from stiction.studies.study import Study
 from stiction.views import answer, rows, text
 from stiction.views.asked import asked_loads, at_asked_loads
@@ -129,7 +128,7 @@ class Result:
 
     def _loads_of(self, load: Any) -> Any:
         """Loads in mN; of measured bodies text may be a pressure on the nominal area."""
-        if is_measured(self.study):
+        if self.study.is_measured:
             return loads_in_core_units("load", load, float(self.dataset["nominal_area"]))
         return in_core_units("load", load, "force")
 
@@ -231,7 +230,7 @@ class Result:
             return f"no answer: {error}"
 
     def _text(self) -> str:
-        if is_measured(self.study):
+        if self.study.is_measured:
             return text.result_text(self._asked, self.study, beside=self.beside, **self._over_and_onset)
         return text.overview_text(self._asked, self.study)
 

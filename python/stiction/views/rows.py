@@ -219,7 +219,7 @@ def record_text(
 
     `over` and `onset` are what `resolution_at` and `onset_beside` give.
     """
-    about = {"kind": "pair" if study.surfaces.kind == "measured" else "study", **about}
+    about = {"kind": "pair" if study.is_measured else "study", **about}
     about |= {name: str(at.attrs[name]) for name in ("upper", "lower", "reading") if name in at.attrs}
     for name in ("effective_modulus", "nominal_area"):
         if name in at.coords:

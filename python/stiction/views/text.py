@@ -349,7 +349,7 @@ def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | Non
     if over is not None:
         first = over.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
         parts.append(aligned(cut_off_rows(first, study)) + "\n" + fitted(cut_off_note(first, study), indent="  "))
-    capped = is_capped(study) or study.contact.mechanics != "half-space"
+    capped = is_capped(study) or not study.by_half_space
     if found is not None and not capped and (rows := yielding_rows(next(points(at)), study, found)):
         parts.append(fitted(ELASTIC) + "\n" + aligned(rows))
     return "\n\n".join(parts)

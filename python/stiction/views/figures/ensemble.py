@@ -389,7 +389,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     above, below, between = 4.0 + HEADLINE * len(lines), 15.0, 4.0
     height = 50.0 if amplitudes.size == 1 else 38.0
     total = above + below + amplitudes.size * (height + between) - between
-    exact = study.contact.mechanics == "half-space"
+    exact = study.by_half_space
     figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
     for row, amplitude in enumerate(amplitudes):
         bottom = below + (amplitudes.size - 1 - row) * (height + between)

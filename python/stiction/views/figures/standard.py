@@ -15,7 +15,6 @@ from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import resolution_at
-from stiction.studies.result import is_measured
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
@@ -84,7 +83,7 @@ def figures_of(
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """The name of each figure of a result, without its ending, and what draws it."""
     study = study_of_result(result)
-    yield from _of_measured(result, study, picture) if is_measured(study) else _of_generated(whole(result), study)
+    yield from _of_measured(result, study, picture) if study.is_measured else _of_generated(whole(result), study)
 
 
 def whole(result: Any) -> xarray.Dataset:
@@ -99,7 +98,7 @@ def picture_of(result: xarray.Dataset | Stored) -> xarray.Dataset | None:
 
 def hardness_of(study: Study) -> float | None:
     """The hardness (GPa) that a study gives, if any."""
-    hardness = getattr(study.contact, "hardness", None)
+    hardness = study.contact.hardness
     return None if hardness is None else float(hardness)
 
 

@@ -141,7 +141,7 @@ def _averages(result: xarray.Dataset | Stored, study: Study) -> tuple[xarray.Dat
             f"the result has {values} pairs times {'approaches' if study.step == 'approach' else 'loads'}, more than "
             f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
         )
-    free = study.contact.mechanics == "half-space"  # of free half-planes no approach is known
+    free = study.by_half_space  # of free half-planes no approach is known
     for name in study.sums():
         if not (free and name == "approach"):
             _check_finite(name, averages[name].values)
@@ -224,6 +224,6 @@ def _pairs(study: Study, facts: dict[str, Any]) -> str:
     ]
     if amplitudes > 1:
         parts.append(f"and {counted(amplitudes, 'amplitude')}")
-    loads = study.contact.mechanics == "half-space"
+    loads = study.by_half_space
     how = counted(steps, "load") if loads else counted(steps, "approach", "approaches")
     return f"{' '.join(parts)}, pressed together at {how}"

@@ -144,7 +144,7 @@ def _beside(study: Study, onset: xarray.Dataset | None) -> list[str]:
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = hardness_of(study)
-    how = "the elastic half-space" if study.contact.mechanics == "half-space" else "asperities"
+    how = "the elastic half-space" if study.by_half_space else "asperities"
     limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
     modulus = with_unit(facts["modulus"], "GPa")
     return [f"{surfaces.pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {modulus}{limited}."]

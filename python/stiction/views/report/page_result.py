@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction.studies.result import is_measured
 from stiction.studies.study import Study, differences
 from stiction.views.report.page import counted, escaped
 
@@ -55,7 +54,7 @@ class PageResult:
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
         )
-        if is_measured(self.study):
+        if self.study.is_measured:
             return f"<h2>The study{of}</h2>{self.details}{whole}"
         changes = [f"{key} = {value}" for key, _, value in differences(Study(), self.study)]
         lines = "".join(f"<li><code>{escaped(line)}</code></li>" for line in changes)
@@ -65,7 +64,7 @@ class PageResult:
 
 def _without_folders(study: Study) -> Study:
     """A study that names its files alone: whoever is sent a page has other folders."""
-    if not is_measured(study):
+    if not study.is_measured:
         return study
     bodies: Any = study.surfaces
     named = {side: getattr(bodies, side) for side in ("upper", "lower")}

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from stiction.mechanics import friction
 from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
-from stiction.studies.result import is_measured
 from stiction.studies.store import Stored
 from stiction.studies.study import study_of
 from stiction.views.doubts import ADVICE, VERDICTS
@@ -110,12 +109,12 @@ def _report(
         studies = [each.study if isinstance(each, Stored) else study_of(each) for each in results]
     except ValueError as error:
         raise ReportError(str(error)) from None
-    if len({is_measured(study) for study in studies}) > 1:
+    if len({study.is_measured for study in studies}) > 1:
         raise ReportError("two results side by side are both of generated or both of measured bodies")
     alone = len(results) == 1
     made = [
         page_of_measured(each, study, name, picture if alone else None, with_picture=alone)
-        if is_measured(study) else page_of_generated(each, study, name)
+        if study.is_measured else page_of_generated(each, study, name)
         for each, study, name in zip(results, studies, named, strict=True)
     ]  # fmt: skip
     return _page(made)
