@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 STATISTIC = ["mean", "lower", "upper"]
 
 SPREAD = (0.1, 0.9)
-"""Between these quantiles four of five single members lie."""
+"""Quantiles of single members that are reported as spread_low and spread_high."""
 
 __all__ = ["Reading", "at_load", "axes_of", "means", "member_values", "reached_loads"]
 
@@ -285,7 +285,7 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Of lines at places: neighbours are the lines of maps, side by side, and the positions on one line."""
+        """Members at places: neighbours are the lines of maps, side by side, and the positions on one line."""
         if not study.is_measured or study.is_areal:
             return cls(None, None)
         lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))

@@ -21,7 +21,7 @@ STEEPEST = 0.1
 """The fraction of a body whose slopes are its steepest."""
 
 QUANTILES = tuple(round(0.05 * step, 2) for step in range(1, 20))
-"""Of the areas of contacts, and of the pressures over the true area."""
+"""Quantiles of the areas of contacts, and of the pressures over the true area, that are kept."""
 
 SMALL = 4
 """Grid cells of the largest contact that a scan hardly resolves."""

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     import xarray
 
 TITLE = "stiction table"
-"""Of a table."""
+"""`title` attribute of a friction table."""
 
 FEWEST_PRESSURES = 3
-"""For a stiffness."""
+"""Fewest pressures that give a stiffness."""
 
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 """Degrees; the surfaces are isotropic, and a coefficient is that of all four together."""

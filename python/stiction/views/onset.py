@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 HALF = 0.5
 
 AMPLITUDES = (0.5, 0.9)
-"""Of cycles, over the sliding load."""
+"""Amplitudes of cycles over the sliding load."""
 
 STATISTICS = ("mean", "lower", "upper")
 

@@ -73,7 +73,7 @@ def frame(at: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Of one table, a row for each of its numbers; made of its arrays, because datasets take ten times as long."""
+    """A row for each number of one table; made of its arrays, because datasets take ten times as long."""
     import pandas
 
     table = at.variables[name]

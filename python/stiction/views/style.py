@@ -79,7 +79,7 @@ FRICTION_MAP = "plasma"
 HEIGHT_MAP = "cividis"
 PRESSURE_MAP = "inferno"
 SLIP_MAP = "YlOrRd"
-"""Of the tangential load at which a point slips: light first, dark last."""
+"""Colours of the tangential load at which a point slips: light first, dark last."""
 
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}
 """What a legend says of a sliding rule."""
@@ -107,7 +107,7 @@ _LABELS = {
     "height": "height $z$ (µm)",
     "height_nm": "height $z$ (nm)",
 }
-"""Of what has no entry among the quantities of results, or is drawn in another unit."""
+"""Labels of axes that are no quantities of results, or are drawn in another unit."""
 
 
 def label(name: str) -> str:
@@ -120,7 +120,7 @@ def label(name: str) -> str:
 
 
 def dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Of curves of several fractal dimensions: viridis without its yellow, which is not to be seen on white."""
+    """Colours of curves of several fractal dimensions: viridis without its yellow, which is not to be seen on white."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))

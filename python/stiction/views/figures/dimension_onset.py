@@ -27,10 +27,10 @@ _PANELS = {
 """Factor, words and whether the axis has equal ratios, of each panel."""
 
 PARTS = (0.25, 0.5, 0.75)
-"""Of the way in ratio from the lightest load to the heaviest one: where the curves are."""
+"""Loads of the curves, as fractions of the way in ratio from the lightest to the heaviest load."""
 
 COLOURS = ("#56b4e9", "#0072b2", "#003a5d")
-"""Of the curves, from light loads to heavy ones."""
+"""Colours of the curves, from light loads to heavy ones."""
 
 
 def onset_loads(dataset: xarray.Dataset) -> Floats:

@@ -204,7 +204,7 @@ def _few_numbers(most: int = 4) -> Any:
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Of the lowest and the highest strength, with their intervals; dotted where the model is beyond its validity."""
+    """Curves of the lowest and the highest strength, with their intervals; dotted beyond the validity of the model."""
     dimension = curves["fractal_dimension"].values
     trusted = ~(curves["share_beyond_hertz"].values > FRACTION_LIMIT)  # (dimension, strength)
     value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stiction.surfaces.joined import JoinedSpectrum
 
 MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
-"""Of which the hardness over E*, each against its like, is drawn."""
+"""Materials whose hardness over E*, pressed on themselves, is a line."""
 
 SCANS = (LEANING, AREA, OPPOSING, "#cc79a7", "#56b4e9", "#e69f00")
 """Colours of the scans, one after the other."""
@@ -92,7 +92,7 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def _hardnesses() -> dict[str, float]:
-    """Of some materials, the hardness over E* of two alike."""
+    """Hardness over E* of two bodies of one material, for some materials."""
     found = {}
     for name in MATERIALS:
         body = material(name)

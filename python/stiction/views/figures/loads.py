@@ -76,7 +76,7 @@ LONGEST = 8.0
 """Times the longest cut-off, as far as the closed form of spectra is drawn."""
 
 FINEST = 1 / 16
-"""Of the first cut-off: as far as what is continued is drawn."""
+"""Shortest wave over the first cut-off that a continued answer is drawn to."""
 
 
 def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats) -> None:

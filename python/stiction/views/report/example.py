@@ -44,7 +44,7 @@ class Example:
 
     @classmethod
     def of(cls, coordinates: xarray.Dataset, study: Study) -> Example:
-        """Of the first members of a result by asperities, of which the coordinates are enough."""
+        """Example profiles of the first members of a result by asperities, made from its coordinates."""
         shown = {
             name: np.unique(np.linspace(0, size - 1, min(most, size)).round()).astype(np.intp)
             for name, most in MOST_EXAMPLES.items()

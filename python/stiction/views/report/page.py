@@ -32,7 +32,7 @@ MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Every report begins so; no other file is written over."""
 
 SCRIPTS = ("numbers.js", "plots.js", "common.js")
-"""Of every page, before its own."""
+"""Scripts of every page, before its own."""
 
 
 class ReportError(ValueError):

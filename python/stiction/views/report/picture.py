@@ -25,7 +25,7 @@ CONTACT_BYTES = 4
 """Leading bytes of a double that are kept of what is only drawn."""
 
 COLUMNS = ("x", "y", "force", "patch_area", "slope_x", "slope_y")
-"""Of each contact, behind the prefix `contact_`."""
+"""Variables of each contact, without the prefix `contact_`."""
 
 FEWEST_WAVES = 16
 """Rows and columns from which on a map has a spectrum."""

@@ -30,7 +30,7 @@ RATIOS = {
     "load_share_at_hardness": ("load_share_at_hardness", ()),
     "area_share_at_hardness": ("area_share_at_hardness", ()),
 }
-"""Of which sum over which others each figure of validity is made."""
+"""Sum that is the numerator of each figure of validity, and those of its denominator."""
 
 
 @dataclass(frozen=True, eq=False)
