@@ -175,8 +175,9 @@ class TestInstrument:
         found = instrument_limit(surface)
         assert found.reason == "noise floor"
         assert math.isnan(found.noise_x)  # the fast axis
-        assert found.noise_y == found.noise == found.wavelength == pytest.approx(5.8 * surface.spacing[0], rel=0.01)
-        assert found.slope_share == pytest.approx(0.217, abs=0.001)
+        assert found.noise_y == pytest.approx(5.8 * surface.spacing[0], rel=0.01)
+        assert found.noise == found.wavelength == 0.114
+        assert found.slope_share == pytest.approx(0.218, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
     def test_noise_of_any_colour_but_pink_is_found_and_what_is_left_has_the_slope_of_the_surface(self):

@@ -73,18 +73,15 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
     made = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
     noisy = Profile(made.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
     humming = Profile(made.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
-    for body, word in ((noisy, "look like noise"), (humming, "a peak at")):
-        found = {cut_off: texts_behind(body, cut_off) for cut_off in (0.0, 0.6)}
-        assert any(word in text for text in found[0.0])
-        assert not any(word in text for text in found[0.6])
+    for body, word in ((noisy, "like noise"), (humming, "a line stands")):
+        doubt = next(each for each in doubts_of_inputs(body, body, measured_study()) if word in each.text)
+        limit = instrument_limit(body)
+        assert doubt.cut_off == limit.noise < 0.6
+        assert doubt.severity == ("fault" if limit.slope_share > 0.1 else "caution")
+        vouched = measured_study().with_changes({"surfaces.vouched": True})
+        assert not any(word in each.text for each in doubts_of_inputs(body, body, vouched))
     # A floor from which hardly any slope comes.
     faint = Profile(made.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01)
     assert instrument_limit(faint).reason == "noise floor"
-    assert not any("look like noise" in text for text in texts_behind(faint, 0.0))
-    assert any("of the mean square slope" in text for text in texts_behind(noisy, 0.0))
-
-
-def texts_behind(body, cut_off):
-    study = measured_study(press="lines")
-    study = study.with_changes({"surfaces.cut_off": [f"{cut_off} um"]})
-    return [doubt.text for doubt in doubts_of_inputs(body, body, study)]
+    assert not any("like noise" in text for text in texts(faint, faint))
+    assert any("of the mean square slope" in text for text in texts(noisy, noisy))

@@ -97,8 +97,8 @@ CutOff = Annotated[
     _pressed(
         "--cutoff",
         "LENGTHS",
-        'Take off waves shorter than this (Gaussian), "0.1 um"; several, "0 um,0.1 um", are pressed each.',
-        "the scan as it is",
+        'Take off waves shorter than this (Gaussian), "0.1 um"; several are pressed each; none vouches for all.',
+        "waves that are hardly the surface's, off and on",
     ),
 ]
 

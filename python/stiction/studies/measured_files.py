@@ -289,6 +289,11 @@ class MeasuredBodies(Table):
         default=None, description="Said of bodies that are as they are pressed: level, the upper one turned over."
     )
 
+    vouched: Literal[True] | None = Field(
+        default=None,
+        description="Said of bodies whose waves are all the surface's, whatever the spectrum looks like.",
+    )
+
     def cells(self) -> dict[str, Floats]:
         """The dimensions of a result that come before its members, and their values."""
         return {"cut_off": array_of(self.cut_off)}

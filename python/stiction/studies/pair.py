@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stiction._arguments import (
     at_least_0,
     listed,
@@ -30,6 +32,7 @@ from stiction.studies.text import validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import UNKNOWN, instrument_limit
 from stiction.surfaces.surface import Surface
 
 OFFSETS = 64
@@ -273,7 +276,11 @@ class Pair:
     def _surfaces(self) -> dict[str, Any]:
         press, level = self.press, self.level
         table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
-        if self.cutoff is not None:
+        if self.cutoff == "none":
+            table["vouched"] = True
+        elif self.cutoff is None:
+            table |= self._both_readings()
+        else:
             table["cut_off"] = _rising(quantities_of("cutoff", self.cutoff, "length"))
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
@@ -285,6 +292,15 @@ class Pair:
             if self.travel is not None:
                 table["travel"] = quantity_of("travel", self.travel, "length")
         return table
+
+    def _both_readings(self) -> dict[str, Any]:
+        """The scans as they are and without waves of unknown origin, where these have much of the slope."""
+        bodies = [body for body in self.bodies if isinstance(body, (Profile, Surface)) and np.ptp(body.heights) > 0]
+        limits = [limit for limit in map(instrument_limit, bodies) if limit.slope_share > UNKNOWN]
+        longest = max((limit.noise for limit in limits), default=0.0)
+        if not 0 < longest < min(float(np.min(body.extent)) for body in bodies) / 4:
+            return {}
+        return {"cut_off": ["0 um", exactly(longest, "um")]}
 
     def _ensemble(self) -> dict[str, Any]:
         if self.press == "lines":

@@ -45,7 +45,10 @@ _ABOVE = 4.0
 _RISE = 3.0
 """Density over the lowest of all longer waves, by which no surface's spectrum rises."""
 
-_CLEAR = 1.9
+UNKNOWN = 0.1
+"""Share of the mean square slope in waves of unknown origin above which no number is quoted."""
+
+CLEAR = 1.9
 """Cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude."""
 
 _LEAST_SHARE = 1e-4
@@ -338,6 +341,9 @@ def instrument_limit(
         noise = math.nan
     if kind == "noise floor" and noise > 0 and _is_quantised(body):
         kind = "quantisation"
+    if noise > 0:  # by three digits that are not below it, which texts show
+        digit = 10.0 ** (math.floor(math.log10(noise)) - 2)
+        noise = round(math.ceil(noise / digit - 1e-9) * digit, 12)
     limits = {"pixels": 2 * spacing, kind: noise, "tip": math.nan}
     if radius is not None and (sharp := roughness.curvature > TIP_FACTOR / radius).any():
         limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
@@ -403,12 +409,14 @@ def _foreign_waves(q: Floats, density: Floats, count: Floats, spacing: float, *,
     limit = math.sqrt(wave[trusted] * wave[min(trusted + 1, place)])
     behind = place + np.flatnonzero(density[place:] > 2 * density[place])
     if behind.size:
-        limit = max(limit, _CLEAR * float(wave[behind[0]]))
+        limit = max(limit, CLEAR * float(wave[behind[0]]))
+    if behind.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
+        return limit, "line"
     if abs(end) < _FLAT or not behind.size:
         return limit, "noise floor"
     if wave[behind[0]] < 1.4 * wave[-1]:
         return limit, "roll-up"
-    return limit, "line" if np.sum(density[place:] > density[place:].max() / 4) <= 2 else "hump"
+    return limit, "hump"
 
 
 def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:

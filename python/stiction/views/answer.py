@@ -164,7 +164,8 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
     # A direction without an answer leaves the mean over all of them without one.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
-    doubts = [*doubts_of(point, study, rules[0], status), *beside]
+    cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
+    doubts = [*doubts_of(point, study, rules[0], status), *(each for each in beside if cut_off < each.cut_off)]
     return Answer(
         rules=rules,
         status=status,

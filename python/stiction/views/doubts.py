@@ -52,6 +52,8 @@ class Doubt:
     text: str
     cure: str
     severity: Severity
+    cut_off: float = math.inf
+    """Cut-off (µm) from which on it is none."""
 
 
 class Check(NamedTuple):

@@ -13,10 +13,11 @@ from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.peak import peak_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import instrument_limit, scale_dependent_roughness
+from stiction.surfaces.scale import CLEAR, UNKNOWN, instrument_limit
 from stiction.surfaces.spectrum import power_spectrum
 from stiction.surfaces.surface import Surface
-from stiction.views.digits import with_unit
+from stiction.views.characterisation import REASONS
+from stiction.views.digits import percent, with_unit
 from stiction.views.doubts import Doubt
 from stiction.views.joined import spectra_differ
 
@@ -37,7 +38,7 @@ SPIKE = 12.0
 """Of the usual second difference (median over 0.67), from which on a point stands out: by chance none does at 5."""
 
 NOISE = 0.01
-"""Fraction of the mean square slope in waves that are of noise, from which on it is said."""
+"""Fraction of the mean square slope in waves of an instrument, from which on it is said."""
 
 PEAK = 0.1
 """Fraction of the fourth spectral moment in one peak, from which on it is said."""
@@ -49,11 +50,11 @@ WHOLE_PART = 0.1
 def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
     """A doubt for each thing that is seldom meant, of two bodies as they were read, their study, and loads (mN)."""
     bowed = study.surfaces.level == "quadratic"  # what is taken off is no doubt
-    lengths = [float(each) for each in study.surfaces.cut_off]
+    vouched = bool(study.surfaces.vouched)
     of_upper, of_lower = (
         list(_of_scans(body))
         if isinstance(body, JoinedSpectrum)
-        else doubts_of_scan(body, form=not bowed, cut_off=min(lengths, default=0.0))
+        else doubts_of_scan(body, form=not bowed, instrument=not vouched)
         for body in (upper, lower)
     )
     both = [each for each in of_upper if each in of_lower]
@@ -76,9 +77,9 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     return tuple(doubts)
 
 
-def doubts_of_scan(body: Profile | Surface, *, form: bool = True, cut_off: float = 0.0) -> list[Doubt]:
-    """Doubts about one scan: heights, form unless it is taken off, spikes, and noise above a cut-off (µm)."""
-    return [*_of_body(body, form=form), *_of_instrument(body, cut_off)]
+def doubts_of_scan(body: Profile | Surface, *, form: bool = True, instrument: bool = True) -> list[Doubt]:
+    """Doubts about one scan: heights, form unless it is taken off, spikes, and waves that are not the surface's."""
+    return [*_of_body(body, form=form), *(_of_instrument(body) if instrument else ())]
 
 
 def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
@@ -109,24 +110,28 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
         yield Doubt("some of its waves are in no scan", "scan the wavelengths between", "caution")
 
 
-def _of_instrument(body: Profile | Surface, cut_off: float) -> Iterator[Doubt]:
-    """Waves that are the instrument's and not the surface's, unless a cut-off (µm) takes them off."""
+def _of_instrument(body: Profile | Surface) -> Iterator[Doubt]:
+    """Waves that are the instrument's and not the surface's; a cut-off takes them off."""
     try:
         limit = instrument_limit(body)
     except ValueError:  # flat
         return
-    if limit.reason == "noise floor" and limit.noise > cut_off:
-        wave, part = with_unit(limit.noise, "um"), float(scale_dependent_roughness(body).fraction_below(limit.noise))
-        if part > NOISE:
-            text = f"waves below {wave} look like noise and have {100 * part:.0f} % of the mean square slope"
-            yield Doubt(text, f"--cutoff '{wave}' takes them off", "caution")
+    shortest = limit.noise if limit.slope_share > NOISE else 0.0
+    if shortest:
+        wave = with_unit(limit.noise, "um")
+        part = f"{percent(limit.slope_share)} of the mean square slope"
+        text = f"waves below {wave} have {part} and are hardly the surface's: {REASONS[limit.reason]}"
+        cure = f"--cutoff '{wave}' takes them off"
+        if limit.slope_share > UNKNOWN:
+            cure += "; a second scan of the place would tell, and --cutoff none vouches for them"
+        yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", limit.noise)
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))
-    if peak is not None and peak[1] >= PEAK and peak[0] > cut_off:
-        part = 100 * peak[1]
-        text = f"a peak at {with_unit(peak[0], 'um')}, perhaps of the instrument, has {part:.0f} % of the curvature"
-        yield Doubt(text, "its spectrum shows it; --cutoff with a longer wave takes it off", "caution")
+    if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
+        part, wave = percent(peak[1]), with_unit(peak[0], "um")
+        text = f"a peak at {wave}, perhaps of the instrument, has {part} of the curvature"
+        yield Doubt(text, f"--cutoff '{with_unit(CLEAR * peak[0], 'um')}' takes it off", "caution", peak[0])
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
