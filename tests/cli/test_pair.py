@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+import stiction
 import typer
 from command import assert_refused, stiction_command
 from stiction import (
@@ -24,6 +25,7 @@ from stiction.studies.export import export
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import ARGUMENTS, Pair
 from stiction.views.digits import quoted
+from stiction.views.inputs import doubts_of_inputs
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
 LOAD = ["--load", "20 uN"]
@@ -536,3 +538,30 @@ def test_a_pair_says_how_it_begins_to_slide(beside):
     assert onset["sentence"][:12] in done.stdout
     assert "mild steel on brass" in done.stdout
     assert "plastic limit" in done.stdout
+
+
+def test_a_scan_of_waves_that_are_not_its_own_is_pressed_with_and_without_them(tmp_path):
+    clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
+    frequency = np.fft.rfftfreq(1500, 0.0167)
+    phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
+    noise = np.fft.irfft(((frequency > 8) & (frequency < 18)) * phases, 1500)
+    noisy = stiction.Profile(clean.heights + 1.3e-4 * noise / noise.std(), spacing=0.0167)
+    asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
+    studies = {
+        name: Pair(upper=body, lower=body, **asked, **more).study
+        for name, body, more in (
+            ("clean", clean, {}), ("noisy", noisy, {}), ("vouched", noisy, {"cutoff": "none"}),
+            ("cut", noisy, {"cutoff": "0.3 um"}),
+        )
+    }  # fmt: skip
+    assert [study.surfaces.vouched for study in studies.values()] == [None, None, True, None]
+    lengths = {name: [float(each) for each in study.surfaces.cut_off] for name, study in studies.items()}
+    assert (lengths["clean"], lengths["vouched"], lengths["cut"]) == ([0.0], [0.0], [0.3])
+    assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).noise]
+    faults = {
+        name: [doubt for doubt in doubts_of_inputs(noisy, noisy, study) if doubt.severity == "fault"]
+        for name, study in studies.items()
+        if name != "clean"
+    }
+    assert {name: len(found) for name, found in faults.items()} == {"noisy": 1, "vouched": 0, "cut": 1}
+    assert faults["cut"][0].cut_off < 0.3  # so that the answer with this cut-off has no such doubt

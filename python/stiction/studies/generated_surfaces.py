@@ -56,6 +56,7 @@ class FractalParameters(Table):
     press: ClassVar[None] = None
     level: ClassVar[None] = None
     cut_off: ClassVar[tuple[float, ...]] = ()
+    vouched: ClassVar[None] = None
 
     fractal_dimension: DimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),
