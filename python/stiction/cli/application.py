@@ -10,10 +10,9 @@ import shutil
 import signal
 import sys
 import textwrap
-import threading
 import unicodedata
 import warnings
-from _thread import interrupt_main
+from _thread import interrupt_main, start_new_thread
 from collections.abc import Callable
 from importlib import import_module
 from typing import Annotated, Any, TypeVar
@@ -308,7 +307,7 @@ codecs.register_error("stiction", _spelt)
 def _interrupt_again(ignored: Any) -> None:
     """Let Ctrl-C, which Python ignores where it cleans up, be a moment later."""
     if issubclass(ignored.exc_type, KeyboardInterrupt):
-        threading.Timer(0.0, interrupt_main).start()
+        start_new_thread(interrupt_main, ())
     else:
         sys.__unraisablehook__(ignored)
 
