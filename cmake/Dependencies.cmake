@@ -31,3 +31,31 @@ if(STICTION_GSL_ARCHIVE AND STICTION_GSLCBLAS_ARCHIVE AND NOT STICTION_SHARED_GS
 else()
   set(STICTION_GSL GSL::gsl)
 endif()
+
+# Transforms in single and in double precision, in the extension as GSL is. Their plans are asked for by a thread at a
+# time, which a library that others use too would need them to agree on.
+set(STICTION_FFTW_OLDEST 3.3)
+find_path(STICTION_FFTW_INCLUDE fftw3.h)
+set(STICTION_FFTW_LIBRARIES)
+set(STICTION_FFTW)
+foreach(name IN ITEMS fftw3 fftw3f)
+  string(TOUPPER ${name} variable)
+  find_library(STICTION_${variable} NAMES ${name})
+  mark_as_advanced(STICTION_${variable})
+  if(NOT STICTION_${variable} OR NOT STICTION_FFTW_INCLUDE)
+    message(FATAL_ERROR "FFTW ${STICTION_FFTW_OLDEST} or newer is needed to build stiction, in double and single precision, and was not found. "
+      "Debian and Ubuntu: apt install libfftw3-dev. Fedora: fftw-devel. Homebrew and conda-forge: fftw.")
+  endif()
+  get_filename_component(fftw_folder ${STICTION_${variable}} DIRECTORY)
+  find_library(STICTION_${variable}_ARCHIVE PATHS ${fftw_folder} NO_DEFAULT_PATH
+    NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}${name}${CMAKE_STATIC_LIBRARY_SUFFIX})
+  mark_as_advanced(STICTION_${variable}_ARCHIVE)
+  list(APPEND STICTION_FFTW_LIBRARIES ${STICTION_${variable}})
+  if(STICTION_${variable}_ARCHIVE AND NOT STICTION_SHARED_GSL)
+    list(APPEND STICTION_FFTW ${STICTION_${variable}_ARCHIVE})
+  else()
+    list(APPEND STICTION_FFTW ${STICTION_${variable}})
+  endif()
+endforeach()
+mark_as_advanced(STICTION_FFTW_INCLUDE)
+find_package(Threads REQUIRED)

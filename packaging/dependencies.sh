@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# GSL, as an archive that a wheel can carry inside, and Eigen, where the machine that builds wheels has neither: in
+# GSL and FFTW, as archives that a wheel can carry inside, and Eigen, where the machine that builds wheels has neither: in
 # manylinux containers and on macOS, whose packages are built for its newest version alone.
 set -euo pipefail
 
@@ -23,6 +23,24 @@ fetch https://ftp.gnu.org/gnu/gsl/gsl-2.8.tar.gz \
   ./configure --quiet --disable-shared --with-pic --prefix=/usr/local
   make --silent -j2
   $sudo make --silent install
+)
+
+fetch https://www.fftw.org/fftw-3.3.10.tar.gz \
+  56c932549852cddcfafdab3820b0200c7742675be92179e59e6215b340e26467
+(
+  cd fftw-3.3.10
+  # In double and in single precision, with what the machine is found to have when it runs.
+  case $(uname -m) in
+    x86_64) wide="--enable-sse2 --enable-avx --enable-avx2" ;;
+    *) wide="" ;;
+  esac
+  for precision in "" --enable-single; do
+    # shellcheck disable=SC2086
+    ./configure --quiet --disable-shared --with-pic --disable-fortran --prefix=/usr/local $wide $precision
+    make --silent -j2
+    $sudo make --silent install
+    make --silent clean
+  done
 )
 
 fetch https://gitlab.com/libeigen/eigen/-/archive/3.4.0/eigen-3.4.0.tar.gz \

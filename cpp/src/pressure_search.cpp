@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace stiction {
 namespace {
@@ -23,7 +24,10 @@ constexpr double retreat = 0.25;
 constexpr double most_reach = 1e3;
 constexpr int most_newton_steps = 200;
 constexpr std::size_t sums_at_once = 8;
+// Points of a grid that one thread looks at.
+constexpr std::size_t points_at_once = std::size_t{1} << 16;
 
+// Adds what the last step did to some potentials.
 STICTION_MULTIVERSION
 void add_scaled(const float* response, std::size_t size, double factor, double* potential) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -109,14 +113,14 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
 
 }  // namespace
 
-PressureSearch::PressureSearch(Values pressure, double total, Values bound, bool line)
-    : pressure_(pressure.begin(), pressure.end()),
-      potential_(pressure.size()),
+PressureSearch::PressureSearch(std::vector<double> pressure, double total, Values bound, bool line)
+    : pressure_(std::move(pressure)),
+      potential_(pressure_.size()),
       total_(total),
       line_(line),
-      residual_(pressure.size()),
-      step_(pressure.size()) {
-  const std::size_t size = pressure.size();
+      residual_(pressure_.size()),
+      step_(pressure_.size()) {
+  const std::size_t size = pressure_.size();
   if (size == 0 || size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::invalid_argument("PressureSearch: pressure must have from 1 to below 2^31 points");
   }
@@ -174,7 +178,7 @@ void PressureSearch::check(std::span<const float> grid) const {
   }
 }
 
-double PressureSearch::balance() {
+double PressureSearch::balance(const Crew& crew) {
   if (line_) {
     std::fill(residual_.begin(), residual_.end(), 0.0F);
   } else {
@@ -189,25 +193,26 @@ double PressureSearch::balance() {
     const auto i = static_cast<std::size_t>(point);
     const double p = pressure_[i];
     if (p > 0.0 && p < bound_at(i)) {
-      sum += potential_[i];
+      sum += potential_[i] + (part_ != 0.0 ? part_ * static_cast<double>(response_[i]) : 0.0);
       ++count;
     }
   }
+  if (count == 0) {
+    add_response(0, pressure_.size());
+    part_ = 0.0;
+  }
   approach_ = count > 0 ? sum / static_cast<double>(count) : approach_of_bounds();
+  // The last step, and at once who is free now: the grid is read but once.
+  const std::size_t size = pressure_.size();
+  found_.resize((size + points_at_once - 1) / points_at_once);
+  crew.each(found_.size(), [&](std::size_t part, std::size_t) {
+    found_[part].clear();
+    mark(part * points_at_once, std::min((part + 1) * points_at_once, size), found_[part]);
+  });
+  part_ = 0.0;
   free_.clear();
-  std::array<std::int32_t, block> found{};
-  std::array<std::uint8_t, block> marks{};
-  for (std::size_t first = 0; first < pressure_.size(); first += block) {
-    const std::size_t count_here = std::min(block, pressure_.size() - first);
-    const double* bound = bounds_.empty() ? everywhere_.data() : &bounds_[first];
-    if (mark_free(&pressure_[first], &potential_[first], bound, count_here, approach_, marks.data())) {
-      std::size_t many = 0;
-      for (std::size_t i = 0; i < count_here; ++i) {
-        found[many] = static_cast<std::int32_t>(first + i);
-        many += marks[i];
-      }
-      free_.insert(free_.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(many));
-    }
+  for (const std::vector<std::int32_t>& found : found_) {
+    free_.insert(free_.end(), found.begin(), found.end());
   }
   double distance = 0.0;
   sum = 0.0;
@@ -218,6 +223,30 @@ double PressureSearch::balance() {
   }
   mean_ = approach_ + (free_.empty() ? 0.0 : sum / static_cast<double>(free_.size()));
   return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
+}
+
+void PressureSearch::add_response(std::size_t first, std::size_t count) {
+  if (part_ != 0.0) {
+    add_scaled(&response_[first], count, part_, &potential_[first]);
+  }
+}
+
+void PressureSearch::mark(std::size_t first, std::size_t last, std::vector<std::int32_t>& found) {
+  std::array<std::int32_t, block> places{};
+  std::array<std::uint8_t, block> marks{};
+  for (; first < last; first += block) {
+    const std::size_t count = std::min(block, last - first);
+    const double* bound = bounds_.empty() ? everywhere_.data() : &bounds_[first];
+    add_response(first, count);
+    if (mark_free(&pressure_[first], &potential_[first], bound, count, approach_, marks.data())) {
+      std::size_t many = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        places[many] = static_cast<std::int32_t>(first + i);
+        many += marks[i];
+      }
+      found.insert(found.end(), places.begin(), places.begin() + static_cast<std::ptrdiff_t>(many));
+    }
+  }
 }
 
 // Where no pressure lies between the bounds: points at theirs may not be open, and those without pressure not overlap.
@@ -436,7 +465,8 @@ bool PressureSearch::advance(std::span<const float> response) {
     pressure_[i] =
         part == 1.0 ? target_[k] : std::clamp(pressure_[i] + part * static_cast<double>(step_[i]), 0.0, most_[k]);
   }
-  add_scaled(response.data(), response.size(), part, potential_.data());
+  response_ = response;
+  part_ = part;
   (plain_ ? plain_length_ : length_) *= std::clamp(best, least_change, most_change);
   curvature_ = curvature;
   conjugate_ = true;
@@ -448,11 +478,12 @@ double PressureSearch::work() const {
   return std::inner_product(pressure_.begin(), pressure_.end(), potential_.begin(), 0.0);
 }
 
-void PressureSearch::restart(Values potential) {
+void PressureSearch::restart(std::vector<double> potential) {
   if (potential.size() != potential_.size()) {
     throw std::invalid_argument("PressureSearch: potential must keep its length");
   }
-  std::copy(potential.begin(), potential.end(), potential_.begin());
+  potential_ = std::move(potential);
+  part_ = 0.0;
   conjugate_ = false;
 }
 

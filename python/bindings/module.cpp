@@ -13,7 +13,7 @@ void bind_candidates(pybind11::module_& module);
 void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
 void bind_loading(pybind11::module_& module);
-void bind_pressure_search(pybind11::module_& module);
+void bind_half_space(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
@@ -30,5 +30,5 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_areal(module);
   stiction::python::bind_families(module);
   stiction::python::bind_loading(module);
-  stiction::python::bind_pressure_search(module);
+  stiction::python::bind_half_space(module);
 }

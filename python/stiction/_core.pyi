@@ -12,7 +12,9 @@ __all__: list[str] = [
     "ArealCandidates",
     "Candidates",
     "ContactModel",
-    "PressureSearch",
+    "HalfSpaceGrids",
+    "HalfSpaceSolution",
+    "HalfSpaceSolver",
     "approaches_at",
     "areal_quantities",
     "asperities",
@@ -71,33 +73,81 @@ class ArealCandidates:
         Approach [µm] up to which they were looked for.
         """
 
-class PressureSearch:
+class HalfSpaceGrids:
+    """
+    The grid of a problem, coarser ones, and their kernels, for as many problems as have it.
+    """
     def __init__(
         self,
-        pressure: numpy.typing.NDArray[numpy.float64],
+        shape: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        spacing: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
         *,
-        total: typing.SupportsFloat | typing.SupportsIndex,
-        bound: numpy.typing.NDArray[numpy.float64],
-        line: bool,
+        effective_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        periodic: bool,
     ) -> None: ...
-    def advance(self, response: numpy.typing.NDArray[numpy.float32]) -> bool: ...
-    def balance(self) -> float: ...
-    def residual(self) -> numpy.typing.NDArray[numpy.float32]: ...
-    def restart(self, potential: numpy.typing.NDArray[numpy.float64]) -> None: ...
-    def settle(self) -> None: ...
-    def sharpened(
-        self, stencil: numpy.typing.NDArray[numpy.float64], columns: typing.SupportsInt | typing.SupportsIndex
-    ) -> numpy.typing.NDArray[numpy.float32]: ...
-    def step(
-        self, preconditioned: numpy.typing.NDArray[numpy.float32], response: numpy.typing.NDArray[numpy.float32]
-    ) -> numpy.typing.NDArray[numpy.float32]: ...
-    def work(self) -> float: ...
+    def displacement(
+        self, pressure: numpy.typing.NDArray[numpy.float64], *, threads: typing.SupportsInt | typing.SupportsIndex = 1
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Displacement [µm] of each point under a pressure [GPa].
+        """
+    def linear_compliance(
+        self, free: numpy.typing.NDArray[numpy.bool], *, threads: typing.SupportsInt | typing.SupportsIndex = 1
+    ) -> float:
+        """
+        dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike.
+        """
+    @property
+    def periodic(self) -> bool: ...
+
+class HalfSpaceSolution:
+    """
+    A pressure and what is known of it.
+    """
     @property
     def approach(self) -> float: ...
     @property
-    def plain(self) -> bool: ...
+    def error(self) -> float: ...
+    @property
+    def iterations(self) -> int: ...
     @property
     def pressure(self) -> numpy.typing.NDArray[numpy.float64]: ...
+
+class HalfSpaceSolver:
+    """
+    The pressures of one gap at one load after the other.
+    """
+    def __init__(
+        self,
+        gap: numpy.typing.NDArray[numpy.float64],
+        grids: HalfSpaceGrids,
+        *,
+        bound: numpy.typing.NDArray[numpy.float64],
+        tolerance: typing.SupportsFloat | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> None: ...
+    def at(
+        self,
+        mean_pressure: typing.SupportsFloat | typing.SupportsIndex,
+        *,
+        near: numpy.typing.NDArray[numpy.float64] | None = None,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
+    ) -> HalfSpaceSolution:
+        """
+        The pressure with a given mean [GPa] over the grid.
+        """
+    def at_approach(
+        self,
+        approach: typing.SupportsFloat | typing.SupportsIndex,
+        *,
+        near: numpy.typing.NDArray[numpy.float64] | None = None,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
+    ) -> HalfSpaceSolution:
+        """
+        The pressure at an approach [µm].
+        """
 
 @typing.overload
 def approaches_at(

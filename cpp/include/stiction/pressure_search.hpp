@@ -2,11 +2,13 @@
 #pragma once
 
 #include "stiction/array.hpp"
+#include "stiction/crew.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace stiction {
@@ -31,11 +33,11 @@ class PressureSearch {
   /// line. `bound`: one for all points, which may be infinite, or one for each, of which those of 0 bear nothing.
   /// Throws std::invalid_argument for 2³¹ points or more, bounds below 0, and a total that is not positive or not below
   /// their sum.
-  PressureSearch(Values pressure, double total, Values bound, bool line);
+  PressureSearch(std::vector<double> pressure, double total, Values bound, bool line);
 
   /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
   /// under pressure is open by more, none below its bound overlaps by more. Infinite where potentials are not finite.
-  double balance();
+  double balance(const Crew& crew = Crew());
 
   /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
   std::span<const float> residual();
@@ -50,20 +52,23 @@ class PressureSearch {
   /// A step of pressure [GPa], 0 at points that are not free. `response` is K times the step before, or empty.
   std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response);
 
-  /// Goes as far along the step as lowers the energy most, with `response` = K step. Returns whether it went at all.
+  /// Goes as far along the step as lowers the energy most, with `response` = K step, which the next balance reads
+  /// again. Returns whether it went at all.
   bool advance(std::span<const float> response);
 
   /// Scales pressures below their bounds to the sum, exact but for round-off, for a potential to be computed anew.
   void settle();
 
   /// Takes such a potential, and begins again with the steepest descent.
-  void restart(Values potential);
+  void restart(std::vector<double> potential);
 
-  /// Σ pressure potential [GPa µm]; for no gap twice the elastic energy over the area of a cell.
+  /// Σ pressure potential [GPa µm] after a balance; for no gap twice the elastic energy over the area of a cell.
   double work() const;
 
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
+  /// The pressure, of which the search is then empty.
+  std::vector<double> take_pressure() { return std::move(pressure_); }
 
  private:
   static constexpr std::size_t block = 64;  // points that are looked at together
@@ -71,6 +76,8 @@ class PressureSearch {
   void check(std::span<const float> grid) const;
   double bound_at(std::size_t i) const { return bounds_.empty() ? everywhere_[0] : bounds_[i]; }
   double approach_of_bounds() const;
+  void add_response(std::size_t first, std::size_t count);
+  void mark(std::size_t first, std::size_t last, std::vector<std::int32_t>& found);
   bool continued() const { return line_ && !plain_ && !free_.empty(); }
   template <class Between>
   void for_each_gap(Between between) const;
@@ -90,6 +97,9 @@ class PressureSearch {
   std::vector<double> collected_;    // preconditioned residual at free points
   std::vector<double> target_;       // pressure at free points after a whole step
   std::vector<double> most_;         // bound at free points
+  std::span<const float> response_;  // of the last step, so much of which the potential lacks:
+  double part_ = 0.0;
+  std::vector<std::vector<std::int32_t>> found_;  // free points of parts of the grid
   double approach_ = 0.0;
   double mean_ = 0.0;          // potential of free points
   double length_ = 1.0;        // of the next step, in preconditioned residuals

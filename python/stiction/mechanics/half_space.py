@@ -174,7 +174,7 @@ class HalfSpaceCurve(Curve):
         """Pressure, gap and patches at `load[index]`."""
         problem, one = self._problem, self.at(index)
         pressure = one.on_grid(one.values)
-        gap = problem.grids.kernel().displacement(pressure) + problem.gap - one.approach
+        gap = problem.grids.displacement(pressure) + problem.gap - one.approach
         each = [one.on_grid(opposes[one.patch - 1]) for opposes in self._sums[index].opposing]
         opposing = np.array(each).reshape(*self._model.angles().shape, *pressure.shape)
         values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share()))

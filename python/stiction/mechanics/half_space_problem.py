@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import sys
+import weakref
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,38 +14,66 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import stiction._core as _core
 from stiction._checks import Floats, float_array, read_only
-from stiction.mechanics.elastic_kernel import Grids, grids_of
-from stiction.mechanics.elastic_pressure import Solution, Solver, linear_compliance
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.patches import PatchSums, labelled, patch_sums, slopes, true_share
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
+MOST_KEPT = 2**20
+"""Points of a grid whose kernels are kept when nobody uses them: 35 MB; a quarter of a free load takes to make them."""
+
 LONGEST_CELL = 1e6
 """Ratio of the sides of a grid's cell, above which heights on it are no surface."""
 
 
+_shared: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
+_last: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
+
+
+def grids_of(
+    shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
+) -> _core.HalfSpaceGrids:
+    """The grids of a problem: the same ones as long as anyone holds them, as a curve does, and the last ones if small.
+
+    One pair after the other on one grid, as of shifts or repetitions, then shares their kernels.
+    """
+    key = shape, spacing, effective_modulus, periodic
+    grids = _shared.get(key)
+    if grids is None:
+        grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
+        _shared[key] = grids
+    if math.prod(shape) <= MOST_KEPT:
+        _last.append(grids)
+    return grids
+
+
+def threads() -> int:
+    """Threads that share the transforms of one solution, as `scipy.fft.set_workers` says if anybody has called it."""
+    fft = sys.modules.get("scipy.fft")
+    return 1 if fft is None else int(fft.get_workers())
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Heights of two bodies, their gap (µm, its least is 0), the lower one's share of the compliance, and kernels."""
+    """Heights of two bodies, their gap (µm, its least is 0), the lower one's share of the compliance, and kernels.
+
+    `spacing` is that along y and x, or x (µm).
+    """
 
     upper: Floats
     lower: Floats
     gap: Floats
+    spacing: tuple[float, ...]
     compliance_share: float
-    grids: Grids
+    grids: _core.HalfSpaceGrids
     hardness: float | None
 
     @property
     def periodic(self) -> bool:
         """Whether the bodies go on beyond the edges."""
         return self.grids.periodic
-
-    @property
-    def spacing(self) -> tuple[float, ...]:
-        """µm, along y and x, or x."""
-        return self.grids.levels[0][1]
 
     @property
     def cell(self) -> float:
@@ -118,7 +150,7 @@ class Pressed:
         free = self.values < hardness
         if not (problem.has_approach and free.any()):
             return np.nan
-        compliance = linear_compliance(problem.grids.kernel(), self.on_grid(free))
+        compliance = problem.grids.linear_compliance(self.on_grid(free), threads=threads())
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
@@ -146,7 +178,7 @@ def problem_of(
     gap = upper.heights - lower.heights
     gap -= gap.min()
     grids = grids_of(gap.shape, spacing, effective_modulus, periodic=periodic)
-    return Problem(upper.heights, lower.heights, gap, compliance_share, grids, hardness)
+    return Problem(upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness)
 
 
 Asked = Literal["loads", "approaches"]
@@ -188,13 +220,16 @@ def pressed(
     """The contact at each load (mN) or approach (µm)."""
     contacts: list[Pressed] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
-    solver = Solver(problem.gap, problem.grids, bound=problem.hardness, tolerance=tolerance, progress=report)
-    solution = None
+    bound = np.array([np.inf if problem.hardness is None else problem.hardness])
+    solver = _core.HalfSpaceSolver(problem.gap, problem.grids, bound=bound, tolerance=tolerance, threads=threads())
+    near = None
     for step in steps.tolist():
         if name == "loads":
-            solution = solver.at(step / (problem.cell * problem.gap.size), near=solution)
+            mean = step / (problem.cell * problem.gap.size)
+            solution = solver.at(mean, near=near, threads=threads(), progress=report)
         else:
-            solution = solver.at_approach(step, near=solution)
+            solution = solver.at_approach(step, near=near, threads=threads(), progress=report)
+        near = solution.pressure
         if not solution.error <= tolerance:
             raise RuntimeError(
                 f"no solution at {step:g} {'mN' if name == 'loads' else 'µm'}: error {solution.error:.2g} after "
@@ -204,10 +239,11 @@ def pressed(
     return contacts
 
 
-def _pressed(problem: Problem, solution: Solution, load: float | None) -> Pressed:
+def _pressed(problem: Problem, solution: _core.HalfSpaceSolution, load: float | None) -> Pressed:
     points = np.flatnonzero(solution.pressure)
-    values = solution.pressure.ravel()[points]
-    labels, _ = labelled(solution.pressure > 0, periodic=problem.periodic)
+    values = solution.pressure[points]
+    touching = (solution.pressure > 0).reshape(problem.gap.shape)
+    labels, _ = labelled(touching, periodic=problem.periodic)
     return Pressed(
         problem,
         float(values.sum()) * problem.cell if load is None else load,

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+import stiction._core as _core
 from stiction._checks import Floats, number
-from stiction.mechanics.elastic_pressure import Solution, Solver, linear_compliance
+from stiction.mechanics.half_space_problem import threads
 from stiction.mechanics.mindlin import compliance_ratio
 from stiction.mechanics.onset import Slip
 
@@ -24,7 +25,7 @@ class HalfSpace:
         self, pressed: Pressed, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
     ) -> None:
         problem = pressed.problem
-        self.kernel, self.cell, self.moves = problem.grids.kernel(), problem.cell, problem.has_approach
+        self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
         # On a line all load lies across the motion, on lines of its own.
         across = 1.0 if len(self.shape) == 1 else 0.5
@@ -38,9 +39,11 @@ class HalfSpace:
         self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
         everywhere = self._over_grid(self.bound)
         self.mean_bound = float(everywhere.mean())
-        tolerance = number("tolerance", tolerance, above=0, below=1)
-        self.solver = Solver(np.zeros(self.shape), problem.grids, bound=everywhere, tolerance=tolerance)
-        compliance = linear_compliance(self.kernel, everywhere > 0) * self.ratio
+        self.tolerance = number("tolerance", tolerance, above=0, below=1)
+        self.solver = _core.HalfSpaceSolver(
+            np.zeros(self.shape), problem.grids, bound=everywhere, tolerance=self.tolerance, threads=threads()
+        )
+        compliance = self.grids.linear_compliance(everywhere > 0, threads=threads()) * self.ratio
         self.stiffness = (self.cell / compliance if compliance > 0 else np.inf) if self.moves else np.nan
 
     def at(self, load: float, near: Slip | None = None) -> Slip:
@@ -48,14 +51,14 @@ class HalfSpace:
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._moved(self.bound).max()))
         part = load / self.sliding_load
-        start = None if near is None else Solution(self._over_grid(near.traction), 0.0, 0.0, 0)
-        found = self.solver.at(part * self.mean_bound, near=start)
-        if not found.error <= self.solver.tolerance:
+        start = None if near is None else self._over_grid(near.traction)
+        found = self.solver.at(part * self.mean_bound, near=start, threads=threads())
+        if not found.error <= self.tolerance:
             raise RuntimeError(
                 f"no solution at {load:g} mN, {part:g} of the sliding load: error {found.error:.2g} after "
-                f"{found.iterations} iterations, above the tolerance {self.solver.tolerance:g}"
+                f"{found.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
-        return self._slip(load, found.pressure.ravel()[self.points], found.approach * self.ratio)
+        return self._slip(load, found.pressure[self.points], found.approach * self.ratio)
 
     def dissipated(self, slip: Slip) -> float:
         """The sum of bound times slip, whatever far points do."""
@@ -77,7 +80,7 @@ class HalfSpace:
 
     def _moved(self, traction: Floats) -> Floats:
         """µm, of the points in contact."""
-        moved = self.kernel.displacement(self._over_grid(traction)) * self.ratio
+        moved = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
         return np.asarray(moved.ravel()[self.points])
 
     def _over_grid(self, traction: Floats) -> Floats:

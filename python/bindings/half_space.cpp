@@ -1,0 +1,135 @@
+#include "stiction/half_space.hpp"
+
+#include "arrays.hpp"
+#include "checkpoint.hpp"
+
+namespace stiction::python {
+namespace {
+
+using Singles = py::array_t<float, py::array::c_style>;
+using Marks = py::array_t<bool, py::array::c_style>;
+using Progress = py::typing::Optional<py::typing::Callable<py::object(std::int64_t, double)>>;
+
+template <class T>
+std::span<const T> grid(const py::array_t<T, py::array::c_style>& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+// A result on the grid of an argument.
+template <class T>
+py::array_t<T> like(const py::array_t<T, py::array::c_style>& array, std::vector<T>&& values) {
+  return array_from(std::move(values)).reshape(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
+}
+
+Grid grid_of(const std::vector<std::size_t>& shape, const std::vector<double>& spacing, bool periodic) {
+  if (shape.empty() || shape.size() > 2 || spacing.size() != shape.size()) {
+    throw py::value_error("expected a shape and a spacing of a line or an area");
+  }
+  return {shape.size() == 1 ? 1 : shape[0],
+          shape.back(),
+          spacing.size() == 1 ? 1.0 : spacing[0],
+          spacing.back(),
+          shape.size() == 1,
+          periodic};
+}
+
+HalfSpaceProgress calling(const Progress& progress) {
+  if (progress.is_none()) {
+    return {};
+  }
+  return [&progress](std::int64_t iteration, double error) {
+    const py::gil_scoped_acquire acquire;
+    progress(iteration, error);
+  };
+}
+
+template <class Search>
+HalfSpaceSolution solved(std::size_t threads, const Progress& progress, Search search) {
+  const HalfSpaceProgress report = calling(progress);
+  const Checkpoint checkpoint = until_interrupted();
+  const py::gil_scoped_release release;
+  return search(Crew(threads, checkpoint), report);
+}
+
+}  // namespace
+
+void bind_half_space(py::module_& module) {
+  py::class_<HalfSpaceGrids, std::shared_ptr<HalfSpaceGrids>>(
+      module, "HalfSpaceGrids",
+      "The grid of a problem, coarser ones, and their kernels, for as many problems as have it.")
+      .def(py::init([](const std::vector<std::size_t>& shape, const std::vector<double>& spacing,
+                       double effective_modulus, bool periodic) {
+             return std::make_shared<HalfSpaceGrids>(grid_of(shape, spacing, periodic), effective_modulus);
+           }),
+           py::arg("shape"), py::arg("spacing"), py::kw_only(), py::arg("effective_modulus"), py::arg("periodic"))
+      .def_property_readonly("periodic", [](const HalfSpaceGrids& grids) { return grids.levels()[0].periodic; })
+      .def(
+          "displacement",
+          [](const HalfSpaceGrids& grids, const Array& pressure, std::size_t threads) {
+            std::vector<double> moved(static_cast<std::size_t>(pressure.size()));
+            {
+              const Checkpoint checkpoint = until_interrupted();
+              const py::gil_scoped_release release;
+              const Crew crew(threads, checkpoint);
+              Workspace workspace;
+              grids.kernel(0, crew)->displacement(grid(pressure), moved, workspace, crew);
+            }
+            return like(pressure, std::move(moved));
+          },
+          py::arg("pressure").noconvert(), py::kw_only(), py::arg("threads") = 1,
+          "Displacement [µm] of each point under a pressure [GPa].")
+      .def(
+          "linear_compliance",
+          [](const HalfSpaceGrids& grids, const Marks& free, std::size_t threads) {
+            const auto marks = grid(free);
+            const Checkpoint checkpoint = until_interrupted();
+            const py::gil_scoped_release release;
+            return linear_compliance(grids, marks, Crew(threads, checkpoint));
+          },
+          py::arg("free").noconvert(), py::kw_only(), py::arg("threads") = 1,
+          "dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike.");
+
+  py::class_<HalfSpaceSolution>(module, "HalfSpaceSolution", "A pressure and what is known of it.")
+      .def_property_readonly(
+          "pressure",
+          [](const py::object& self) {
+            const auto& pressure = self.cast<const HalfSpaceSolution&>().pressure;
+            py::array_t<double> array(static_cast<py::ssize_t>(pressure.size()), pressure.data(), self);
+            py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+            return array;
+          })
+      .def_readonly("approach", &HalfSpaceSolution::approach)
+      .def_readonly("error", &HalfSpaceSolution::error)
+      .def_readonly("iterations", &HalfSpaceSolution::iterations);
+
+  const auto bind_at = [](auto& solver, const char* name, auto method, const char* wanted, const char* words) {
+    solver.def(
+        name,
+        [method](const HalfSpaceSolver& self, double value, const std::optional<Array>& near, std::size_t threads,
+                 const Progress& progress) {
+          const Values start = near ? grid(*near) : Values();
+          return solved(threads, progress, [&](const Crew& crew, const HalfSpaceProgress& report) {
+            return (self.*method)(value, start, crew, report);
+          });
+        },
+        py::arg(wanted), py::kw_only(), py::arg("near").noconvert() = py::none(), py::arg("threads") = 1,
+        py::arg("progress") = py::none(), words);
+  };
+  py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver",
+                                     "The pressures of one gap at one load after the other.");
+  solver.def(py::init([](const Array& gap, std::shared_ptr<HalfSpaceGrids> grids, const Array& bound, double tolerance,
+                         std::size_t threads) {
+               const auto heights = grid(gap);
+               const auto bounds = grid(bound);
+               const Checkpoint checkpoint = until_interrupted();
+               const py::gil_scoped_release release;
+               return std::make_unique<HalfSpaceSolver>(heights, std::move(grids), bounds, tolerance,
+                                                        Crew(threads, checkpoint));
+             }),
+             py::keep_alive<1, 2>(), py::arg("gap").noconvert(), py::arg("grids"), py::kw_only(),
+             py::arg("bound").noconvert(), py::arg("tolerance"), py::arg("threads") = 1);
+  bind_at(solver, "at", &HalfSpaceSolver::at, "mean_pressure", "The pressure with a given mean [GPa] over the grid.");
+  bind_at(solver, "at_approach", &HalfSpaceSolver::at_approach, "approach", "The pressure at an approach [µm].");
+}
+
+}  // namespace stiction::python
