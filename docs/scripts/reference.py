@@ -138,6 +138,8 @@ def study_keys() -> str:
         owners: dict[tuple[str, str, str, str], list[str]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
+                if not entry.repr:  # of bodies in memory, which no file of a study has
+                    continue
                 owners.setdefault(_entry(key, entry, cases), []).append(getattr(case, "case", ""))
         keys = list(dict.fromkeys(row[0] for row in owners))
         for (key, default, allowed, meaning), names in sorted(owners.items(), key=lambda item: keys.index(item[0][0])):

@@ -153,7 +153,7 @@ def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectr
     ],
 )
 def test_what_does_not_apply_is_refused(where, arguments, said):
-    assert_refused(stiction_command(*arguments, "--output", "refused", cwd=where), said)
+    assert_refused(stiction_command(*arguments, "--output", "refused.html", cwd=where), said)
 
 
 # ---- The file -------------------------------------------------------------------------------------------------------
