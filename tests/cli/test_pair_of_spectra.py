@@ -142,18 +142,24 @@ def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectr
     assert_refused(stiction_command("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
 
 
+REFUSED = ["--output", "refused"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--lines", "4"], "--lines"),
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4"], "--shifts"),
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--unit", "um"], "has no unit"),
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um"], "rows and columns must be pressed"),
-        (["characterise", "upper.csv"], "is the spectrum of several scans"),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--lines", "4", *REFUSED], "--lines"),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4", *REFUSED], "--shifts"),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--unit", "um", *REFUSED], "has no unit"),
+        (
+            ["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um", *REFUSED],
+            "rows and columns must be pressed",
+        ),
+        (["characterise", "upper.csv", "--output", "refused.html"], "is the spectrum of several scans"),
     ],
 )
 def test_what_does_not_apply_is_refused(where, arguments, said):
-    assert_refused(stiction_command(*arguments, "--output", "refused.html", cwd=where), said)
+    assert_refused(stiction_command(*arguments, cwd=where), said)
 
 
 # ---- The file -------------------------------------------------------------------------------------------------------
