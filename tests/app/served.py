@@ -23,7 +23,7 @@ class Served:
     """A process, and what one needs to ask it."""
 
     def __init__(self, process, folder):
-        self.process, self.folder, self.cookie = process, folder, ""
+        self.process, self.folder, self.cookie, self.key = process, folder, "", ""
         said = process.stderr.readline() + process.stderr.readline()
         self.port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)", said).groups()
         self.origin = f"http://127.0.0.1:{self.port}"
@@ -32,6 +32,7 @@ class Served:
     def ask(self, method, path, body=None, *, cookie=None, **headers):
         """Status, headers and body of a request; those of our own page unless others are given (None: left out)."""
         own = {"Host": f"127.0.0.1:{self.port}", "Cookie": self.cookie if cookie is None else cookie}
+        own |= {"X-Stiction-Key": self.key}
         own |= {} if method == "GET" else {"Origin": self.origin}
         own |= {name.replace("_", "-"): value for name, value in headers.items()}
         connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=PATIENCE)
@@ -51,6 +52,7 @@ class Served:
         status, headers, _ = self.ask("GET", f"/?token={self.token}")
         assert status == 303
         self.cookie = headers["Set-Cookie"].split(";")[0]
+        self.key = headers["Location"].removeprefix("/#")
         return headers["Set-Cookie"]
 
     def post(self, path, asked):

@@ -4,6 +4,8 @@ import contextlib
 import json
 import shlex
 import shutil
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import SimpleNamespace
 
 import browser
@@ -49,6 +51,7 @@ def driver(app, tmp_path_factory):
         assert cookie["httpOnly"]
         assert cookie["sameSite"] == "Strict"
         app.cookie = f"{cookie['name']}={cookie['value']}"
+        app.key = driver.execute_script("return key")
         yield driver
 
 
@@ -207,6 +210,8 @@ def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monk
         assert str(app.folder) not in body.decode(), name
     assert of_record(json.loads(app.ask("GET", f"/jobs/{job}/result.json")[2])) == expected
 
+    assert app.ask("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400  # it has no dimensions
+
     fresh.refresh()
     assert finished(fresh) == "done"
     until(lambda: answer(fresh), lambda now: now == expected)
@@ -329,6 +334,37 @@ def test_a_first_answer_has_no_more_positions_than_are_asked_for(app, fresh):
     assert by in shown
 
 
+def test_what_another_server_of_this_computer_is_sent_opens_nothing(app, fresh):
+    """A browser sends cookies to every port: of those it has one secret, and not the other."""
+    seen = []
+
+    class Other(BaseHTTPRequestHandler):
+        def do_GET(self):
+            seen.append(f"{self.path}\n{self.headers}")
+            self.send_response(200)
+            self.end_headers()
+
+        def log_message(self, *_):
+            """Say nothing."""
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Other) as other:
+        threading.Thread(target=other.serve_forever).start()
+        try:
+            fresh.get(f"http://127.0.0.1:{other.server_port}/")
+            assert fresh.execute_script("return localStorage.getItem('key')") is None
+        finally:
+            other.shutdown()
+    assert any(app.cookie in each for each in seen)
+    assert not any(app.key in each for each in seen)
+    status, _, page = app.ask("GET", "/", X_Stiction_Key=None)
+    assert status == 200
+    assert app.key not in page.decode()
+    for path in ("/jobs", "/jobs?key=", "/results", "/scans/x", "/jobs/1/page.html", "/profiles?set=[]"):
+        assert app.ask("GET", path, X_Stiction_Key=None)[0] == 403
+    for method, path in (("POST", "/jobs"), ("POST", "/demo"), ("PUT", "/scans?name=a.csv"), ("POST", "/menu")):
+        assert app.ask(method, path, b"{}", X_Stiction_Key=None)[0] == 403
+
+
 def test_eight_windows_are_told_at_the_same_time(app, fresh):
     """A browser has six connections for all of them."""
     first = fresh.current_window_handle
@@ -429,7 +465,7 @@ def test_it_waits_as_long_as_a_window_asks_and_longer_for_the_first():
 def test_it_ends_when_its_last_window_is_closed(tmp_path, tmp_path_factory):
     """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
     code = "from stiction.app import run; from stiction.cli.application import say; run.ALONE = 1.5; "
-    code += "run.run(say=say, first_study=None)"
+    code += "run.run(say=say)"
     with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.get(server.address)
         driver.get("about:blank")

@@ -1,17 +1,20 @@
 """Who may ask the server for what, and how much: by requests as nobody's browser would write them."""
 
+import fcntl
 import json
 import os
+import resource
 import shlex
 import shutil
 import signal
 import socket
 import stat
 import subprocess
+import tempfile
 import time
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from urllib.parse import quote
 
@@ -20,6 +23,7 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.served import Served, served, until, write_maps
+from stiction.app.run import private_folder
 
 MOST_MEMORY = 400e6
 """Bytes: it has xarray and its own pages, and reads a scan at a time."""
@@ -165,6 +169,9 @@ def test_three_gigabytes_are_refused_before_they_come(app):
 
 
 def test_the_menu_has_what_begins_it_again_and_nothing_else_is_written(app):
+    (app.folder / "applications").touch()
+    assert app.ask("POST", "/menu", b"")[::2] == (400, b"applications cannot be written: File exists")
+    (app.folder / "applications").unlink()
     status, _, body = app.ask("POST", "/menu", b"")
     assert status == 200
     entry = (app.folder / "applications" / "stiction.desktop").read_text("utf-8")
@@ -253,11 +260,12 @@ def test_what_a_killed_server_leaves_the_next_one_removes(tmp_path):
         killed.enter()
         upper, lower = (killed.take(path) for path in write_maps(tmp_path, 64))
         options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"], ["shifts", "2000"]]
-        killed.post("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
-        until(killed.jobs, lambda jobs: jobs[0]["finished"] > 0)
-        children = _children(killed.process.pid)
-        assert children
-        killed.process.kill()
+        with killed.held(40):
+            killed.post("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
+            until(killed.jobs, lambda jobs: jobs[0]["finished"] > 0)
+            children = _children(killed.process.pid)
+            assert children
+            killed.process.kill()
         killed.process.wait(60)
         assert len(living.private()) == 2
         until(lambda: [child for child in children if _is_alive(child)], lambda left: not left)
@@ -265,6 +273,109 @@ def test_what_a_killed_server_leaves_the_next_one_removes(tmp_path):
             assert len(later.private()) == 2
             assert isinstance(later, Served)
             assert living.process.poll() is None
+
+
+@pytest.mark.parametrize("kind", ["pipe", "link", "folder"])
+def test_what_others_put_in_place_of_a_lock_is_left_alone(tmp_path, monkeypatch, kind):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    lock = tmp_path / "stiction-app-x" / "lock"
+    lock.parent.mkdir()
+    (tmp_path / "file").touch()
+    {"pipe": os.mkfifo, "link": lambda path: path.symlink_to(tmp_path / "file"), "folder": os.mkdir}[kind](lock)
+    with private_folder() as folder:
+        assert folder.is_dir()
+    assert not folder.exists()
+    assert os.path.lexists(lock)
+
+
+def test_a_start_that_another_one_takes_for_dead_begins_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    flock, met = fcntl.flock, []
+
+    def meet(file, how):
+        """Another one begins between the file and its lock."""
+        if how == fcntl.LOCK_EX and not met:
+            met.extend(tmp_path.iterdir())
+            with private_folder():
+                pass
+            assert not met[0].exists()
+        flock(file, how)
+
+    monkeypatch.setattr(fcntl, "flock", meet)
+    with private_folder() as folder:
+        assert [folder] == list(tmp_path.iterdir())
+        assert folder not in met
+
+
+def test_scans_are_counted_while_they_come(app):
+    head = f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
+    (root,) = app.private()
+    for _ in range(2):  # and no longer
+        with ExitStack() as stack:
+            for _ in range(6):
+                client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
+                client.sendall(f"PUT /scans?name=x HTTP/1.1\r\n{head}\r\nContent-Length: 300000000\r\n\r\n1".encode())
+            until(lambda: len(list(root.glob("*.partial"))), lambda count: count == 6)
+            assert app.ask("PUT", "/scans?name=x", b"", Content_Length="300000000")[0] == 413
+        assert until(lambda: list(root.glob("*.partial")), lambda left: not left) == []
+
+
+def test_a_scan_for_which_there_is_no_room_is_a_sentence(app):
+    limits = resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, (10**5, limits[1]))
+    try:
+        status, _, body = app.ask("PUT", "/scans?name=x.csv", bytes(3 * 10**6))
+    finally:
+        resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, limits)
+    assert (status, body) == (400, b"the scan cannot be kept: File too large")
+    assert list(app.private()[0].glob("*.partial")) == []
+
+
+def test_silent_connections_do_not_keep_the_owner_out(app):
+    with ExitStack() as stack:
+        for _ in range(150):
+            client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
+            client.sendall(b"GET / HTTP/1.1\r\n")
+        assert [app.ask("GET", "/jobs")[0] for _ in range(20)] == [200] * 20
+
+
+def test_a_result_whose_name_is_no_text_hides_no_other(app):
+    for name in (b"fine", b"bad\xff"):
+        folder = os.path.join(os.fsencode(app.folder), name)
+        os.makedirs(os.path.join(folder, b"blocks"))
+        with open(os.path.join(folder, b"study.toml"), "wb"):
+            pass
+    status, _, body = app.ask("GET", "/results")
+    assert status == 200
+    assert [each["name"] for each in json.loads(body)] == ["bad\N{REPLACEMENT CHARACTER}", "fine"]
+    assert app.ask("POST", "/jobs", b'{"command": "open", "name": "bad\\udcff"}')[0] == 404
+
+
+def test_less_memory_than_it_would_leave_is_no_fault(tmp_path):
+    code = "import resource; resource.setrlimit(resource.RLIMIT_AS, (4 * 10**9, 4 * 10**9)); "
+    code += "from stiction.app import run; from stiction.cli.application import say; run.run(say=say)"
+    with served(tmp_path, code=code) as server:
+        server.enter()
+        until(lambda: _address_space(server.process.pid), lambda most: most == 4 * 10**9)
+        assert server.is_alive()
+
+
+def _address_space(pid):
+    return resource.prlimit(pid, resource.RLIMIT_AS)[0]
+
+
+def test_a_command_that_the_system_ends_is_said(tmp_path):
+    with served(tmp_path, "--keep") as server:
+        server.enter()
+        upper, lower = (server.take(path) for path in write_maps(tmp_path))
+        options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"]]
+        with server.held(0):
+            server.post("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
+            until(server.jobs, lambda jobs: jobs[0]["total"])
+            for child in _children(server.process.pid):
+                os.kill(child, signal.SIGKILL)
+            (job,) = until(server.jobs, lambda jobs: jobs[0]["state"] == "failed")
+        assert job["error"] == "the system has ended the command (SIGKILL); perhaps memory is short"
 
 
 def _children(parent):

@@ -17,9 +17,18 @@ const node = (tag, set = {}, ...children) => {
   return made;
 };
 
+// Nobody but this page has it: a browser sends cookies to other servers of this computer too.
+if (location.hash) {
+  localStorage.setItem("key", location.hash.slice(1));
+  history.replaceState(null, "", "/");
+}
+const key = localStorage.getItem("key") ?? "";
+/** An address that the browser itself asks for, and no script. */
+const keyed = (address) => `${address}${address.includes("?") ? "&" : "?"}key=${key}`;
+
 /** What the server answers; its refusal is an error with its sentence. */
 async function fetched(address, options = {}) {
-  const response = await fetch(address, options).catch(() => { throw new Error("the server does not answer"); });
+  const response = await fetch(address, {...options, headers: {"x-stiction-key": key}}).catch(() => { throw new Error("the server does not answer"); });
   if (!response.ok) throw new Error(await response.text());
   return response.json();
 }
@@ -88,7 +97,7 @@ async function look(side) {
   complain(wrong, said.error ?? said.warning);
   if (said.error) place.querySelector("details").open = true;
   Object.assign(image, {hidden: Boolean(said.error), src: said.picture ?? "data:,", alt: `Heights of ${own.name}`});
-  Object.assign(save, {hidden: !own.isSample, href: `/scans/${own.scan}/${own.name}`});
+  Object.assign(save, {hidden: !own.isSample, href: keyed(`/scans/${own.scan}/${own.name}`)});
   remember();
 }
 
@@ -176,8 +185,8 @@ function render() {
   if (!told) say(job.answer, [stopped, job.by].filter(Boolean).join("; "), !job.by);
   byId("command").textContent = commandOf(job);
   byId("share").hidden = !job.versions || isGoing || Boolean(job.by);
-  for (const link of byId("share").querySelectorAll("a")) link.href = `/jobs/${job.number}/${link.textContent}?save`;
-  const page = `/jobs/${job.number}/page.html?${job.versions}`;
+  for (const link of byId("share").querySelectorAll("a")) link.href = keyed(`/jobs/${job.number}/${link.textContent}?save`);
+  const page = keyed(`/jobs/${job.number}/page.html?${job.versions}`);
   if (!job.versions || page === framed) return;
   const frame = byId("page");
   const before = framed && frame.contentWindow.location.hash;
@@ -234,7 +243,7 @@ function connectPage() {
 async function follow() {
   const job = jobs.find(({number: each}) => each === current);
   const {load, mu0, tau0, dimension: d} = paged()?.getElementById("readout")?.dataset ?? {};
-  if (!job?.answer || load === undefined) return;
+  if (!job?.answer || job.by || load === undefined) return; // as long as it is computed the page alone follows
   const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.abs(other);
   const {at} = job.answer;
   const wanted = {load, mu0, tau0: Number((1000 * tau0).toPrecision(12)), d: job.command.startsWith("stiction pair") ? "" : d, isAskedLoad: isNear(load, at.load)};
@@ -269,7 +278,7 @@ function sketch() {
   byId("seed-text").textContent = byId("seed").value;
   clearTimeout(sketching);
   sketching = setTimeout(() => {
-    byId("profile").src = `/profiles?${new URLSearchParams({set: JSON.stringify({...changesOfRun(), "surfaces.fractal_dimension": [Number(dimension())]})})}`;
+    byId("profile").src = keyed(`/profiles?${new URLSearchParams({set: JSON.stringify({...changesOfRun(), "surfaces.fractal_dimension": [Number(dimension())]})})}`);
   }, AT_REST / 2);
 }
 

@@ -1,49 +1,46 @@
-"""What the page asks for: the library reads results, and a command in a process of its own computes, one at a time.
+"""What the page asks for: commands in processes of their own compute it and read it, one job at a time.
 
-A job is what somebody could type: its line gives the same numbers, "stop" is its Ctrl-C, and a scan that is more than
-the machine can take ends the command and not the server.
+A job is what somebody could type: its line gives the same numbers, "stop" is its Ctrl-C, and a scan or a result that is
+more than the machine can take ends a command and not the server.
 """
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
+import json
 import re
 import shlex
 import shutil
 import signal
 import sys
 from asyncio.subprocess import PIPE
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from stiction.studies.onset import onset_beside
-from stiction.studies.resolution import resolution_at
-from stiction.studies.store import Stored, open_stored
-from stiction.views.answer import answers
-from stiction.views.asked import at_asked_loads
-from stiction.views.report import report_page
-from stiction.views.result import Result, read_result
-from stiction.views.rows import answer_record, csv_text, record_text
-
-if TYPE_CHECKING:
-    import xarray
+from stiction.studies.store import open_stored
 
 LOOK = 0.4  # seconds between two looks at how far a command has come
 PATIENCE = 5.0  # seconds that a command has to write what it has computed, once it is to end
 MOST_WAITING = 8  # jobs in the queue
 MOST_OUTPUT = 2**25  # bytes that a command may print
-FAULTS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)  # of what is read or computed here
 TOO = ", here and in the pictures"
 END_OF_RECORD = b"\n}\n"  # what the JSON of a command ends with; all that it does after that is to draw
 
 
+FAULTS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
+"""Errors that a result or a command can have, which are said in a sentence."""
+
+
 class RefusedError(ValueError):
     """What a command, or the page, refuses: a sentence."""
+
+
+def without_paths(text: str, root: Path | str) -> str:
+    """Text in which the scans have the names that they came with."""
+    return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
 @dataclass(eq=False)
@@ -54,14 +51,13 @@ class Job:
     title: str
     arguments: list[str]  # of `stiction`
     folder: Path
-    first: Callable[[], Result | None] | None = None  # a first answer, by asperities
+    first: tuple[list[str], Any] | None = None  # scans and options, of which there is a first answer by asperities
     state: str = "waiting"  # running, done, stopped, failed
     words: str = "waits for the one before it"
     by: str = ""
     finished: int = 0
     total: int = 0
     versions: int = 0
-    result: Result | None = None  # of which the answer is
     files: Path | None = None  # what can be saved
     answer: Any = None
     error: str = ""
@@ -89,11 +85,10 @@ class Jobs:
         self._folders = 0
         self._one = asyncio.Lock()
         self._few = asyncio.Semaphore(2)
-        self._private = re.compile(rf"{re.escape(str(root))}/(?:files/\w+/)?")
 
     def without_paths(self, text: str) -> str:
         """Text in which the scans have the names that they came with."""
-        return self._private.sub("", text)
+        return without_paths(text, self.root)
 
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, first: Any = None) -> Job:
         """Put a command into the queue, which goes on where the same one ended, or a result that is there."""
@@ -115,7 +110,7 @@ class Jobs:
         except asyncio.CancelledError:
             end = "stopped"
             with suppress(*FAULTS):  # nothing is there, or nothing touches
-                await self._tell(job, partial(read_result, job.folder))
+                await self._tell(job)
         except FAULTS as error:
             end, job.error = "failed", self.without_paths(str(error) or "there is not enough memory for this")
         job.state, job.words = end, ""
@@ -124,21 +119,18 @@ class Jobs:
         if job.first is not None and not job.folder.exists():
             job.words = "pressing asperities"
             with suppress(*FAULTS):  # what is wrong, the command says
-                first = await asyncio.to_thread(job.first)
-                if first is not None:
-                    by = f"a first answer, by asperities at {first.dataset.sizes['repetition']} positions{TOO}"
-                    await self._tell(job, lambda: first, by)
+                await self._tell(job, "a first answer, by asperities at {finished} positions", first=job.first)
         if job.folder.is_relative_to(self.root):
             job.words = "computing"
             watch = asyncio.create_task(self._watch(job))
             try:
                 end = "--json" if job.arguments[0] == "pair" else "--part=1/1"
-                await command(["stiction", *job.arguments, end, f"--output={job.folder}"])
+                await command(["stiction", *job.arguments, end, f"--output={job.folder}"], patience=PATIENCE)
             finally:
                 watch.cancel()
                 await asyncio.wait([watch])
         job.words = "drawing"
-        await self._tell(job, partial(read_result, job.folder))
+        await self._tell(job)
 
     async def _watch(self, job: Job) -> None:
         """Follow what a command writes; what is there is told whenever it has doubled."""
@@ -146,69 +138,45 @@ class Jobs:
         while True:
             await asyncio.sleep(LOOK)
             with suppress(*FAULTS):  # nothing is there yet, or nothing touches
-                await self._count(job)
+                stored = await asyncio.to_thread(open_stored, job.folder)
+                job.finished, job.total = stored.count, stored.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * told:
                     told = job.finished
-                    by = f"so far, at {told} of {job.total} positions{TOO}"
-                    await self._tell(job, partial(read_result, job.folder), by)
+                    await self._tell(job, "so far, at {finished} of {total} positions")
             if 0 < job.total == job.finished:
                 job.words = "over cut-offs, and how it begins to slide"
 
-    async def _count(self, job: Job) -> None:
-        stored = await asyncio.to_thread(open_stored, job.folder)
-        job.finished, job.total = stored.count, stored.study.ensemble.repetitions
-
-    async def _tell(self, job: Job, take: Callable[[], Result], by: str = "") -> None:
-        """Take a result as the answer, with its page and what can be saved; the first numbers do not wait for these."""
-        result, at, answer = await asyncio.to_thread(_answered, take)
-        if job.answer is None and by:
-            job.answer, job.by = answer, by
-        self._folders += 1  # the thread of an answer that was given up may still write into its own
+    async def _tell(self, job: Job, by: str = "", **of: Any) -> None:
+        """Take what is finished of a job as its answer, with its page; the last has no `by`, and all can be saved."""
+        self._folders += 1
         files = self.root / "shared" / f"{self._folders}"
-        await asyncio.to_thread(self._write, result, at, files, "" if by else job.arguments[0], job.folder.name)
-        job.answer, job.by, job.result, job.files, job.versions = answer, by, result, files, job.versions + 1
-        if isinstance(result.source, Stored):
-            job.finished = int(result.source.finished.size)
-            job.total = result.study.ensemble.repetitions
+        asked = {"folder": str(job.folder), "name": job.folder.name,
+                 "command": "" if by else job.arguments[0], "files": str(files), "root": str(self.root)}  # fmt: skip
+        told = json.loads(await command(["stiction.app.told", json.dumps(asked | of)]))
+        if told is None:
+            return
+        job.answer, job.files, job.versions = told["answer"], files, job.versions + 1
+        job.by = by and by.format_map(told) + TOO
+        if not of:
+            job.finished, job.total = told["finished"], told["total"]
 
-    def _write(self, result: Result, at: xarray.Dataset, files: Path, command: str, name: str) -> None:
-        """Write what can be saved of a result; as long as its command goes on the page alone."""
-        source, study, beside = result.source, result.study, result.beside
-        texts = {"page.html": report_page([source], names=[name])}
-        if isinstance(source, Stored) and command:
-            over, onset = resolution_at(source), onset_beside(source)
-            texts |= {
-                "result.json": record_text(command, at, study, beside=beside, over=over, onset=onset),
-                "result.csv": csv_text(at, study, beside=beside),
-                "study.toml": (source.path / "study.toml").read_text("utf-8"),
-            }
-        files.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            (files / name).write_text(self.without_paths(text), "utf-8", "replace")
+    async def at(self, job: Job, numbers: list[float], dimension: float | None) -> str:
+        """The record of a result at a load (mN), mu0 and tau0 (GPa)."""
+        load, mu0, tau0 = numbers
+        chosen = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]
+        chosen += [] if dimension is None else [f"--d={dimension!r}"]
+        return await self.said(["stiction", "at", str(job.folder), *chosen, "--json"])
 
-    async def look(self, arguments: list[str]) -> str:
-        """What `look` says of a scan; a few at a time."""
+    async def said(self, arguments: list[str]) -> str:
+        """What a module prints that soon ends; a few at a time."""
         async with self._few:
-            return self.without_paths(await command(["stiction.app.look", *arguments]))
+            return self.without_paths(await command(arguments))
 
 
-def _answered(take: Callable[[], Result]) -> tuple[Result, xarray.Dataset, Any]:
-    result = take()
-    at = at_asked_loads(result.source)
-    return result, at, answer_record(answers(at, result.study, beside=result.beside)[0])
-
-
-def at(result: Result, numbers: list[float], dimension: float | None) -> str:
-    """The record of a result at a load (mN), mu0 and tau0 (GPa), as `stiction at` gives it."""
-    load, mu0, tau0 = numbers
-    found = result.at([load], mu0=[mu0], tau0=[tau0])
-    if dimension is not None:
-        found = found.sel(fractal_dimension=[dimension], method="nearest").isel(amplitude=[0])
-    return record_text("at", found, result.study, beside=result.beside)
-
-
-async def command(arguments: list[str]) -> str:
+async def command(arguments: list[str], *, patience: float = 0.0) -> str:
     """What a module prints to its end or that of a record, in a process that ends with the server, however that ends.
+
+    Where nobody waits for it any more it has `patience` seconds to write what it has.
 
     Raises
     ------
@@ -228,16 +196,19 @@ async def command(arguments: list[str]) -> str:
     except asyncio.LimitOverrunError:
         raise RefusedError("the command says more than a page can hold") from None
     except asyncio.IncompleteReadError as ended:
-        if await process.wait() == 0:
+        if (status := await process.wait()) == 0:
             return ended.partial.decode()
+        if status < 0:
+            name = signal.Signals(-status).name
+            raise RefusedError(f"the system has ended the command ({name}); perhaps memory is short") from None
         lines = [line.removeprefix("stiction: ") for line in (await errors).decode(errors="replace").splitlines()]
         told = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
         raise RefusedError("\n".join(told[-3:]) or "the command was ended") from None
     finally:
-        if process.returncode is None:
+        if process.returncode is None and patience:
             process.send_signal(signal.SIGINT)
             with suppress(TimeoutError):
-                await asyncio.wait_for(process.wait(), PATIENCE)
+                await asyncio.wait_for(process.wait(), patience)
         if process.returncode is None:
             process.kill()
         errors.cancel()

@@ -9,6 +9,7 @@ import resource
 import shutil
 import signal
 import socket
+import stat
 import tempfile
 import webbrowser
 from collections.abc import Callable, Iterator
@@ -36,11 +37,15 @@ SHARE = 0.75  # of the memory of the machine, that the server may take, and each
 class PatientProtocol(H11Protocol):
     """HTTP/1.1 on a bounded number of connections, each of which asks for one thing, and soon."""
 
+    begun = 0.0
+
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Take a connection, or refuse it where there are too many."""
+        """Take a connection, in place of the one that has been silent for longest where there are too many."""
         super().connection_made(transport)
+        self.begun = self.loop.time()
         if len(self.connections) > MOST_CONNECTIONS:
-            transport.abort()
+            silent: Any = [each for each in self.connections if not each.cycle]  # type: ignore[union-attr]
+            min(silent, key=lambda each: each.begun).transport.abort()
         self.loop.call_later(PATIENCE, lambda: None if self.cycle else transport.abort())
 
 
@@ -51,34 +56,49 @@ def private_folder() -> Iterator[Path]:
     Whoever is alive holds the lock in its folder, and the system lets go of it for those who are not.
     """
     for left in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
-        with suppress(OSError), (left / LOCK).open("rb") as lock:
+        with suppress(OSError), _own(left / LOCK) as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             shutil.rmtree(left, ignore_errors=True)
-    folder = Path(tempfile.mkdtemp(prefix=PREFIX)).resolve()
-    with (folder / LOCK).open("wb") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        try:
-            yield folder
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX)).resolve()
+        with (folder / LOCK).open("wb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if os.fstat(lock.fileno()).st_nlink == 0:  # another one that begins took it for that of a dead one
+                continue
+            try:
+                yield folder
+            finally:
+                shutil.rmtree(folder, ignore_errors=True)
+            return
 
 
-def run(*, say: Callable[[str], None], first_study: Callable[..., Any], keep: bool = False, demo: bool = False) -> None:
+@contextmanager
+def _own(path: Path) -> Iterator[int]:
+    """A regular file of this user, opened; an OSError at once if it is anything else, such as a pipe or a link."""
+    file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        status = os.fstat(file)
+        if not stat.S_ISREG(status.st_mode) or status.st_uid != os.geteuid():
+            raise PermissionError(path)
+        yield file
+    finally:
+        os.close(file)
+
+
+def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
     """Serve the page until its last window has been closed for a while, or somebody interrupts.
 
     Parameters
     ----------
     say : callable
         What tells the person who began it.
-    first_study : callable
-        Of two files and the options of `pair` for them the study whose first members are a first answer, or None.
     keep : bool
         Whether it goes on without a window.
     demo : bool
         Whether the page begins with two surfaces of its own.
     """
     with private_folder() as root, socket.create_server(("127.0.0.1", 0)) as listening:
-        server = Server(root, Path.cwd(), listening.getsockname()[1], first_study=first_study, has_demo=demo)
+        server = Server(root, Path.cwd(), listening.getsockname()[1], has_demo=demo)
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
             server, http=PatientProtocol, ws="none", lifespan="on", log_config=None, access_log=False,
@@ -103,12 +123,18 @@ async def _serve(serving: uvicorn.Server, server: Server, listening: socket.sock
     server.asked = loop.time()
     task = asyncio.create_task(serving.serve(sockets=[listening]))
     await asyncio.to_thread(webbrowser.open, address)
-    memory = int(SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))  # not of the browser
-    resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
+    _limit_memory()  # not of the browser
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
         if not keep and is_left(server, loop.time()):
             end()
+
+
+def _limit_memory() -> None:
+    """Leave some of the memory to others, whatever a command is asked for."""
+    memory = int(SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    most = resource.getrlimit(resource.RLIMIT_AS)[1]
+    resource.setrlimit(resource.RLIMIT_AS, (memory if most == resource.RLIM_INFINITY else min(memory, most), most))
 
 
 def is_left(server: Server, now: float) -> bool:

@@ -23,12 +23,10 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from stiction.app import jobs, made
+from stiction.app import made
 from stiction.app.jobs import Job, Jobs, RefusedError
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
-from stiction.views.first import first_result
-from stiction.views.result import Result
 
 MOST_BYTES = 300_000_000  # of a scan; as much text as the readers take
 MOST_IN_ALL = 2_000_000_000  # of all scans
@@ -36,8 +34,11 @@ MOST_ASKED = 2**16  # bytes of any other request
 SLOWEST = 120.0  # seconds for a request and its answer
 LONGEST = 60  # characters of the name of a scan
 MOST_LISTED = 100  # results in the list
-MOST_POINTS = 2**21
-"""Of a scan, for a first answer: it is computed here, of scans that a command has read without fault."""
+MOST_POINTS = 2**21  # of a scan, for a first answer
+REFUSED = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
+KEY = "x-stiction-key"
+OPEN = ("/", "/app.js", "/app.css")
+"""Paths that hold nothing private, for which the cookie will do."""
 
 OPTIONS = {
     "pair": ("unit", "spacing", "missing", "upper", "lower", "young", "poisson", "hardness", "mu0", "tau0", "load",
@@ -63,18 +64,22 @@ FOREIGN = PlainTextResponse("Pages of others have nothing to ask for here.\n", 4
 class Server:
     """What the page asks for, and its answers; scans and results are in `root`, results to open are listed of `here`.
 
-    It answers to `origin` alone, which has to say `token` once. When a window has `asked` last is by the loop's clock.
+    It answers to `origin` alone, which has to say `token` once, and then two secrets: a cookie, which a browser also
+    sends to other ports of this computer, and a key, which only the page has. When a window has `asked` last is by the
+    loop's clock.
     """
 
-    def __init__(self, root: Path, here: Path, port: int, *, first_study: Any, has_demo: bool = False) -> None:
-        self.root, self.here, self.has_demo, self._first_study = root, here, has_demo, first_study
+    def __init__(self, root: Path, here: Path, port: int, *, has_demo: bool = False) -> None:
+        self.root, self.here, self.has_demo = root, here, has_demo
         self.host = f"127.0.0.1:{port}"
         self.origin = f"http://{self.host}"
         self.token: str | None = secrets.token_urlsafe(24)
         self._secret, self._cookie = secrets.token_urlsafe(24), f"stiction-{port}"
+        self._key = secrets.token_urlsafe(24)
         self.jobs = Jobs(root)
         self.scans: dict[str, Path] = {}
         self.points: dict[str, int] = {}
+        self.arriving = 0
         self.asked, self.has_window = 0.0, False
         routes: list[tuple[str, str, Any]] = [
             ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part),
@@ -86,7 +91,7 @@ class Server:
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
-            exception_handlers=dict.fromkeys((ValueError, TypeError, RecursionError, ClientDisconnect), _refusal),
+            exception_handlers=dict.fromkeys(REFUSED, _refusal),
             lifespan=self._life,
         )  # fmt: skip
 
@@ -126,12 +131,14 @@ class Server:
         if request.url.path == "/" and request.method == "GET" and token:
             if self.token is not None and _same(token, self.token):
                 self.token = None
-                response = RedirectResponse("/", 303)
+                response = RedirectResponse(f"/#{self._key}", 303)
                 response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
                 return response
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
             return FOREIGN
-        if not _same(request.cookies.get(self._cookie, ""), self._secret):
+        key = headers.get(KEY) or request.query_params.get("key", "")
+        is_known = request.url.path in OPEN or _same(key, self._key)
+        if not (_same(request.cookies.get(self._cookie, ""), self._secret) and is_known):
             return PlainTextResponse("Open the address that `stiction app` has printed: it opens one browser.\n", 403)
         return None
 
@@ -171,22 +178,31 @@ class Server:
 
     async def take(self, request: Request) -> Response:
         """Take a scan under the last part of its name, without whatever could mean something to a file system."""
-        _check_length(request, min(MOST_BYTES, MOST_IN_ALL - sum(path.stat().st_size for path in self.scans.values())))
+        kept = sum(path.stat().st_size for path in self.scans.values())
+        length = _length(request, min(MOST_BYTES, MOST_IN_ALL - kept - self.arriving))
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
         stem, dot, ending = name.rpartition(".")
         name = f"{(stem or 'scan')[: LONGEST - 10]}{dot}{ending[:9]}" if dot else (name or "scan")[:LONGEST]
         partial = self.root / f"{secrets.token_hex(4)}.partial"
         digest = hashlib.sha256(name.encode())
+        self.arriving += length
         try:
             with partial.open("wb") as file:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
             scan = digest.hexdigest()[:16]  # the same scan once more is no other
-            self.scans[scan] = self.root / "files" / scan / name
-            self.scans[scan].parent.mkdir(parents=True, exist_ok=True)
-            partial.rename(self.scans[scan])
+            path = self.root / "files" / scan / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            partial.rename(path)
+            self.scans[scan] = path
+        except OSError as error:
+            with suppress(RuntimeError):  # all of it has come
+                async for _ in request.stream():  # or the browser would not hear why
+                    pass
+            raise RefusedError(f"the scan cannot be kept: {error.strerror}") from None
         finally:
+            self.arriving -= length
             partial.unlink(missing_ok=True)
         return JSONResponse({"scan": scan})
 
@@ -210,7 +226,8 @@ class Server:
         """What a scan holds."""
         scan, query = request.path_params["scan"], request.query_params
         reading = [query.get(name, "")[:40] for name in ("unit", "spacing")]
-        said = await self.jobs.look([str(self._scan(scan)), *reading, query.get("missing") or "error"])
+        missing = query.get("missing") or "error"
+        said = await self.jobs.said(["stiction.app.look", str(self._scan(scan)), *reading, missing])
         self.points[scan] = json.loads(said).get("points", 0)
         return Response(said, media_type="application/json")
 
@@ -224,13 +241,14 @@ class Server:
 
     async def ask(self, request: Request) -> Response:
         """Put a command into the queue: `pair` of two scans, `run` of generated surfaces, or a result to be opened."""
-        _check_length(request, MOST_ASKED)
+        _length(request, MOST_ASKED)
         if not isinstance(asked := await request.json(), dict):
             raise HTTPException(400)
         command, options = asked.get("command"), asked.get("options")
         if command == "open":
-            folder = self._folders().get(asked.get("name", "")) or _missing("there is no such result any more")
-            return _begun(self.jobs.add(folder.name, ["info", folder.name], folder=folder))
+            name = asked.get("name", "")
+            folder = self._folders().get(name) or _missing("there is no such result any more")
+            return _begun(self.jobs.add(name, ["info", name], folder=folder))
         if command not in OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
         for name, value in options:
@@ -243,16 +261,9 @@ class Server:
         files = [self._scan(scan) for scan in scans]
         is_small = all(0 < self.points.get(str(scan), 0) <= MOST_POINTS for scan in scans)
 
-        def first() -> Result | None:
-            study = self._first_study(files, options)
-            return None if study is None else first_result(study)
-
-        return _begun(
-            self.jobs.add(
-                " on ".join(file.name for file in files), ["pair", *map(str, files), *chosen],
-                first=first if is_small else None,
-            )
-        )  # fmt: skip
+        first = ([str(file) for file in files], options) if is_small else None
+        title = " on ".join(file.name for file in files)
+        return _begun(self.jobs.add(title, ["pair", *map(str, files), *chosen], first=first))
 
     def _job(self, request: Request) -> Job:
         return self.jobs.all.get(request.path_params["job"]) or _missing()
@@ -264,11 +275,10 @@ class Server:
 
     async def at(self, request: Request) -> Response:
         """The answer of a result for another mu0 and tau0."""
-        result, query = self._job(request).result or _missing(), request.query_params
+        job, query = self._job(request), request.query_params
         numbers = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
-        dimension = float(query["d"]) if "d" in query else None
-        said = await asyncio.to_thread(jobs.at, result, numbers, dimension)
-        return Response(self.jobs.without_paths(said), media_type="application/json")
+        said = await self.jobs.at(job, numbers, float(query["d"]) if "d" in query else None)
+        return Response(said, media_type="application/json")
 
     async def share(self, request: Request) -> Response:
         """A page, JSON, CSV or the study of a job."""
@@ -282,11 +292,11 @@ class Server:
 
     def _folders(self) -> dict[str, Path]:
         found = [each.parent for each in self.here.glob("*/study.toml") if (each.parent / "blocks").is_dir()]
-        return {each.name: each for each in sorted(found)[:MOST_LISTED]}
+        return {os.fsencode(each.name).decode("utf-8", "replace"): each for each in sorted(found)[:MOST_LISTED]}
 
     async def results(self, _: Request) -> Response:
         """The results in the folder in which the server was begun, and how far each has come."""
-        return JSONResponse(await asyncio.to_thread(lambda: [_listed(each) for each in self._folders().values()]))
+        return JSONResponse(await asyncio.to_thread(lambda: [_listed(*each) for each in self._folders().items()]))
 
     async def profiles(self, request: Request) -> Response:
         """A picture of two generated profiles around where they first touch."""
@@ -294,13 +304,13 @@ class Server:
         return Response(await asyncio.to_thread(made.profiles, changes), media_type="image/svg+xml")
 
 
-def _listed(folder: Path) -> dict[str, Any]:
+def _listed(name: str, folder: Path) -> dict[str, Any]:
     try:
         stored = open_stored(folder)
     except ValueError as error:
-        return {"name": folder.name, "error": str(error)}
+        return {"name": name, "error": str(error)}
     return {
-        "name": folder.name, "finished": stored.count, "total": stored.study.ensemble.repetitions,
+        "name": name, "finished": stored.count, "total": stored.study.ensemble.repetitions,
         "kind": stored.study.surfaces.kind,
     }  # fmt: skip
 
@@ -322,13 +332,19 @@ def _begun(job: Job) -> Response:
 
 
 async def _refusal(_: Request, refused: Exception) -> Response:
-    return PlainTextResponse(str(refused), 400)
+    words = str(refused)
+    if isinstance(refused, OSError):
+        words = f"{Path(refused.filename or '').name or 'this'} cannot be written: {refused.strerror}"
+    return PlainTextResponse(words.encode("utf-8", "replace"), 400)
 
 
-def _check_length(request: Request, most: int) -> None:
-    """Refuse a body that is too long, or does not say how long it is."""
+def _length(request: Request, most: int) -> int:
+    """The length of a body, which is refused if it is too long or does not say how long it is."""
     length = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length.isdecimal():
         raise HTTPException(411)
     if int(length) > most:
-        raise HTTPException(413, f"a scan may have {most / 1e6:.0f} MB here")
+        raise HTTPException(
+            413, f"a scan may have {MOST_BYTES / 1e6:.0f} MB here, and all of them {MOST_IN_ALL / 1e6:.0f}"
+        )
+    return int(length)

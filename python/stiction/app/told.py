@@ -1,0 +1,73 @@
+"""What the server is told of a result by a process of its own: the answer, and what can be saved, as files."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from stiction.app.jobs import FAULTS, without_paths
+from stiction.studies.onset import onset_beside
+from stiction.studies.pair import Pair
+from stiction.studies.resolution import resolution_at
+from stiction.studies.store import Stored
+from stiction.studies.study import Study
+from stiction.views.answer import answers
+from stiction.views.asked import at_asked_loads
+from stiction.views.first import first_result
+from stiction.views.report import report_page
+from stiction.views.result import Result, read_result
+from stiction.views.rows import answer_record, csv_text, record_text
+
+
+def first_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
+    """The study of a first answer, by asperities, of what a command line of `pair` would ask for with these options."""
+    given: dict[str, Any] = {}
+    for name, text in options:
+        given.setdefault({"upper": "upper_material", "lower": "lower_material"}.get(name, name), []).append(text)
+    asked = {name: each if name in ("load", "unit", "spacing") else each[0] for name, each in given.items()}
+    asked |= {name: kind(asked[name]) for name, kind in (("shifts", int), ("rotate", float)) if name in asked}
+    return Pair(upper=files[0], lower=files[1], **asked).first_study
+
+
+def main() -> None:
+    """Print the answer of a result, and of how many members; write its page, and at last the rest.
+
+    The argument is JSON: `folder` of the result, or `first` with the scans and options of which a first answer is
+    wanted; `name`, the `command` whose last answer it is, `files` for a folder to write, and the private `root`.
+    """
+    asked = json.loads(sys.argv[1])
+    try:
+        if "first" in asked:
+            study = first_study([Path(each) for each in asked["first"][0]], asked["first"][1])
+            result = None if study is None else first_result(study)
+        else:
+            result = read_result(asked["folder"])
+        print(json.dumps(None if result is None else _told(result, asked)))
+    except FAULTS as error:
+        sys.exit(f"stiction: {error or 'there is not enough memory for this'}")
+
+
+def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
+    source, study, beside, command = result.source, result.study, result.beside, asked["command"]
+    at = at_asked_loads(source)
+    answer = answer_record(answers(at, study, beside=beside)[0])
+    texts = {"page.html": report_page([source], names=[asked["name"]])}
+    if isinstance(source, Stored) and command:
+        over, onset = resolution_at(source), onset_beside(source)
+        texts |= {
+            "result.json": record_text(command, at, study, beside=beside, over=over, onset=onset),
+            "result.csv": csv_text(at, study, beside=beside),
+            "study.toml": (source.path / "study.toml").read_text("utf-8"),
+        }
+    files = Path(asked["files"])
+    files.mkdir(parents=True)
+    for name, text in texts.items():
+        (files / name).write_text(without_paths(text, asked["root"]), "utf-8", "replace")
+    finished = source.finished if isinstance(source, Stored) else source["repetition"]
+    return {"answer": answer, "finished": int(finished.size), "total": study.ensemble.repetitions}
+
+
+if __name__ == "__main__":
+    main()
