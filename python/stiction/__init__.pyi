@@ -52,6 +52,12 @@ from stiction.mechanics.westergaard import (
     westergaard_gap as westergaard_gap,
     westergaard_pressure as westergaard_pressure,
 )
+from stiction.studies.calibration import (
+    Ball as Ball,
+    FrictionTest as FrictionTest,
+    Interface as Interface,
+    calibrate as calibrate,
+)
 from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
 from stiction.studies.pressed_maps import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
 from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map

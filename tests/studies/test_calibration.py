@@ -1,0 +1,249 @@
+"""mu0 and tau0 from friction tests: against brute force, iminuit, truths that are known, and what must be refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from stiction import Ball, FrictionTest, Interface, calibrate, half_space, self_affine_surface
+from stiction.studies.calibration import highest_density
+
+BALL = Ball("5 mm", "3 GPa")
+LOADS = np.geomspace(5.0, 2000.0, 8)
+MU0, TAU0, ERROR = 0.15, 0.012, 0.03
+
+MONTE_CARLO = 0.04
+"""Relative tolerance of ends of intervals, in widths: 4000 draws have that scatter at 95 %, and grids less."""
+
+
+def ball_tests(*, mu0: float = MU0, tau0: float = TAU0, seed: int = 3, error: float = ERROR) -> list[FrictionTest]:
+    """Eight tests with a relative error, drawn."""
+    random = np.random.default_rng(seed)
+    truth = [mu0 + tau0 * BALL.area_per_load(load) for load in LOADS]
+    return [
+        FrictionTest(BALL, load, coefficient=y * (1 + error * random.standard_normal()), uncertainty=error * y)
+        for load, y in zip(LOADS, truth, strict=True)
+    ]
+
+
+def least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
+    """Best (mu0, tau0) and its covariance, where bounds are far."""
+    error = np.array([test.uncertainty for test in tests])
+    matrix = np.array([[1.0, BALL.area_per_load(float(test.load))] for test in tests]) / error[:, np.newaxis]
+    covariance = np.linalg.inv(matrix.T @ matrix)
+    return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
+
+
+def test_far_from_bounds_intervals_are_those_of_least_squares() -> None:
+    tests = ball_tests(seed=4)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    best, covariance = least_squares(tests)
+    for place, found in enumerate((interface.mu0, interface.tau0)):
+        deviation = math.sqrt(covariance[place, place])
+        expected = best[place] + 1.96 * deviation * np.array([0, -1, 1])
+        assert found == pytest.approx(expected, abs=MONTE_CARLO * 3.92 * deviation)
+
+
+def test_intervals_are_those_of_minos() -> None:
+    iminuit = pytest.importorskip("iminuit")
+    tests = ball_tests(seed=5)
+
+    def chi_squared(mu0: float, tau0: float) -> float:
+        predicted = [mu0 + tau0 * BALL.area_per_load(float(test.load)) for test in tests]
+        return sum(((test.coefficient - y) / test.uncertainty) ** 2 for test, y in zip(tests, predicted, strict=True))
+
+    minuit = iminuit.Minuit(chi_squared, mu0=0.1, tau0=0.01)
+    minuit.errordef = iminuit.Minuit.LEAST_SQUARES
+    minuit.migrad()
+    minuit.minos(cl=0.95)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    for name, found in (("mu0", interface.mu0), ("tau0", interface.tau0)):
+        width = minuit.merrors[name].upper - minuit.merrors[name].lower
+        value = minuit.values[name]
+        expected = value, value + minuit.merrors[name].lower, value + minuit.merrors[name].upper
+        assert found == pytest.approx(expected, abs=MONTE_CARLO * width)
+
+
+def test_at_a_bound_the_density_is_that_of_brute_force() -> None:
+    tests = ball_tests(tau0=0.0, seed=11)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
+    log = np.zeros(mu0.shape)
+    for test in tests:
+        predicted = mu0 + tau0 * BALL.area_per_load(float(test.load))
+        log -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+    weight = np.exp(log - log.max()).ravel()
+    values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
+    for draws, found in ((mu0, interface.mu0), (tau0, interface.tau0)):
+        expected = highest_density(draws.ravel()[values], 0.0)
+        assert found == pytest.approx(expected, abs=MONTE_CARLO * (expected[2] - expected[1]))
+    assert interface.tau0[1] == 0.0
+
+
+def test_a_common_error_widens_what_is_known_of_both() -> None:
+    tests = ball_tests()
+    narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
+    assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
+
+
+def test_one_rough_pair_knows_the_sum_alone() -> None:
+    curve = rough_curve(0.02, 1)
+    tests = [
+        FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
+        for load, y in zip(curve.load, curve.friction_coefficient(mu0=0.2, tau0=0.3), strict=True)
+    ]
+    interface = calibrate(tests)
+    assert not interface.separated
+    assert np.isnan([*interface.mu0, *interface.tau0]).all()
+    assert interface.identified[1] < 0.2 + 0.3 * interface.area_per_load < interface.identified[2]
+    assert next(words for words, *_ in interface.advice).startswith("a smooth ball")
+    assert interface.excluded == ()
+
+
+def test_a_second_finish_tells_them_apart_and_predicts_a_third() -> None:
+    curves = [rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
+    random = np.random.default_rng(1)
+    tests = [
+        FrictionTest(
+            curve, load, coefficient=float(y) * (1 + 0.02 * random.standard_normal()), uncertainty=0.02 * float(y)
+        )
+        for curve in curves
+        for load, y in zip(curve.load, curve.friction_coefficient(mu0=0.2, tau0=0.3), strict=True)
+    ]
+    interface = calibrate(tests, sliding="all")
+    assert interface.separated
+    assert interface.mu0[1] < 0.2 < interface.mu0[2]
+    assert interface.tau0[1] < 0.3 < interface.tau0[2]
+    third = rough_curve(0.02, 5)
+    value, lower, upper = interface.predict(third, float(third.load[1]))
+    assert lower < float(third.friction_coefficient(mu0=0.2, tau0=0.3)[1]) < upper
+    assert lower < value < upper
+    assert list(interface.draws.columns) == ["mu0", "tau0", "hardness"]
+
+
+def rough_curve(rms: float, seed: int):
+    """Rough areas by the half-space, all contacts rubbing."""
+    upper, lower = (
+        self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(64, 64), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    loads = np.geomspace(0.05, 0.4, 4) * 6.4**2
+    return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
+
+
+def test_errors_that_are_too_small_are_scaled_and_it_is_said() -> None:
+    tests = ball_tests(error=0.1, seed=2)
+    small = [
+        FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty / 5) for test in tests
+    ]
+    fit = calibrate(small, sliding="all").fits[0]
+    assert fit.probability < 0.05
+    assert fit.scale > 2
+    assert calibrate(tests, sliding="all").fits[0].scale == 1.0
+
+
+def test_without_errors_they_come_from_the_scatter() -> None:
+    tests = ball_tests(seed=4)
+    unsaid = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
+    said, found = (calibrate(each, sliding="all", common=0.0) for each in (tests, unsaid))
+    ratio = (found.identified[2] - found.identified[1]) / (said.identified[2] - said.identified[1])
+    assert 0.5 < ratio < 2.5  # chi² of six degrees of freedom, and the tail of Student's t
+
+
+def test_tests_that_held_are_lower_bounds() -> None:
+    slid = ball_tests()
+    weak = calibrate(slid[:2], sliding="all").identified
+    level = slid[0].coefficient * 1.05
+    held = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
+    strong = calibrate([*slid[:2], *held], sliding="all")
+    top = BALL.area_per_load(LOADS[0])
+    before = np.quantile(calibrate(slid[:2], sliding="all").draws.eval(f"mu0 + tau0 * {top}"), 0.05)
+    after = np.quantile(strong.draws.eval(f"mu0 + tau0 * {top}"), 0.05)
+    assert after > before
+    assert weak[0] > 0
+
+
+def test_an_outlier_does_not_move_a_fit_that_expects_some() -> None:
+    tests = ball_tests()
+    wrong = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
+    clean = calibrate(tests, sliding="all").identified
+    robust = calibrate(wrong, sliding="all", outliers=True).identified
+    assert abs(robust[0] - clean[0]) < 0.3 * (clean[2] - clean[1])
+
+
+def test_runs_share_an_offset() -> None:
+    random = np.random.default_rng(8)
+    offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
+    tests = [
+        FrictionTest(
+            BALL,
+            load,
+            run=run,
+            uncertainty=0.02 * y,
+            coefficient=y * (1 + offsets[run] + 0.02 * random.standard_normal()),
+        )
+        for run in offsets
+        for load in LOADS[::2]
+        for y in [MU0 + TAU0 * BALL.area_per_load(load)]
+    ]
+    apart = [
+        FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty) for test in tests
+    ]
+    together, alone = (calibrate(each, sliding="all", common=0.0).identified for each in (tests, apart))
+    assert together[2] - together[1] > alone[2] - alone[1]
+
+
+def test_what_is_known_beforehand_is_kept() -> None:
+    tests = ball_tests()
+    fixed = calibrate(tests[:1], sliding="all", tau0="12 MPa")
+    assert fixed.separated
+    assert set(fixed.draws["tau0"]) == {0.012}
+    assert calibrate(tests[:1], sliding="all", mu0=0.15).mu0 == (0.15, 0.15, 0.15)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: calibrate([]), "must have one that slid"),
+        (lambda: calibrate([FrictionTest(BALL, 1, coefficient=0.1, slid=False)]), "must have one that slid"),
+        (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
+        (lambda: FrictionTest(BALL, 1), "one of coefficient and force"),
+        (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "one of coefficient and force"),
+        (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "must be a force or a pressure"),
+        (lambda: FrictionTest(BALL, -1, coefficient=0.1), "above 0"),
+        (lambda: FrictionTest(BALL, 1, coefficient=-0.1), "not be negative"),
+        (lambda: FrictionTest(BALL, 1, coefficient=math.nan), "finite"),
+        (lambda: Ball("5 GPa", 3.0), "radius"),
+        (lambda: calibrate(ball_tests(), common=2), "below 1"),
+        (lambda: calibrate(ball_tests(), tau0="3 um"), "tau0"),
+        (lambda: calibrate([*ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests, or of none"),
+    ],
+)
+def test_bad_input_is_refused(call, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        call()
+
+
+SCENARIOS = ("ball", "no adhesion", "no mu0")
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_predictions_cover_the_truth(scenario: str) -> None:
+    random = np.random.default_rng(1)
+    hits, count = 0, 40
+    for _ in range(count):
+        mu0 = 0.0 if scenario == "no mu0" else random.uniform(0.05, 0.4)
+        tau0 = 0.0 if scenario == "no adhesion" else random.uniform(0.005, 0.05)
+        gain = 1 + 0.02 * random.standard_normal()
+        tests = [
+            FrictionTest(
+                BALL, load, coefficient=max(0.0, y * gain * (1 + 0.03 * random.standard_normal())), uncertainty=0.03 * y
+            )
+            for load in LOADS
+            for y in [mu0 + tau0 * BALL.area_per_load(load)]
+        ]
+        interface: Interface = calibrate(tests, sliding="all")
+        _, lower, upper = interface.predict(BALL, 100.0)
+        hits += lower <= mu0 + tau0 * BALL.area_per_load(100.0) <= upper
+    assert hits >= 0.85 * count  # of 40 with a probability of 0.95 each, fewer than 34 are as likely as 0.4 %
