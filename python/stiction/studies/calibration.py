@@ -8,8 +8,8 @@ gentle slopes it is y = mu0 + tau0 A/F, and both are told apart only as far as A
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -216,6 +216,10 @@ class Interface:
     advice : tuple of (str, float, float)
         Tests that would tell them apart: what, and the expected standard errors of mu0 and tau0 (GPa) after as many
         tests as there are.
+    tests : tuple of (float, float, float, bool)
+        A/F (1/GPa), coefficient, its standard uncertainty (NaN where none was given) and whether it slid, of each test.
+    about : mapping of str to str
+        Kind ("measured", "lumped" or "bound"), materials, conditions, source: what a reader must know.
     """
 
     fits: tuple[Fit, ...]
@@ -223,6 +227,8 @@ class Interface:
     variation: float
     separated: bool
     advice: tuple[tuple[str, float, float], ...] = ()
+    tests: tuple[tuple[float, float, float, bool], ...] = ()
+    about: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def identified(self) -> Interval:
@@ -354,7 +360,14 @@ def calibrate(
         fits, problems = fits[::-1], problems[::-1]
     first = problems[0]
     separated = any(value is not None for value in known) or (len(tests) > 2 and first.variation >= LEAST_VARIATION)
-    return Interface(tuple(fits), first.pivot, first.variation, separated, () if separated else first.advice())
+    points = [
+        (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
+        for ratio, test in zip(first.ratio, tests, strict=True)
+    ]
+    advice = () if separated else first.advice()
+    return Interface(
+        tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), {"kind": "measured"}
+    )
 
 
 def highest_density(values: Floats, bound: float = -math.inf) -> Interval:

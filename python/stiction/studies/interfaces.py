@@ -1,0 +1,121 @@
+"""Strengths of interfaces as files, and those that were read in a source, by their names.
+
+A file is a table of draws, mu0, tau0 and hardness, under a head of lines that begin with "# ": who reads it elsewhere
+skips these.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stiction._files import content, replaced_file
+from stiction._text import named
+from stiction.studies.calibration import Fit, Interface
+from stiction.studies.known import Known, draws, known
+
+HEAD = "# stiction interface"
+"""First line of a file."""
+
+COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)")
+
+LONGEST_FILE = 50_000_000
+"""Largest number of bytes of a file of an interface."""
+
+_NUMBERS = ("area_per_load", "variation")
+
+
+def write_interface(interface: Interface, path: str | Path, about: Mapping[str, str] | None = None) -> None:
+    """Write an interface as a text file: its head, and a row a draw."""
+    head = {
+        "sliding": interface.fits[0].sliding,
+        "area_per_load": repr(interface.area_per_load),
+        "variation": repr(interface.variation),
+        "separated": "yes" if interface.separated else "no",
+        **{key: " ".join(str(value).split()) for key, value in {**interface.about, **(about or {})}.items()},
+    }
+    text = io.StringIO()
+    text.write("\n".join([HEAD, *(f"# {key}: {value}" for key, value in head.items()), ",".join(COLUMNS)]) + "\n")
+    fit = interface.fits[0]
+    np.savetxt(text, np.stack([fit.mu0, fit.tau0, fit.hardness], axis=1), fmt="%.9g", delimiter=",")
+    with replaced_file(Path(path), HEAD.encode(), ValueError) as file:
+        file.write_text(text.getvalue(), encoding="utf-8")
+
+
+def read_interface(path: str | Path) -> Interface:
+    """Read what `write_interface` wrote.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read, or is no such file.
+    """
+    try:
+        lines = content(Path(path), LONGEST_FILE).decode("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"{named(path)}: cannot be read as an interface: {error}") from None
+    head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
+    rows = [line for line in lines if line and not line.startswith("#")]
+    if not lines or lines[0] != HEAD or not rows or tuple(next(csv.reader(rows))) != COLUMNS:
+        raise ValueError(f"{named(path)}: is no interface: its first line is not {HEAD!r}")
+    try:
+        table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
+        ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
+        sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
+    except (ValueError, KeyError) as error:
+        raise ValueError(f"{named(path)}: is a damaged interface: {error}") from None
+    if table.ndim != 2 or table.shape[1] != 3 or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
+        raise ValueError(f"{named(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
+    fit = _fit(sliding, *table.T)
+    return Interface((fit,), ratio, variation, separated, about=head)
+
+
+def _fit(sliding: Any, mu0: Any, tau0: Any, hardness: Any) -> Fit:
+    return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, hardness)
+
+
+@cache
+def interfaces() -> dict[str, dict[str, str]]:
+    """Interfaces whose strength was read in a source, by name: what is known of each, as text.
+
+    Examples
+    --------
+    >>> from stiction import interfaces
+    >>> interfaces()["MoS2 on bearing steel, dry air"]["kind"]
+    'measured'
+    """
+    text = (resources.files("stiction.studies") / "interfaces.toml").read_text(encoding="utf-8")
+    return {str(name): table for name, table in tomllib.loads(text).items()}
+
+
+def interface(name_or_path: str | Path) -> Interface:
+    """An interface by its name, one of `interfaces`, or from the file that `stiction calibrate` wrote.
+
+    Raises
+    ------
+    ValueError
+        If there is no such name or file.
+    """
+    table = interfaces().get(str(name_or_path))
+    if table is None:
+        if Path(name_or_path).is_file():
+            return read_interface(name_or_path)
+        names = "; ".join(interfaces())
+        raise ValueError(f"interface must be a file or one of {names}, got {str(name_or_path)!r}")
+    ranges: dict[str, Known] = {
+        "mu0": known("mu0", table["mu0"]),
+        "tau0": known("tau0", table["tau0"], "pressure"),
+    }
+    values = draws(ranges)
+    fit = _fit("all", values["mu0"], values["tau0"], np.full(values["mu0"].size, math.nan))
+    about = {key: text for key, text in table.items() if key not in ranges}
+    return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
