@@ -60,6 +60,12 @@ from stiction.studies.calibration import (
 )
 from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
 from stiction.studies.pressed_maps import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
+from stiction.studies.interfaces import (
+    interface as interface,
+    interfaces as interfaces,
+    read_interface as read_interface,
+    write_interface as write_interface,
+)
 from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
 from stiction.studies.nondimensional import nondimensional as nondimensional
 from stiction.studies.members import pair_of as pair_of

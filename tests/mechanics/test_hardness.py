@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from stiction import half_space, self_affine_surface
 from stiction.mechanics.hardness import area_per_load, hardness_nodes
 

@@ -58,7 +58,7 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
     Examples
     --------
     >>> from stiction.mechanics.hardness import area_per_load
-    >>> area_per_load([1.0], [0.5, 2.0], [2.0, 0.5], 0.01).round(3)
+    >>> area_per_load([1.0], [0.5, 2.0], [2.0, 0.5], 0.01).round(2)
     array([1.])
     """
     wanted, known = (float_array(name, each, ndim=1) for name, each in (("hardness", hardness), ("nodes", nodes)))

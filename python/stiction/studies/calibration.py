@@ -74,7 +74,7 @@ class Ball:
     --------
     >>> from stiction import Ball
     >>> round(Ball("5 mm", "3 GPa").area_per_load(100.0), 2)  # µm²/mN
-    78.39
+    78.54
     """
 
     radius: float | str
@@ -365,9 +365,7 @@ def calibrate(
         for ratio, test in zip(first.ratio, tests, strict=True)
     ]
     advice = () if separated else first.advice()
-    return Interface(
-        tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), {"kind": "measured"}
-    )
+    return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), {"kind": "measured"})
 
 
 def highest_density(values: Floats, bound: float = -math.inf) -> Interval:
