@@ -833,3 +833,26 @@ def test_a_sum_that_round_off_changes_is_not_blown_up_by_long_steps():
     dimension = float(study.surfaces.fractal_dimensions()[7])
     upper, lower = pair_of(study, 14, fractal_dimension=dimension, amplitude=float(study.surfaces.amplitudes()[0]))
     assert half_space(upper, lower, [0.1389495494373138]).error[0] <= 1e-6
+
+
+@pytest.mark.parametrize("index", ["x", None, 0.5, 2])
+def test_an_index_that_is_none_is_refused(index):
+    body = rough((32, 32), shortest=8)
+    curve = half_space(flat_like(body), body, [0.01, 0.02])
+    for ask in (curve.at, curve.contact):
+        with pytest.raises(ValueError, match="index must be one of the 2 loads"):
+            ask(index)
+
+
+@pytest.mark.parametrize("height", [1e157, 1e100])
+def test_gaps_that_no_half_space_has_are_refused(height):
+    body = rough((32, 32), shortest=8)
+    high = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
+    with pytest.raises(ValueError, match="gap of at most"):
+        half_space(flat_like(body), high, [0.01])
+
+
+def test_an_onset_of_next_to_no_strength_is_refused():
+    body = rough((32, 32), shortest=8)
+    with pytest.raises(ValueError, match="must not both be 0"):
+        half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)

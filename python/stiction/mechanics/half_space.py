@@ -166,16 +166,15 @@ class HalfSpaceCurve(Curve):
 
     def at(self, index: int) -> Pressed:
         """Points under pressure at `load[index]`, their pressures and patches."""
-        if not -self.load.size <= index < self.load.size:
-            raise ValueError(f"index must be one of the {self.load.size} loads, got {index!r}")
-        return self._pressed[index]
+        return self._pressed[place_of(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Pressure, gap and patches at `load[index]`."""
         problem, one = self._problem, self.at(index)
+        sums = self._sums[place_of(index, self.load.size, "loads")]
         pressure = one.on_grid(one.values)
         gap = problem.grids.displacement(pressure) + problem.gap - one.approach
-        each = [one.on_grid(opposes[one.patch - 1]) for opposes in self._sums[index].opposing]
+        each = [one.on_grid(opposes[one.patch - 1]) for opposes in sums.opposing]
         opposing = np.array(each).reshape(*self._model.angles().shape, *pressure.shape)
         values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share()))
         pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))

@@ -154,6 +154,10 @@ class Pressed:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
+HIGHEST_GAP = 1e6
+"""Largest gap over the length of the bodies; a half-space takes slopes far below 1."""
+
+
 def problem_of(
     upper: Profile | Surface,
     lower: Profile | Surface,
@@ -177,6 +181,10 @@ def problem_of(
         )
     gap = upper.heights - lower.heights
     gap -= gap.min()
+    if not gap.max() <= HIGHEST_GAP * max(spacing) * max(gap.shape):
+        raise ValueError(
+            f"upper and lower must have a gap of at most {HIGHEST_GAP:g} times their length, got {gap.max():.3g} µm"
+        )
     grids = grids_of(gap.shape, spacing, effective_modulus, periodic=periodic)
     return Problem(upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness)
 

@@ -325,6 +325,10 @@ def onset_of(
     )
 
 
+WEAKEST = 1e-9
+"""Least mu0, or tau0 over the modulus, of which the onset of sliding is computed; less is lost in round-off."""
+
+
 def place_of(index: Any, count: int, what: str) -> int:
     """An index from the front or the back, as one from the front."""
     try:
@@ -337,8 +341,11 @@ def place_of(index: Any, count: int, what: str) -> int:
 def strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
     """mu0 and tau0 (GPa) that hold something."""
     both = one_material(mu0, tau0, effective_modulus)
-    if both == (0.0, 0.0):
-        raise ValueError("mu0 and tau0 must not both be 0: nothing would hold the bodies, and they slide at once")
+    if max(both[0], both[1] / effective_modulus) < WEAKEST:
+        raise ValueError(
+            f"mu0 and tau0 must not both be 0, or below {WEAKEST:g} and that part of the modulus: nothing would hold "
+            "the bodies, and they slide at once"
+        )
     return both
 
 

@@ -61,13 +61,13 @@ def resolution(
     loads: ArrayLike,
     *,
     hardness: float | None,
-    cut_offs: Sequence[float] | None = None,
+    cut_offs: float | Sequence[float] | None = None,
     mu0: float | None = None,
     tau0: float = 0.0,
     effective_modulus: float | None = None,
     boundary: Boundary = "free",
     compliance_share: float = 0.5,
-    direction: Sequence[Direction] | None = None,
+    direction: Direction | Sequence[Direction] | None = None,
     tip_radius: float | None = None,
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
@@ -83,14 +83,14 @@ def resolution(
     hardness : float, GPa, or None
         Of the softer body, the most that the pressure can be. None is elastic: then the answer has no limit, and the
         dataset says for typical hardnesses from which wavelength on it cannot be.
-    cut_offs : sequence of float, µm, optional
+    cut_offs : float or sequence of float, µm, optional
         Wavelengths for `cut_off`, 0 being the scan as it is, which is always there. By default 0, four points and its
         doubles up to a thirtieth of the shortest side.
     mu0, tau0 : float, GPa for tau0
         With a mu0, friction is evaluated; the sums serve any other, see `resolution_friction`.
     effective_modulus, boundary, compliance_share, tolerance
         As for `half_space`.
-    direction : sequence of {"+x", "-x"} or float, optional
+    direction : {"+x", "-x"} or float, or a sequence of these, optional
         Over which friction is averaged, its loads one by one: by default the four sides of an area, both of a line.
     tip_radius : float, µm, optional
         Of the instrument, for `instrument_limit`.
@@ -161,7 +161,7 @@ def resolution(
         hardness = number("hardness", hardness, unit="GPa", above=0)
     parameters = None if mu0 is None else (_strength("mu0", mu0), _strength("tau0", tau0))
     areal = isinstance(upper, Surface)
-    along: tuple[Direction, ...] = (_AROUND if areal else ("+x", "-x")) if direction is None else tuple(direction)
+    along: tuple[Direction, ...] = (_AROUND if areal else ("+x", "-x")) if direction is None else _several(direction)
     options: dict[str, Any] = {
         "effective_modulus": effective_modulus, "boundary": boundary, "compliance_share": compliance_share,
         "direction": along if areal else along[0], "sliding": "all", "tolerance": tolerance,
@@ -241,12 +241,12 @@ class _Pair:
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
         return replace(upper, heights=upper.heights - lower.heights, history=())
 
-    def cut_offs(self, wanted: Sequence[float] | None) -> list[float]:
+    def cut_offs(self, wanted: float | Sequence[float] | None) -> list[float]:
         side = min(size * step for size, step in zip(self.upper.heights.shape, self.spacing, strict=True))
         if wanted is None:
             doubles = 2 * self.shortest * 2.0 ** np.arange(40)
             return [0.0, *doubles[doubles <= _COARSEST * side * (1 + 1e-9)].tolist()]
-        lengths = [number("cut_offs", each, unit="µm") for each in wanted]
+        lengths = float_array("cut_offs", np.atleast_1d(wanted), ndim=1).tolist()
         if any(each != 0 and not self.shortest * (1 - 1e-9) <= each <= LONGEST * side for each in lengths):
             raise ValueError(
                 f"cut_offs must be 0 or from two points, {self.shortest:g} µm, to a third of the shortest side, "
@@ -295,6 +295,11 @@ def _sums(found: list[_Solution | None], sliding: Sliding, along: tuple[Directio
 
 
 # ---- Over cut-offs --------------------------------------------------------------------------------------------------
+
+
+def _several(directions: Direction | Sequence[Direction]) -> tuple[Direction, ...]:
+    """One direction or some."""
+    return (directions,) if isinstance(directions, (str, int, float)) else tuple(directions)
 
 
 def _over_cut_offs(
