@@ -413,8 +413,8 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
       pressure *= std::exp(std::clamp(-2 * excess, -std::log(farthest_load), std::log(farthest_load)));
       continue;
     }
-    const auto [left, below] = *ends[0];
-    const auto [right, over] = *ends[1];
+    const auto [left, below] = ends[0].value_or(End{});
+    const auto [right, over] = ends[1].value_or(End{});
     const double part = std::isfinite(over) ? below / (below - over) : 0.5;
     pressure = std::exp(left + std::clamp(part, least_part, 1 - least_part) * (right - left));
   }
