@@ -125,7 +125,7 @@ def test_numbers_with_a_unit_say_it(name):
                 assert re.search(rf"\b{OF_A_UNIT[each]}(\W|$)", kind), f"{each} : {kind}"
 
 
-AS_WRITTEN = {"ContactModel", "HertzCylinder", "HertzSphere", "JacksonGreen", "Material"}
+AS_WRITTEN = {"Ball", "ContactModel", "FrictionTest", "HertzCylinder", "HertzSphere", "JacksonGreen", "Material"}
 """Shown as the call that makes them, or with the sources of their values."""
 
 

@@ -132,6 +132,12 @@ class FrictionTest:
         Whether it slid; if it held, the coefficient is a lower bound.
     run : str or int, optional
         Specimen or series; tests of one run share an unknown offset.
+
+    Examples
+    --------
+    >>> from stiction import Ball, FrictionTest
+    >>> FrictionTest(Ball("5 mm", "3 GPa"), "100 mN", force="20 mN").coefficient
+    0.2
     """
 
     result: Any
@@ -220,6 +226,13 @@ class Interface:
         A/F (1/GPa), coefficient, its standard uncertainty (NaN where none was given) and whether it slid, of each test.
     about : mapping of str to str
         Kind ("measured", "lumped" or "bound"), materials, conditions, source: what a reader must know.
+
+    Examples
+    --------
+    >>> from stiction import interface
+    >>> strength = interface("MoS2 on bearing steel, dry air")
+    >>> strength.separated, round(strength.tau0[0], 4)
+    (True, 0.0248)
     """
 
     fits: tuple[Fit, ...]
@@ -229,6 +242,18 @@ class Interface:
     advice: tuple[tuple[str, float, float], ...] = ()
     tests: tuple[tuple[float, float, float, bool], ...] = ()
     about: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """Show what is identified, and mu0 and tau0 where they are separated."""
+        known = [("mu0 + tau0 A/F", self.identified, "")]
+        if self.separated:
+            known += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
+        rows = [
+            f"  {name:<14}  {value:.4g} [{low:.4g}, {high:.4g}]{unit}"
+            for name, (value, low, high), unit in known
+            if math.isfinite(value)
+        ]
+        return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     @property
     def identified(self) -> Interval:

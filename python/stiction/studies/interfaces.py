@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._files import content, replaced_file
+from stiction._files import content, reason, replaced_file
 from stiction._text import named
 from stiction.studies.calibration import Fit, Interface
 from stiction.studies.known import Known, draws, known
@@ -35,7 +35,31 @@ _NUMBERS = ("area_per_load", "variation")
 
 
 def write_interface(interface: Interface, path: str | Path, about: Mapping[str, str] | None = None) -> None:
-    """Write an interface as a text file: its head, and a row a draw."""
+    """Write an interface as a text file: its head, and a row a draw.
+
+    Parameters
+    ----------
+    interface : Interface
+    path : path
+    about : mapping of str to str, optional
+        Materials, conditions, who measured: lines of the head.
+
+    Raises
+    ------
+    ValueError
+        If something else has that name, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from stiction import interface, read_interface, write_interface
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "film.csv"
+    ...     write_interface(interface("MoS2 on bearing steel, dry air"), path, {"operator": "A. B."})
+    ...     read_interface(path).about["operator"]
+    'A. B.'
+    """
     head = {
         "sliding": interface.fits[0].sliding,
         "area_per_load": repr(interface.area_per_load),
@@ -58,11 +82,21 @@ def read_interface(path: str | Path) -> Interface:
     ------
     ValueError
         If it cannot be read, or is no such file.
+
+    Examples
+    --------
+    >>> from stiction import read_interface
+    >>> read_interface("no such file")
+    Traceback (most recent call last):
+    ...
+    ValueError: no such file: cannot be read as an interface: No such file or directory
     """
     try:
         lines = content(Path(path), LONGEST_FILE).decode("utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"{named(path)}: cannot be read as an interface: {error}") from None
+    except OSError as error:
+        raise ValueError(f"{named(path)}: cannot be read as an interface: {reason(error)}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{named(path)}: is not a text file, so it is no interface") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     if not lines or lines[0] != HEAD or not rows or tuple(next(csv.reader(rows))) != COLUMNS:
@@ -104,6 +138,12 @@ def interface(name_or_path: str | Path) -> Interface:
     ------
     ValueError
         If there is no such name or file.
+
+    Examples
+    --------
+    >>> from stiction import interface
+    >>> interface("MoS2 on bearing steel, dry air").about["motion"]
+    'kinetic'
     """
     table = interfaces().get(str(name_or_path))
     if table is None:

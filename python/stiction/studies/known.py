@@ -1,4 +1,4 @@
-"""What is known of an input, a number, a value with its uncertainty or a range, and what follows for an answer.
+"""What is known of an input, a number, a value with its uncertainty or a range, as text and as draws.
 
 JCGM 101 (2008): distributions are propagated by draws. A range of a quantity of scale (a hardness, a modulus, a
 strength) is log-normal with 95 % between its ends, one of a coefficient normal and cut at 0; a value with a standard
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,17 +21,11 @@ from stiction._units import exactly, quantity, shortened
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 
-COVERAGE = 0.95
-"""Probability of intervals, and between the ends of a range."""
-
 ENDS = 1.959963984540054
 """Standard deviations from the middle of a normal distribution to the ends of its 95 %."""
 
 DRAWS = 4096
 """Points of a scrambled Sobol sequence that stand for what is known."""
-
-NODES = 16
-"""Values of an input at which the width that is left is computed."""
 
 _RANGE = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _WITH_UNCERTAINTY = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
@@ -155,49 +149,3 @@ def draws(inputs: Mapping[str, Known], count: int = DRAWS, *, seed: int = 0) -> 
     points = qmc.Sobol(max(1, len(inputs)), rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
     points = np.clip(points, 1e-9, 1 - 1e-9)
     return {name: each.quantile(points[:, place]) for place, (name, each) in enumerate(inputs.items())}
-
-
-def interval(values: Floats) -> tuple[float, float]:
-    """Ends between which 95 % of the values lie, as many on either side."""
-    low, high = np.nanquantile(values, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2])
-    return float(low), float(high)
-
-
-@dataclass(frozen=True)
-class Part:
-    """What one input does to the interval of an answer.
-
-    Attributes
-    ----------
-    name : str
-    width : float
-        Of the 95 % interval that would be left if the input were known exactly: the mean over its values.
-    lower, upper : float
-        Ends of the interval with the input at its middle.
-    """
-
-    name: str
-    width: float
-    lower: float
-    upper: float
-
-
-def budget(answer: Callable[[dict[str, Floats]], Floats], inputs: Mapping[str, Known]) -> list[Part]:
-    """For each input that is not exact what would be left of the answer's interval, the most helpful first.
-
-    Parameters
-    ----------
-    answer : callable
-        (count,) answers from (count,) values of each input.
-    inputs : mapping of str to Known
-    """
-    found = []
-    values = draws(inputs)
-    middles = (np.arange(NODES) + 0.5) / NODES
-    for name, each in inputs.items():
-        if each.is_exact:
-            continue
-        ends = [interval(answer(values | {name: np.full(DRAWS, at)})) for at in each.quantile(middles)]
-        lower, upper = interval(answer(values | {name: np.full(DRAWS, each.value)}))
-        found.append(Part(name, float(np.mean([high - low for low, high in ends])), lower, upper))
-    return sorted(found, key=lambda part: part.width)
