@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from stiction import Ball, FrictionTest, Interface, calibrate, half_space, self_affine_surface
+from stiction import Ball, FrictionTest, Interface, calibrate, half_space, pair, self_affine_surface
 from stiction.studies.calibration import highest_density
 
 BALL = Ball("5 mm", "3 GPa")
@@ -132,6 +132,32 @@ def rough_curve(rms: float, seed: int):
     return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
 
 
+def test_a_result_of_pair_stands_for_its_surfaces() -> None:
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(
+        upper,
+        lower,
+        load=["40 MPa", "160 MPa"],
+        mu0=0.2,
+        tau0="50 MPa",
+        upper="steel",
+        lower="brass",
+        shifts=4,
+        onset=0,
+    )
+    found = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
+    truth = float(found.squeeze())
+    tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
+    assert tests[0].load == pytest.approx(0.08 * result.nominal_area)  # pieces of the maps are pressed
+    interface = calibrate(tests)
+    assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
+    assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
+    assert set(interface.draws["hardness"]) == {result.study.contact.hardness}
+
+
 def test_errors_that_are_too_small_are_scaled_and_it_is_said() -> None:
     tests = ball_tests(error=0.1, seed=2)
     small = [
@@ -210,7 +236,8 @@ def test_what_is_known_beforehand_is_kept() -> None:
         (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
         (lambda: FrictionTest(BALL, 1), "one of coefficient and force"),
         (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "one of coefficient and force"),
-        (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "must be a force or a pressure"),
+        (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "load .* unit"),
+        (lambda: FrictionTest(BALL, "1 MPa", coefficient=0.1), "load .* unit"),
         (lambda: FrictionTest(BALL, -1, coefficient=0.1), "above 0"),
         (lambda: FrictionTest(BALL, 1, coefficient=-0.1), "not be negative"),
         (lambda: FrictionTest(BALL, 1, coefficient=math.nan), "finite"),

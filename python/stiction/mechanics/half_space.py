@@ -170,8 +170,8 @@ class HalfSpaceCurve(Curve):
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Pressure, gap and patches at `load[index]`."""
-        problem, one = self._problem, self.at(index)
-        sums = self._sums[place_of(index, self.load.size, "loads")]
+        problem, place = self._problem, place_of(index, self.load.size, "loads")
+        one, sums = self._pressed[place], self._sums[place]
         pressure = one.on_grid(one.values)
         gap = problem.grids.displacement(pressure) + problem.gap - one.approach
         each = [one.on_grid(opposes[one.patch - 1]) for opposes in sums.opposing]
@@ -189,6 +189,11 @@ class HalfSpaceCurve(Curve):
     def sliding(self) -> Sliding:
         """Which patches rub: "opposing" or "all"."""
         return self._model.sliding
+
+    @property
+    def hardness(self) -> float | None:
+        """GPa that no pressure exceeds; None where bodies do not yield."""
+        return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
         """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""

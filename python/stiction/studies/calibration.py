@@ -20,6 +20,7 @@ from stiction._units import in_core_units, loads_in_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import Sliding
+from stiction.studies.known import sobol
 from stiction.studies.study import study_of
 
 if TYPE_CHECKING:
@@ -151,8 +152,9 @@ class FrictionTest:
     def __post_init__(self) -> None:
         """Load and coefficient as numbers."""
         area = getattr(self.result, "nominal_area", None)
-        load = loads_in_core_units("load", self.load, math.nan if area is None else float(area))
-        load = number("load", load, unit="mN", above=0)
+        given: Any = self.load
+        given = in_core_units("load", given, "force") if area is None else loads_in_core_units("load", given, area)
+        load = number("load", given, unit="mN", above=0)
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("one of coefficient and force is needed")
         scale = 1.0
@@ -191,7 +193,7 @@ class Fit:
     mu0, tau0 : ndarray
         Draws of both, tau0 in GPa.
     hardness : ndarray, GPa
-        Of the same draws; NaN where there is none.
+        Of the same draws; NaN where there is none, or another in other tests.
     """
 
     sliding: Sliding
@@ -278,7 +280,7 @@ class Interface:
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """The joint distribution, a row a draw: mu0, tau0 (GPa) and hardness (GPa, NaN where there is none)."""
+        """The joint distribution, a row a draw: mu0, tau0 (GPa) and hardness (GPa, NaN without one of all tests)."""
         import pandas
 
         fit = self.fits[0]
@@ -300,7 +302,7 @@ class Interface:
         fit = self.fits[0]
         test = FrictionTest(result, load, coefficient=0.0)
         found = _friction_of(test, fit.sliding)
-        area = np.exp(found.scatter * _normal_scores(len(fit.mu0), seed=1)[:, 0])
+        area = np.exp(found.scatter * np.random.default_rng(1).standard_normal(len(fit.mu0)))
         return highest_density(found.coefficient(fit.mu0, fit.tau0, area), 0.0)
 
 
@@ -468,18 +470,8 @@ def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
         elastic=float(means[0, 0]), rub=float(means[1, 0] - means[0, 0]),
         stick=float((means[0, 1] - means[0, 0]) / unit),
         rub_normal=float(upward[1, 0] - upward[0, 0]), stick_normal=float((upward[0, 1] - upward[0, 0]) / unit),
-        scatter=spread,
+        scatter=spread, hardness=float(study_of(dataset).contact.hardness or math.nan),
     )  # fmt: skip
-
-
-def _normal_scores(count: int, dimensions: int = 1, *, seed: int = 0) -> Floats:
-    """(count, dimensions) values of a standard normal distribution, by a scrambled Sobol sequence."""
-    from scipy.special import ndtri
-    from scipy.stats import qmc
-
-    sequence = qmc.Sobol(dimensions, rng=np.random.default_rng(seed))
-    points = sequence.random_base2(math.ceil(math.log2(count)))[:count]
-    return np.asarray(ndtri(np.clip(points, 1e-9, 1 - 1e-9)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -504,13 +496,15 @@ class _Problem:
         cls, tests: Sequence[FrictionTest], sliding: Sliding, common: float, known: Any, *, outliers: bool
     ) -> _Problem:
         """From tests, with gain and areas drawn from what is known of them."""
+        from scipy.special import ndtri
+
         friction = [_friction_of(test, sliding) for test in tests]
         bodies = list({id(test.result): None for test in tests})
         places = np.array([bodies.index(id(test.result)) for test in tests])
         scatter = np.zeros(len(bodies))
         for place, found in zip(places, friction, strict=True):
             scatter[place] = max(scatter[place], found.scatter)
-        scores = _normal_scores(NUISANCES, 1 + len(bodies))
+        scores = ndtri(sobol(1 + len(bodies), NUISANCES))
         gain = np.exp(common * scores[:, :1])
         area = np.exp(scatter[places] * scores[:, 1:][:, places])
         measured = np.array([float(test.coefficient or 0.0) for test in tests]) / gain
@@ -518,6 +512,7 @@ class _Problem:
         def of_all(name: str) -> Floats:
             return np.array([getattr(found, name) for found in friction])
 
+        hardnesses = {found.hardness for found in friction}
         has_errors = tests[0].uncertainty is not None
         error = np.array([test.uncertainty if has_errors else 1.0 for test in tests], float)
         if not has_errors:  # all of one relative error
@@ -531,7 +526,7 @@ class _Problem:
             slid=np.array([test.slid for test in tests]),
             load=np.array([float(test.load) for test in tests]),
             ratio=of_all("stick") / of_all("rub"),
-            hardness=np.full(NUISANCES, friction[0].hardness),
+            hardness=np.full(NUISANCES, hardnesses.pop() if len(hardnesses) == 1 else math.nan),
             known=known,
             outliers=outliers,
             has_errors=has_errors,

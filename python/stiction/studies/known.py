@@ -61,10 +61,6 @@ class Known:
     distribution: Distribution
     text: str
 
-    def __float__(self) -> float:
-        """The middle."""
-        return self.value
-
     @property
     def is_exact(self) -> bool:
         """Whether it is a number."""
@@ -142,10 +138,15 @@ def _with_units(first: str, last: str) -> tuple[str, str]:
     return (first if unit is None or _UNIT.search(first) else f"{first} {unit[0]}"), last
 
 
-def draws(inputs: Mapping[str, Known], count: int = DRAWS, *, seed: int = 0) -> dict[str, Floats]:
-    """(count,) values of each input, by a scrambled Sobol sequence; `count` is a power of two."""
+def sobol(dimensions: int, count: int = DRAWS, *, seed: int = 0) -> Floats:
+    """(count, dimensions) points of a scrambled Sobol sequence inside the unit cube; `count` is a power of two."""
     from scipy.stats import qmc
 
-    points = qmc.Sobol(max(1, len(inputs)), rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
-    points = np.clip(points, 1e-9, 1 - 1e-9)
+    points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
+    return np.asarray(np.clip(points, 1e-9, 1 - 1e-9))
+
+
+def draws(inputs: Mapping[str, Known]) -> dict[str, Floats]:
+    """(DRAWS,) values of each input."""
+    points = sobol(len(inputs))
     return {name: each.quantile(points[:, place]) for place, (name, each) in enumerate(inputs.items())}

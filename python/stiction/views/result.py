@@ -126,11 +126,15 @@ class Result:
         loads = asked_loads(self.source) if load is None else self._loads_of(load)
         return at_load(self.source, loads, mu0=mu0, tau0=in_core_units("tau0", tau0, "pressure"), reading=reading)
 
+    @property
+    def nominal_area(self) -> float | None:
+        """What is pressed of each member of measured bodies, µm²; None of generated ones."""
+        return float(self.dataset["nominal_area"]) if self.study.is_measured else None
+
     def _loads_of(self, load: Any) -> Any:
         """Loads in mN; of measured bodies text may be a pressure on the nominal area."""
-        if self.study.is_measured:
-            return loads_in_core_units("load", load, float(self.dataset["nominal_area"]))
-        return in_core_units("load", load, "force")
+        area = self.nominal_area
+        return in_core_units("load", load, "force") if area is None else loads_in_core_units("load", load, area)
 
     def table(self) -> pandas.DataFrame:
         """What the CSV file holds: a row for each load, mu0, tau0, rule and motion, with intervals and doubts."""
