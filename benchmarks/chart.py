@@ -11,17 +11,17 @@ DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 BARS = {
     "Lines: a pair of 150 000 points at 40 approaches": {
-        "NumPy and SciPy": r"straightforward NumPy/SciPy program over a pair.*",
+        "NumPy and SciPy": r"straightforward NumPy/SciPy program over a pair.*"
     },
     "Lines: 50 profiles of 150 000 points by Eq. 1": {
         "NumPy, direct sum": r"direct sum in NumPy over the family.*",
         "FINUFFT and BLAS": r"FINUFFT .* and a BLAS product.*",
     },
     "Lines: 8192 points pressed at 40 approaches, theirs at one load": {
-        "tamaas (elastic half-plane)": r"tamaas, one load of a profile.*",
+        "tamaas (elastic half-plane)": r"tamaas, one load of a profile.*"
     },
     "Areas: 1024 × 1024 pressed at 40 approaches, theirs at one load": {
-        "tamaas (elastic half-space)": r"tamaas, one load at 1024 x 1024.*",
+        "tamaas (elastic half-space)": r"tamaas, one load at 1024 x 1024.*"
     },
     "Half-space: 512 × 512 at one load, equal error": {
         "tamaas": r"512 x 512, mean pressure 0.03 .*",

@@ -1,4 +1,4 @@
-"""Prove one wheel: what is in it, what it needs, and that it works where there is no compiler, no Eigen and no GSL.
+"""Prove one wheel: what is in it, what it needs, and that it works without a compiler, Eigen, GSL and FFTW.
 
     python packaging/prove.py [--quick] WHEEL [TESTS ...]
 
@@ -39,7 +39,7 @@ SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.s
 COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
 SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
 
-# Run where compilers, Eigen and GSL are out of sight, and once where they are not: prints those that it sees.
+# Run where compilers, Eigen, GSL and FFTW are out of sight, and once where they are not: prints those that it sees.
 LOOK = """
 import os, shutil, sys
 path = os.environ["PATH"] + os.pathsep + sys.argv[1]
@@ -50,7 +50,9 @@ for root in sys.argv[2:]:
     for folder, _, names in os.walk(root):
         for name in names:
             whole = os.path.join(folder, name)
-            found = name.startswith("libgsl") or whole.endswith(("/gsl/gsl_version.h", "/Eigen/Core"))
+            found = name.startswith(("libgsl", "libfftw3")) or whole.endswith(
+                ("/gsl/gsl_version.h", "/fftw3.h", "/Eigen/Core")
+            )
             if found and os.path.isfile(whole):
                 print(whole)
 """
@@ -161,7 +163,7 @@ def check_extension(extension: Path) -> None:
 
 
 class Elsewhere:
-    """A new environment where neither this tree nor compilers, Eigen or GSL can be seen."""
+    """A new environment where neither this tree nor compilers, Eigen, GSL or FFTW can be seen."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -193,7 +195,12 @@ class Elsewhere:
             for program in place.iterdir()
             if COMPILER.fullmatch(program.name)
         ]
-        libraries = [path for place in ("/usr/lib", "/usr/local/lib") for path in Path(place).rglob("libgsl*")]
+        libraries = [
+            path
+            for place in ("/usr/lib", "/usr/local/lib")
+            for name in ("libgsl*", "libfftw3*")
+            for path in Path(place).rglob(name)
+        ]
         files = {path.resolve() for path in (*programs, *libraries) if path.is_file()}
         mount = shutil.which("mount")
         lines = [f"{mount} -t tmpfs none {shlex.quote(str(path))}" for path in folders if path.is_dir()]
@@ -211,7 +218,7 @@ class Elsewhere:
         system = os.pathsep.join(map(str, SYSTEM_PATH))
         if self.mounts:
             seen_outside = call(sys.executable, "-c", LOOK, system, "/usr").splitlines()
-            for part in ("c++", "cmake", "libgsl.a", "gsl_version.h", "Eigen/Core"):
+            for part in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
                 if not any(path.endswith(part) for path in seen_outside):
                     fail(f"no {part} was found here, so that hiding it shows nothing")
             seen = self.call(self.bin / "python", "-I", "-c", LOOK, system, "/usr", "/opt", ROOT)
@@ -282,7 +289,7 @@ def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
         elsewhere = Elsewhere(folder)
         elsewhere.check_hidden()
         by = "a mount namespace and PATH" if elsewhere.mounts else "PATH alone"
-        say(f"installing it where neither compilers nor Eigen nor GSL are seen, hidden by {by}")
+        say(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
         kept = shutil.copy(wheel, folder)  # this tree is out of sight
         elsewhere.pip(kept)
         elsewhere.check_installed()

@@ -34,14 +34,11 @@ def rough_pair():
     def pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
         return tuple(
             weierstrass_mandelbrot(
-                random_phases(11, repetition=repetition, side=side),
-                dimension,
-                points=points,
-                extent=points * 40 / 150_000,
-                band_limit=band_limit,
+                random_phases(11, repetition=repetition, side=side), dimension, points=points,
+                extent=points * 40 / 150_000, band_limit=band_limit,
             ).with_amplitude(amplitude)
             for side in ("upper", "lower")
-        )
+        )  # fmt: skip
 
     return pair
 

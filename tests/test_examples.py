@@ -53,6 +53,7 @@ def printed(tmp_path_factory):
     return of
 
 
+@pytest.mark.docs
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
 def test_example_scripts(path, printed):
     assert printed(path)
@@ -67,8 +68,7 @@ PAGES = [
 ]
 
 RUN_HERE = {"python", "sh"}
-RUN_BY_THE_DOCS = {"{code-cell} ipython3"}
-"""`./dev docs` runs them, and ends where one fails."""
+RUN_BY_THE_DOCS = {"{code-cell} ipython3"}  # `./dev docs` runs them, and ends where one fails
 NO_CODE = {"text", "{eval-rst}", "{figure}", "{image}", "{include}", "{literalinclude}", "{toctree}", "{glossary}"}
 """What a page of another file shows is that file's business; text is a diagram."""
 
@@ -139,13 +139,9 @@ def run_command(line, cwd):
             words, _, to = made_small(line).partition(" > ")
             if re.search("--(cluster|scheduler)", words):  # processes of its own begin from an interpreter of its own
                 done = subprocess.run(
-                    [sys.executable, "-m", *shlex.split(words)],
-                    cwd=cwd,
-                    capture_output=True,
-                    text=True,
-                    timeout=240,
+                    [sys.executable, "-m", *shlex.split(words)], cwd=cwd, capture_output=True, text=True, timeout=240,
                     check=False,
-                )
+                )  # fmt: skip
             else:
                 done = stiction_command(*shlex.split(words)[1:], cwd=cwd)
             assert done.returncode == 0, (line, done.stderr)
@@ -193,6 +189,7 @@ def has_code(page):
     return any(block.kind in RUN_HERE for block in blocks(page))
 
 
+@pytest.mark.docs
 @named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
 def test_code_of_the_page(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -218,6 +215,7 @@ def test_code_of_the_page(page, tmp_path, monkeypatch):
     run_page(page, tmp_path)
 
 
+@pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the documents are not here")
 def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(printed):
     said = printed(ROOT / "examples/characterise_profile.py")
@@ -240,15 +238,11 @@ kill -- "-$1"
 """
 
 
-SLURM_TASK = {
-    "SLURM_CPUS_PER_TASK": "1",
-    "SLURM_ARRAY_TASK_ID": "2",
-    "SLURM_ARRAY_TASK_COUNT": "2",
-    "SHARED": "shared",
-}
+SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARRAY_TASK_COUNT": "2", "SHARED": "shared"}
 """What Slurm tells a task of an array, and a directory of the user's."""
 
 
+@pytest.mark.docs
 @named([page for page in PAGES if page.name == "cluster.md"])
 @pytest.mark.filterwarnings("ignore")  # distributed leaves sockets and loops to the collector
 def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
@@ -274,13 +268,9 @@ def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
                 elif block.kind == "python":
                     (tmp_path / "page.py").write_text(here(part), encoding="utf-8")
                     done = subprocess.run(
-                        [sys.executable, "page.py"],
-                        cwd=tmp_path,
-                        capture_output=True,
-                        text=True,
-                        timeout=120,
+                        [sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
                         check=False,
-                    )
+                    )  # fmt: skip
                     assert done.returncode == 0, done.stderr
                 if (tmp_path / "big").exists():
                     assert store.info(tmp_path / "big").finished == 2
@@ -314,6 +304,7 @@ LARGEST_DIFFERENCE = 5.0
 """Root mean square of grey levels, of 255: for letters that lie a little elsewhere; 10 nm of approach are 13."""
 
 
+@pytest.mark.docs
 @pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
 def test_the_drawings_of_the_conventions_are_what_the_library_does_now(tmp_path, name):
     if not (ROOT / "docs/images").exists():

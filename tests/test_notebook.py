@@ -41,8 +41,7 @@ ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, n
 SLOW = {"pair", "resolution", "spectral_resolution"}
 """Examples of some seconds, which the documentation and other tests run as well."""
 
-LONGEST_REPR = 2000
-"""Characters: a screen."""
+LONGEST_REPR = 2000  # characters: a screen
 
 
 def surface(side, points=48):

@@ -4,8 +4,7 @@ import sys
 import threading
 import time
 
-PATIENCE = 30.0
-"""Seconds in which another thread has to get its turn on a busy machine."""
+PATIENCE = 30.0  # seconds in which another thread has to get its turn on a busy machine
 
 
 def ticks_during(call):

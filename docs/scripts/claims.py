@@ -263,10 +263,10 @@ class Resampled:
     ) -> Floats:
         """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
         pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
-        normal = friction.normal_load(pair, mu0, tau0)
+        normal = friction.load_of("normal", pair, mu0, tau0)
         match what:
             case "friction":
-                values = friction.tangential_load(pair, mu0, tau0)
+                values = friction.load_of("tangential", pair, mu0, tau0)
             case "area":
                 values = pair.contact_area
             case "stiffness":
@@ -560,11 +560,7 @@ class Outcome:
 
 
 def judge(
-    dataset: xarray.Dataset,
-    *,
-    amplitude: float = 0.1,
-    sliding: Sliding | None = None,
-    ruling: Ruling = "percentiles",
+    dataset: xarray.Dataset, *, amplitude: float = 0.1, sliding: Sliding | None = None, ruling: Ruling = "percentiles"
 ) -> list[Outcome]:
     """Judge every part of every claim by a result.
 

@@ -35,8 +35,9 @@ from stiction import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_surface,
 )
-from stiction.mechanics.friction import normal_load, tangential_load
-from stiction.mechanics.patches import slopes, sums, true_share
+from stiction._core import patches_of
+from stiction.mechanics.friction import load_of
+from stiction.mechanics.patches import slopes, sums
 
 DOCS = Path(__file__).parents[1]
 DONE = DOCS.parent / "build/collapse.jsonl"
@@ -227,7 +228,7 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
     interface = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
     leaning = [each[touching] for each in interface]
     cell = float(np.prod(spacing))
-    area = true_share(touching, periodic=periodic) * cell
+    area = patches_of(pressure, periodic=periodic, hardness=np.inf)[2] * cell
     on_ground = float(area.sum())
     row["kappa"] = on_ground * MODULUS * steep / load
     row["fraction"] = on_ground / nominal
@@ -239,9 +240,13 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
         row[f"mu {rule} {name}"] = float(np.mean(values))
     # The same with every point for itself, in place of patches that oppose as a whole.
     senses = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
-    each = Loads(sums(pressure[touching] * cell, area, leaning, np.arange(area.size) + 1, senses, "opposing"))
+    each = Loads(
+        sums(pressure[touching] * cell, area, leaning, np.arange(1, area.size + 1, dtype=np.int32), senses, "opposing")
+    )
     for name, tau0 in TAU0.items():
-        row[f"mu points {name}"] = float(np.mean(tangential_load(each, MU0, tau0) / normal_load(each, MU0, tau0)))
+        row[f"mu points {name}"] = float(
+            np.mean(load_of("tangential", each, MU0, tau0) / load_of("normal", each, MU0, tau0))
+        )
     for name, keywords in asperities(upper):
         row |= by_asperities(upper, lower, load, ways, name, keywords, steep)
     return row

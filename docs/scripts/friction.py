@@ -9,12 +9,7 @@ import numpy as np
 from claims import FLATTER, STEEPER, Resampled
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from stiction import (
-    gentle_friction,
-    random_phases,
-    weierstrass_mandelbrot_moments,
-    weierstrass_mandelbrot_surface,
-)
+from stiction import gentle_friction, random_phases, weierstrass_mandelbrot_moments, weierstrass_mandelbrot_surface
 from stiction.studies import store
 
 DOCS = Path(__file__).parents[1]

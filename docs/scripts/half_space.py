@@ -12,15 +12,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import t as student
-from stiction import (
-    HertzCylinder,
-    Profile,
-    Surface,
-    half_space,
-    press,
-    self_affine,
-    self_affine_surface,
-)
+from stiction import HertzCylinder, Profile, Surface, half_space, press, self_affine, self_affine_surface
 
 DOCS = Path(__file__).parents[1]
 

@@ -48,10 +48,7 @@ METHODS = {"taken": of_neighbours, "independent": independent, "lag one": lag_on
 
 
 def main():
-    lines = [
-        "| values | positions | correlation | " + " | ".join(METHODS) + " |",
-        "|" + "---|" * (3 + len(METHODS)),
-    ]
+    lines = ["| values | positions | correlation | " + " | ".join(METHODS) + " |", "|" + "---|" * (3 + len(METHODS))]
     for quantity in QUANTITIES:
         for positions in POSITIONS:
             for correlation in CORRELATIONS:

@@ -15,7 +15,9 @@ def table() -> str:
     """Every material in a row, its sources by number below."""
     sources: list[str] = []
 
-    def marked(value: MaterialValue) -> str:
+    def marked(value: MaterialValue | None) -> str:
+        if value is None:
+            return "does not yield"
         if value.source not in sources:
             sources.append(value.source)
         return f"{shown(value)} [{sources.index(value.source) + 1}]"

@@ -12,14 +12,16 @@ from typing import Any, Literal, get_args, get_origin
 
 import stiction
 import typer
+from pydantic_core import PydanticUndefined
 from stiction._units import Quantity
 from stiction.cli.application import COMMANDS, app
 from stiction.mechanics.law import NAMED
 from stiction.studies import values
-from stiction.studies.contact_tables import LAW_TABLES
+from stiction.studies.contact_tables import CONTACTS, KEYS, LAW_TABLES
+from stiction.studies.known import KnownTable
 from stiction.studies.measured_files import MeasuredFile
-from stiction.studies.study import study_names, study_summary
-from stiction.studies.tables import CONTACTS, SURFACES, Ensemble, Figures, Friction, MeasuredFriction
+from stiction.studies.study import FRICTION_KEYS, Ensemble, Figures, Friction, study_names, study_summary
+from stiction.studies.surface_tables import SURFACES
 
 ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """A name in a page of the reference."""
@@ -116,42 +118,44 @@ _ALLOWED = {
 }
 """What keys may be whose values are read by functions of their own."""
 
-_TABLES: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
-    ("`[surfaces]`, generated", "Fractal profiles, or areas of two kinds.", SURFACES[:3]),
-    ("`[surfaces]`, measured", "Two measured files, and how pairs are made of them.", SURFACES[3:]),
-    ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,)),
-    ("`[contact]` of generated surfaces", "How each pair is pressed together.", CONTACTS[:3]),
-    ("`[contact]` of measured surfaces", "How each pair is pressed together, to loads.", CONTACTS[3:]),
-    ("`[friction]` of generated surfaces", f"{Friction.__doc__}", (Friction,)),
-    ("`[friction]` of measured surfaces", f"{MeasuredFriction.__doc__}", (MeasuredFriction,)),
-    ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,)),
-    ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,)),
+_PRESSED = "How each pair is pressed together; measured areas by the half-space unless `mechanics` says otherwise."
+_TABLES: tuple[tuple[str, str, tuple[Any, ...], values.Keys], ...] = (
+    ("`[surfaces]`, generated", "Fractal profiles, or areas of two kinds.", SURFACES[:3], {}),
+    ("`[surfaces]`, measured", "Two measured files, and how pairs are made of them.", SURFACES[3:], {}),
+    ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), {}),
+    ("`[contact]`", _PRESSED, tuple(CONTACTS.values()), KEYS),
+    ("`[friction]`", f"{Friction.__doc__}", (Friction,), FRICTION_KEYS),
+    ("`[known]`", f"{KnownTable.__doc__}", (KnownTable,), {}),
+    ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), {}),
+    ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), {}),
 )
-"""Tables of a study file and their cases."""
+"""Tables of a study file, their cases, and where their keys may stand."""
 
 
 def study_keys() -> str:
     """A table for each part of a study file: key, default, what is allowed, meaning and for which cases."""
     lines = []
-    for title, words, cases in _TABLES:
+    for title, words, cases, places in _TABLES:
         lines += [f"## {title}", "", words, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
         owners: dict[tuple[str, str, str, str], list[str]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
                 if not entry.repr:  # of bodies in memory, which no file of a study has
                     continue
-                owners.setdefault(_entry(key, entry, cases), []).append(getattr(case, "case", ""))
+                for place, default in places.get(key, {getattr(case, "case", ""): entry.default}).items():
+                    owners.setdefault(_entry(key, default, entry, cases), []).append(place)
         keys = list(dict.fromkeys(row[0] for row in owners))
         for (key, default, allowed, meaning), names in sorted(owners.items(), key=lambda item: keys.index(item[0][0])):
-            of = "" if len(names) == len(cases) else f" Of {_listed(list(dict.fromkeys(names)))}."
+            everywhere = "" in names or (key.strip("`") not in places and len(names) == len(cases))
+            of = "" if everywhere else f" Of {_listed(list(dict.fromkeys(names)))}."
             lines.append(_row(key, default, allowed, meaning + of))
         lines.append("")
     return "\n".join(lines)
 
 
-def _entry(key: str, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
+def _entry(key: str, usual: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
     """Key, default, what is allowed, meaning; a key that says of which case a table is has a row for all of them."""
-    default = "required" if entry.is_required() else _toml(entry.default)
+    default = "required" if usual in (values.REQUIRED, PydanticUndefined) else _toml(usual)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_of(key, entry), str(entry.description)
     fields = [case.model_fields[key] for case in cases if key in case.model_fields]

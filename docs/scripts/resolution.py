@@ -112,7 +112,7 @@ def coarser(body, shortest, step):
 
 def continuing():
     """From a scan cut at 32 points: the elastic answer at 4 points, and where plasticity is reached."""
-    from stiction.mechanics.continuation import gap_exponent
+    from stiction.mechanics.brackets import gap_exponent
 
     load = HIGHER * (POINTS * SPACING) ** 2
     found = []

@@ -2,6 +2,7 @@
 
 #include "arrays.hpp"
 #include "checkpoint.hpp"
+#include "stiction/patches.hpp"
 
 namespace stiction::python {
 namespace {
@@ -49,6 +50,11 @@ HalfSpaceSolution solved(std::size_t threads, const Progress& progress, Search s
   const Checkpoint checkpoint = until_interrupted();
   const py::gil_scoped_release release;
   return search(Crew(threads, checkpoint), report);
+}
+
+// (directions, patches).
+py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t directions) {
+  return array_from(std::move(values)).reshape({directions, py::ssize_t{-1}});
 }
 
 }  // namespace
@@ -130,6 +136,53 @@ void bind_half_space(py::module_& module) {
              py::arg("bound").noconvert(), py::arg("tolerance"), py::arg("threads") = 1);
   bind_at(solver, "at", &HalfSpaceSolver::at, "mean_pressure", "The pressure with a given mean [GPa] over the grid.");
   bind_at(solver, "at_approach", &HalfSpaceSolver::at_approach, "approach", "The pressure at an approach [µm].");
+
+  module.def(
+      "patches_of",
+      [](const Array& pressure, bool periodic, double hardness) {
+        const std::vector<std::size_t> shape(pressure.shape(), pressure.shape() + pressure.ndim());
+        const Grid on = grid_of(shape, std::vector<double>(shape.size(), 1.0), periodic);
+        const Values values = grid(pressure);
+        Patches found;
+        {
+          const py::gil_scoped_release release;
+          found = patches_of(values, on, hardness);
+        }
+        return py::make_tuple(array_from(std::move(found.points)), array_from(std::move(found.pressure)),
+                              array_from(std::move(found.share)), array_from(std::move(found.patch)));
+      },
+      py::arg("pressure").noconvert(), py::kw_only(), py::arg("periodic"), py::arg("hardness"),
+      "Of each point under pressure: place, pressure [GPa], share of its cell in contact, and patch, from 1 on.");
+  module.def(
+      "patch_sums",
+      [](const Array& force, const Array& area, const std::optional<Array>& slope_y, const Array& slope_x,
+         const py::array_t<std::int32_t, py::array::c_style>& patch,
+         const std::vector<std::array<double, 2>>& directions) {
+        const Values along_y = slope_y ? view(*slope_y) : Values();
+        PatchSums sums;
+        {
+          const Values forces = view(force);
+          const Values areas = view(area);
+          const Values along_x = view(slope_x);
+          const std::span<const std::int32_t> patches = grid(patch);
+          const py::gil_scoped_release release;
+          sums = patch_sums(forces, areas, along_y, along_x, patches, directions);
+        }
+        py::typing::Dict<py::str, py::object> named;
+        named["force"] = array_from(std::move(sums.force));
+        named["area"] = array_from(std::move(sums.area));
+        const auto ways = static_cast<py::ssize_t>(directions.size());
+        named["leaning"] = by_direction(std::move(sums.leaning), ways);
+        named["upward"] = by_direction(std::move(sums.upward), ways);
+        named["forward"] = by_direction(std::move(sums.forward), ways);
+        named["upward_area"] = by_direction(std::move(sums.upward_area), ways);
+        named["forward_area"] = by_direction(std::move(sums.forward_area), ways);
+        named["steepness"] = py::float_(sums.steepness);
+        return named;
+      },
+      py::arg("force").noconvert(), py::arg("area").noconvert(), py::arg("slope_y").noconvert(),
+      py::arg("slope_x").noconvert(), py::arg("patch").noconvert(), py::arg("directions"),
+      "Sums over the points of each patch, by name, and along directions (x, y).");
 }
 
 }  // namespace stiction::python

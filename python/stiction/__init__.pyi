@@ -2,13 +2,17 @@ from stiction._core import __version__ as __version__
 from stiction.mechanics.asperity import Asperities as Asperities, asperities as asperities
 from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
 from stiction.mechanics.closed_forms import (
+    dmt as dmt,
     effective_modulus as effective_modulus,
     gentle_friction as gentle_friction,
     hertz_cylinder as hertz_cylinder,
     hertz_ellipse as hertz_ellipse,
     hertz_line as hertz_line,
     hertz_sphere as hertz_sphere,
+    jkr as jkr,
+    maugis_dugdale as maugis_dugdale,
     slope_friction as slope_friction,
+    tabor_parameter as tabor_parameter,
 )
 from stiction.mechanics.contact import Contacts as Contacts, contacts as contacts
 from stiction.mechanics.friction import SurfaceValidity as SurfaceValidity, Validity as Validity
@@ -23,11 +27,7 @@ from stiction.mechanics.law import (
     JacksonGreen as JacksonGreen,
     force_and_area as force_and_area,
 )
-from stiction.mechanics.load_curve import (
-    LoadCurve as LoadCurve,
-    SurfaceLoadCurve as SurfaceLoadCurve,
-    press as press,
-)
+from stiction.mechanics.load_curve import LoadCurve as LoadCurve, SurfaceLoadCurve as SurfaceLoadCurve, press as press
 from stiction.mechanics.loading import approach_at_load as approach_at_load
 from stiction.mechanics.materials import (
     Material as Material,
@@ -39,15 +39,11 @@ from stiction.mechanics.materials import (
 )
 from stiction.mechanics.model import ContactModel as ContactModel
 from stiction.mechanics.onset import Onset as Onset
-from stiction.mechanics.presliding import (
-    FourParameterIwan as FourParameterIwan,
-)
-from stiction.mechanics.presliding import (
-    LuGre as LuGre,
-)
+from stiction.mechanics.presliding import FourParameterIwan as FourParameterIwan
+from stiction.mechanics.presliding import LuGre as LuGre
 from stiction.mechanics.resolution import resolution as resolution, resolution_friction as resolution_friction
 from stiction.mechanics.spectral_resolution import spectral_resolution as spectral_resolution
-from stiction.mechanics.westergaard import (
+from stiction.mechanics.closed_forms import (
     westergaard_contact_fraction as westergaard_contact_fraction,
     westergaard_gap as westergaard_gap,
     westergaard_pressure as westergaard_pressure,
@@ -93,10 +89,7 @@ from stiction.surfaces.measured.reading import (
     read_profile as read_profile,
     read_surface as read_surface,
 )
-from stiction.surfaces.measured.spectrum_file import (
-    read_spectrum as read_spectrum,
-    write_spectrum as write_spectrum,
-)
+from stiction.surfaces.measured.spectrum_file import read_spectrum as read_spectrum, write_spectrum as write_spectrum
 from stiction.surfaces.measured.writing import write_profile as write_profile, write_surface as write_surface
 from stiction.surfaces.pairing import paired_lines as paired_lines
 from stiction.surfaces.preparation import (

@@ -1,109 +1,60 @@
-"""
-The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side.
-"""
+"""The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side."""
 
 from __future__ import annotations
 import collections.abc
 import numpy
-import numpy.typing
+from numpy import float64
+from numpy.typing import NDArray
 import typing
 
-__all__: list[str] = [
-    "ArealCandidates",
-    "Candidates",
-    "ContactModel",
-    "HalfSpaceGrids",
-    "HalfSpaceSolution",
-    "HalfSpaceSolver",
-    "approaches_at",
-    "areal_quantities",
-    "asperities",
-    "build",
-    "candidates",
-    "contacts",
-    "force_and_area",
-    "frequency_weights",
-    "harmonic_profiles",
-    "harmonic_surface",
-    "natural_slopes",
-    "press",
-    "press_families",
-    "quantities",
-    "scale_to_amplitude",
-]
-
 class Candidates:
-    """
-    Places where two bodies may touch, found once for any number of presses.
-    """
+    """Places where two bodies may touch, found once for any number of presses."""
     def __len__(self) -> int: ...
     def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
     @property
     def deepest(self) -> float:
-        """
-        Approach [µm] up to which they were looked for.
-        """
+        """Approach [µm] up to which they were looked for."""
 
 class ContactModel:
-    """
-    How two bodies are pressed together.
-    """
+    """How two bodies are pressed together."""
     def __init__(
         self,
         *,
         law: str,
-        parameters: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
+        parameters: collections.abc.Mapping[str, float],
         detection: str,
         curvature: str,
-        direction: typing.Annotated[
-            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
-        ],
+        direction: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"],
         sliding: str,
     ) -> None: ...
 
 class ArealCandidates:
-    """
-    Where two maps may touch, found once for any number of presses.
-    """
+    """Where two maps may touch, found once for any number of presses."""
     def __len__(self) -> int: ...
     def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
     @property
     def deepest(self) -> float:
-        """
-        Approach [µm] up to which they were looked for.
-        """
+        """Approach [µm] up to which they were looked for."""
 
 class HalfSpaceGrids:
-    """
-    The grid of a problem, coarser ones, and their kernels, for as many problems as have it.
-    """
+    """The grid of a problem, coarser ones, and their kernels, for as many problems as have it."""
     def __init__(
         self,
-        shape: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
-        spacing: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        shape: collections.abc.Sequence[int],
+        spacing: collections.abc.Sequence[float],
         *,
-        effective_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        effective_modulus: float,
         periodic: bool,
     ) -> None: ...
-    def displacement(
-        self, pressure: numpy.typing.NDArray[numpy.float64], *, threads: typing.SupportsInt | typing.SupportsIndex = 1
-    ) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Displacement [µm] of each point under a pressure [GPa].
-        """
-    def linear_compliance(
-        self, free: numpy.typing.NDArray[numpy.bool], *, threads: typing.SupportsInt | typing.SupportsIndex = 1
-    ) -> float:
-        """
-        dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike.
-        """
+    def displacement(self, pressure: NDArray[float64], *, threads: int = 1) -> NDArray[float64]:
+        """Displacement [µm] of each point under a pressure [GPa]."""
+    def linear_compliance(self, free: NDArray[numpy.bool], *, threads: int = 1) -> float:
+        """dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike."""
     @property
     def periodic(self) -> bool: ...
 
 class HalfSpaceSolution:
-    """
-    A pressure and what is known of it.
-    """
+    """A pressure and what is known of it."""
     @property
     def approach(self) -> float: ...
     @property
@@ -111,291 +62,220 @@ class HalfSpaceSolution:
     @property
     def iterations(self) -> int: ...
     @property
-    def pressure(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    def pressure(self) -> NDArray[float64]: ...
 
 class HalfSpaceSolver:
-    """
-    The pressures of one gap at one load after the other.
-    """
+    """The pressures of one gap at one load after the other."""
     def __init__(
         self,
-        gap: numpy.typing.NDArray[numpy.float64],
+        gap: NDArray[float64],
         grids: HalfSpaceGrids,
         *,
-        bound: numpy.typing.NDArray[numpy.float64],
-        tolerance: typing.SupportsFloat | typing.SupportsIndex,
-        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        bound: NDArray[float64],
+        tolerance: float,
+        threads: int = 1,
     ) -> None: ...
     def at(
         self,
-        mean_pressure: typing.SupportsFloat | typing.SupportsIndex,
+        mean_pressure: float,
         *,
-        near: numpy.typing.NDArray[numpy.float64] | None = None,
-        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        near: NDArray[float64] | None = None,
+        threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
     ) -> HalfSpaceSolution:
-        """
-        The pressure with a given mean [GPa] over the grid.
-        """
+        """The pressure with a given mean [GPa] over the grid."""
     def at_approach(
         self,
-        approach: typing.SupportsFloat | typing.SupportsIndex,
+        approach: float,
         *,
-        near: numpy.typing.NDArray[numpy.float64] | None = None,
-        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        near: NDArray[float64] | None = None,
+        threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
     ) -> HalfSpaceSolution:
-        """
-        The pressure at an approach [µm].
-        """
+        """The pressure at an approach [µm]."""
 
 @typing.overload
 def approaches_at(
-    upper: numpy.typing.NDArray[numpy.float64],
-    lower: numpy.typing.NDArray[numpy.float64],
+    upper: NDArray[float64],
+    lower: NDArray[float64],
     *,
-    spacing: typing.SupportsFloat | typing.SupportsIndex,
-    loads: numpy.typing.NDArray[numpy.float64],
-    left: numpy.typing.NDArray[numpy.float64],
-    right: numpy.typing.NDArray[numpy.float64],
-    mu0: typing.SupportsFloat | typing.SupportsIndex,
-    tau0: typing.SupportsFloat | typing.SupportsIndex,
+    spacing: float,
+    loads: NDArray[float64],
+    left: NDArray[float64],
+    right: NDArray[float64],
+    mu0: float,
+    tau0: float,
     model: ContactModel,
-) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    Approaches [µm] in brackets at which the normal load rises through loads [mN].
-    """
+) -> NDArray[float64]:
+    """Approaches [µm] in brackets at which the normal load rises through loads [mN]."""
 
 @typing.overload
 def approaches_at(
     found: Candidates,
     *,
-    loads: numpy.typing.NDArray[numpy.float64],
-    left: numpy.typing.NDArray[numpy.float64],
-    right: numpy.typing.NDArray[numpy.float64],
-    mu0: typing.SupportsFloat | typing.SupportsIndex,
-    tau0: typing.SupportsFloat | typing.SupportsIndex,
+    loads: NDArray[float64],
+    left: NDArray[float64],
+    right: NDArray[float64],
+    mu0: float,
+    tau0: float,
     model: ContactModel,
-) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    The same, of candidates.
-    """
+) -> NDArray[float64]:
+    """The same, of candidates."""
 
 @typing.overload
 def approaches_at(
     found: ArealCandidates,
     *,
-    loads: numpy.typing.NDArray[numpy.float64],
-    left: numpy.typing.NDArray[numpy.float64],
-    right: numpy.typing.NDArray[numpy.float64],
-    mu0: typing.SupportsFloat | typing.SupportsIndex,
-    tau0: typing.SupportsFloat | typing.SupportsIndex,
+    loads: NDArray[float64],
+    left: NDArray[float64],
+    right: NDArray[float64],
+    mu0: float,
+    tau0: float,
     model: ContactModel,
-) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    The same, of candidates of two maps.
-    """
+) -> NDArray[float64]:
+    """The same, of candidates of two maps."""
 
 def areal_quantities() -> list[tuple[str, str, str]]:
-    """
-    Name, unit and words of each of the sums that only areas have.
-    """
+    """Name, unit and words of each of the sums that only areas have."""
 
 def asperities(
-    heights: numpy.typing.NDArray[numpy.float64], *, spacing: typing.SupportsFloat | typing.SupportsIndex, side: str
-) -> tuple[
-    numpy.typing.NDArray[numpy.float64],
-    numpy.typing.NDArray[numpy.float64],
-    numpy.typing.NDArray[numpy.float64],
-    numpy.typing.NDArray[numpy.float64],
-    numpy.typing.NDArray[numpy.float64],
-]:
-    """
-    Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.
-    """
+    heights: NDArray[float64], *, spacing: float, side: str
+) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
+    """Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile."""
 
 def build() -> dict[str, str]:
-    """
-    What the core was built with, and what it uses of this machine: compiler, instruction_set, gsl.
-    """
+    """What the core was built with, and what it uses of this machine: compiler, instruction_set, gsl."""
 
 @typing.overload
 def candidates(
-    upper: numpy.typing.NDArray[numpy.float64],
-    lower: numpy.typing.NDArray[numpy.float64],
-    *,
-    spacing: typing.SupportsFloat | typing.SupportsIndex,
-    deepest: typing.SupportsFloat | typing.SupportsIndex,
-    curvature: str,
+    upper: NDArray[float64], lower: NDArray[float64], *, spacing: float, deepest: float, curvature: str
 ) -> Candidates:
-    """
-    The gap minima of two profiles up to a deepest approach [µm].
-    """
+    """The gap minima of two profiles up to a deepest approach [µm]."""
 
 @typing.overload
 def candidates(
-    upper: numpy.typing.NDArray[numpy.float64],
-    lower: numpy.typing.NDArray[numpy.float64],
+    upper: NDArray[float64],
+    lower: NDArray[float64],
     *,
-    spacing: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"],
-    deepest: typing.SupportsFloat | typing.SupportsIndex,
+    spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"],
+    deepest: float,
     curvature: str,
 ) -> ArealCandidates:
-    """
-    The gap minima of two maps up to a deepest approach [µm]; spacing of rows, then of columns.
-    """
+    """The gap minima of two maps up to a deepest approach [µm]; spacing of rows, then of columns."""
 
 @typing.overload
 def contacts(
-    upper: numpy.typing.NDArray[numpy.float64],
-    lower: numpy.typing.NDArray[numpy.float64],
-    *,
-    spacing: typing.SupportsFloat | typing.SupportsIndex,
-    approach: typing.SupportsFloat | typing.SupportsIndex,
-    model: ContactModel,
+    upper: NDArray[float64], lower: NDArray[float64], *, spacing: float, approach: float, model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    Every contact at one approach [µm]: a dict of columns.
-    """
+    """Every contact at one approach [µm]: a dict of columns."""
 
 @typing.overload
 def contacts(
-    found: Candidates, *, approach: typing.SupportsFloat | typing.SupportsIndex, model: ContactModel
+    found: Candidates, *, approach: float, model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    The same, of candidates.
-    """
+    """The same, of candidates."""
 
 @typing.overload
 def contacts(
-    found: ArealCandidates, *, approach: typing.SupportsFloat | typing.SupportsIndex, model: ContactModel
+    found: ArealCandidates, *, approach: float, model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    Every contact of two maps at one approach [µm]: a dict of columns.
-    """
+    """Every contact of two maps at one approach [µm]: a dict of columns."""
 
 def force_and_area(
-    law: str,
-    parameters: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
-    *,
-    overlap: typing.SupportsFloat | typing.SupportsIndex,
-    radius: typing.SupportsFloat | typing.SupportsIndex,
+    law: str, parameters: collections.abc.Mapping[str, float], *, overlap: float, radius: float
 ) -> tuple[float, float]:
-    """
-    Force [mN] and area [µm²] of one contact, by a law of this name with all of its parameters.
-    """
+    """Force [mN] and area [µm²] of one contact, by a law of this name with all of its parameters."""
 
-def frequency_weights(
-    hurst_exponent: typing.SupportsFloat | typing.SupportsIndex,
-    frequencies: typing.SupportsInt | typing.SupportsIndex,
-    gamma: typing.SupportsFloat | typing.SupportsIndex,
-    length_scale: typing.SupportsFloat | typing.SupportsIndex,
-) -> list[float]:
-    """
-    Amplitudes of the frequencies of Eq. 1 [µm].
-    """
+def frequency_weights(hurst_exponent: float, frequencies: int, gamma: float, length_scale: float) -> list[float]:
+    """Amplitudes of the frequencies of Eq. 1 [µm]."""
 
 def harmonic_profiles(
-    phases: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
-    weights: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
-    profiles: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    phases: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    weights: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    profiles: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
     *,
-    spacing: typing.SupportsFloat | typing.SupportsIndex,
-    length_scale: typing.SupportsFloat | typing.SupportsIndex,
-    gamma: typing.SupportsFloat | typing.SupportsIndex,
+    spacing: float,
+    length_scale: float,
+    gamma: float,
     band_limited: bool,
-) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    Eq. 1 for every row of weights, into `profiles` (rows, points) [µm]. Returns mean, lowest and highest of each.
-    """
+) -> NDArray[float64]:
+    """Eq. 1 for every row of weights, into `profiles` (rows, points) [µm]. Returns mean, lowest and highest of each."""
 
 def harmonic_surface(
-    phases: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
-    weights: numpy.typing.NDArray[numpy.float64],
-    heights: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    phases: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    weights: NDArray[float64],
+    heights: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
     *,
-    spacing_y: typing.SupportsFloat | typing.SupportsIndex,
-    spacing_x: typing.SupportsFloat | typing.SupportsIndex,
-    length_scale: typing.SupportsFloat | typing.SupportsIndex,
-    gamma: typing.SupportsFloat | typing.SupportsIndex,
+    spacing_y: float,
+    spacing_x: float,
+    length_scale: float,
+    gamma: float,
     band_limited: bool,
 ) -> None:
-    """
-    Eq. 1 over an area, into `heights` (rows, columns) [µm].
-    """
+    """Eq. 1 over an area, into `heights` (rows, columns) [µm]."""
 
 def natural_slopes(
-    heights: numpy.typing.NDArray[numpy.float64],
-    *,
-    spacing: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"],
-) -> typing.Annotated[list[numpy.typing.NDArray[numpy.float64]], "FixedSize(2)"]:
-    """
-    Slopes of a map along columns and along rows by natural cubic splines; spacing of rows, then of columns.
-    """
+    heights: NDArray[float64], *, spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]
+) -> typing.Annotated[list[NDArray[float64]], "FixedSize(2)"]:
+    """Slopes of a map along columns and along rows by natural cubic splines; spacing of rows, then of columns."""
+
+def patch_sums(
+    force: NDArray[float64],
+    area: NDArray[float64],
+    slope_y: NDArray[float64] | None,
+    slope_x: NDArray[float64],
+    patch: NDArray[numpy.int32],
+    directions: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]],
+) -> dict[str, typing.Any]:
+    """Sums over the points of each patch, by name, and along directions (x, y)."""
+
+def patches_of(
+    pressure: NDArray[float64], *, periodic: bool, hardness: float
+) -> tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]:
+    """Of each point under pressure: place, pressure [GPa], share of its cell in contact, and patch, from 1 on."""
 
 @typing.overload
 def press(
-    upper: numpy.typing.NDArray[numpy.float64],
-    lower: numpy.typing.NDArray[numpy.float64],
+    upper: NDArray[float64],
+    lower: NDArray[float64],
     *,
-    spacing: typing.SupportsFloat | typing.SupportsIndex,
-    approaches: numpy.typing.NDArray[numpy.float64],
+    spacing: float,
+    approaches: NDArray[float64],
     model: ContactModel,
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    Sums over the contacts at each approach [µm]: a dict of columns.
-    """
+    """Sums over the contacts at each approach [µm]: a dict of columns."""
 
 @typing.overload
 def press(
-    found: Candidates, *, approaches: numpy.typing.NDArray[numpy.float64], model: ContactModel
+    found: Candidates, *, approaches: NDArray[float64], model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    The same, of candidates.
-    """
+    """The same, of candidates."""
 
 @typing.overload
 def press(
-    found: ArealCandidates,
-    *,
-    approaches: numpy.typing.NDArray[numpy.float64],
-    model: ContactModel,
-    directions: numpy.typing.NDArray[numpy.float64],
+    found: ArealCandidates, *, approaches: NDArray[float64], model: ContactModel, directions: NDArray[float64]
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    Sums over the contacts of two maps: a dict of columns, direction by direction and in it by approach.
-    """
+    """Sums over the contacts of two maps: a dict of columns, direction by direction and in it by approach."""
 
 def press_families(
-    upper: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
-    upper_levels: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
-    lower: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
-    lower_levels: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    upper: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    upper_levels: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    lower: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    lower_levels: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
     *,
-    spacing: typing.SupportsFloat | typing.SupportsIndex,
-    amplitudes: numpy.typing.NDArray[numpy.float64],
+    spacing: float,
+    amplitudes: NDArray[float64],
     measure: str,
-    approaches: numpy.typing.NDArray[numpy.float64],
+    approaches: NDArray[float64],
     models: collections.abc.Sequence[ContactModel],
-    scratch: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
+    scratch: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """
-    Sums of every pair of rows at each amplitude [µm] by each model at each approach [µm]: a dict of columns. Both families are used up.
-    """
+    """Sums of every pair of rows at each amplitude [µm] by each model at each approach [µm]: a dict of columns. Both families are used up."""
 
 def quantities() -> list[tuple[str, str, str]]:
-    """
-    Name, unit and words of each of the sums.
-    """
+    """Name, unit and words of each of the sums."""
 
-def scale_to_amplitude(
-    heights: numpy.typing.NDArray[numpy.float64],
-    amplitude: typing.SupportsFloat | typing.SupportsIndex,
-    measure: str,
-    scaled: numpy.typing.NDArray[numpy.float64],
-) -> bool:
-    """
-    Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.
-    """
+def scale_to_amplitude(heights: NDArray[float64], amplitude: float, measure: str, scaled: NDArray[float64]) -> bool:
+    """Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile."""
 
 __version__: str

@@ -15,18 +15,12 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_MAP = "cividis"
-
-_FINE = 0.5
-"""Heights (µm) below which they are drawn in nm."""
-
-_BAR = 0.3
-"""About how much of the width the bar of the scale takes at most."""
+_FINE = 0.5  # heights (µm) below which they are drawn in nm
+_BAR = 0.3  # about how much of the width the bar of the scale takes at most
 
 
 PRESSURE_MAP = "inferno"
-
-MOST_LINES = 12
-"""Largest number of lines that have a legend."""
+MOST_LINES = 12  # largest number of lines that have a legend
 
 
 def in_fine_unit(heights: Floats) -> tuple[Floats, str]:

@@ -19,14 +19,10 @@ from stiction._text import named
 HALF_WRITTEN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
 """Name of a file that is being written: it says on which machine, and by which process. Whoever is killed leaves it."""
 
-OLD = 3600.0
-"""Seconds after which nobody is still writing a file on another machine."""
-
+OLD = 3600.0  # seconds after which nobody is still writing a file on another machine
 _HERE = f"{zlib.crc32(platform.node().encode()):08x}"
 _THIS_RUN = secrets.token_hex(4)  # the number of a process may have been that of one that was killed
-
-_MARKED = 1000
-"""Bytes in which a file of ours carries its mark."""
+_MARKED = 1000  # bytes in which a file of ours carries its mark
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -62,8 +58,8 @@ def replace(path: Path, content: bytes) -> None:
 def _partial(path: Path, put: Callable[[Path, Path], object]) -> Iterator[Path]:
     """An empty file beside a path, which is put there when it is whole, and is gone afterwards in any case."""
     partial = path.parent / half_written()
-    os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
-    try:
+    try:  # from here on, for Ctrl-C comes as soon as the file is there
+        os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial
         put(partial, path)
     finally:

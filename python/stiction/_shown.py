@@ -17,14 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DPI = 110
-"""Dots to an inch of a picture in a notebook."""
-
-SIZE = (4.6, 3.2)
-"""Width and height of a picture in a notebook, inches."""
-
-SMALL = 4.0
-"""Width of a figure below which a picture has more dots, inches."""
+DPI = 110  # dots to an inch of a picture in a notebook
+SIZE = (4.6, 3.2)  # width and height of a picture in a notebook, inches
+SMALL = 4.0  # width of a figure below which a picture has more dots, inches
 
 COMPRESSION = 4
 """Level of PNG: half of the time of 6, the usual, for a tenth more bytes of maps and hardly any of curves."""

@@ -6,14 +6,9 @@ import math
 import os
 import unicodedata
 
-LONGEST_NAME = 300
-"""Characters of a path in a message."""
-
-LONGEST_WORD = 80
-"""Characters of a key, a version or a name in a message."""
-
-LONGEST_LINE = 1000
-"""Characters of a line of a message, whatever is in it."""
+LONGEST_NAME = 300  # characters of a path in a message
+LONGEST_WORD = 80  # characters of a key, a version or a name in a message
+LONGEST_LINE = 1000  # characters of a line of a message, whatever is in it
 
 # Control characters, formats such as a change of the direction of writing, surrogates, and separators of lines.
 _UNFIT = {"Cc", "Cf", "Cs", "Zl", "Zp"}

@@ -27,10 +27,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 CHANGED = "field.dispatchEvent(new Event('input', {bubbles: true}))"
-
-AGREEMENT = 1e-8
-"""The page has the sums of every member in full."""
-
+AGREEMENT = 1e-8  # the page has the sums of every member in full
 HARD = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "shifts": "4"}
 
 
@@ -230,9 +227,9 @@ def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_pa
         press(fresh)
         # Both at once: what the page has drawn so far, and that more is finished than it has drawn.
         until(lambda: app.jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
-        assert "of 400" in fresh.find_element("id", "words").text
+        until(lambda: fresh.find_element("id", "words").text, lambda text: "of 400" in text)
         fresh.find_element("id", "stop").click()
-        until(lambda: app.jobs()[-1]["words"], lambda words: words == "stopping")
+        until(lambda: app.jobs()[-1], is_ending)
         let_go()
         assert finished(fresh) == "stopped"
     told = app.jobs()[-1]
@@ -266,7 +263,12 @@ def look_at_another_window(fresh, app):
         fresh.switch_to.window(first)
     assert fresh.find_element("id", "title").text == "upper_face.csv on lower_face.csv"
     fresh.find_element("id", "stop").click()
-    until(lambda: app.jobs()[-2]["words"], lambda words: words == "stopping")
+    until(lambda: app.jobs()[-2], is_ending)
+
+
+def is_ending(job):
+    """Whether a job was told to stop, or has stopped."""
+    return "stopping" in job["words"] or job["state"] == "stopped"
 
 
 def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_path, monkeypatch):
@@ -442,7 +444,7 @@ def test_it_is_for_everybody(fresh, maps):
         fill(fresh, HARD)
         press(fresh)
         assert finished(fresh) == "done"
-        until(lambda: fresh.find_element("id", "page").is_displayed(), bool)
+        wait_for_page(fresh)
         check()
     finally:
         size(fresh)

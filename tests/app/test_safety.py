@@ -25,8 +25,7 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 from app.served import Served, served, until, write_maps
 from stiction.app.run import private_folder
 
-MOST_MEMORY = 400e6
-"""Bytes: it has xarray and its own pages, and reads a scan at a time."""
+MOST_MEMORY = 400e6  # bytes: it has xarray and its own pages, and reads a scan at a time
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +100,7 @@ def _own_address():
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"],
+    "name", ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"]
 )
 def test_names_are_no_paths(app, name):
     before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
@@ -142,17 +140,16 @@ def test_only_what_the_page_offers_is_begun(app, asked):
     assert app.jobs() == []
 
 
+@pytest.mark.soak
 def test_three_gigabytes_are_refused_before_they_come(app):
     size = 3_000_000_000
     assert app.ask("PUT", "/scans?name=x.npy", b"", Content_Length=str(size))[0] == 413
     sent = 0
     with socket.create_connection(("127.0.0.1", int(app.port)), timeout=60) as client:
         own = {
-            "Host": f"127.0.0.1:{app.port}",
-            "Origin": app.origin,
-            "Cookie": app.cookie,
+            "Host": f"127.0.0.1:{app.port}", "Origin": app.origin, "Cookie": app.cookie, "X-Stiction-Key": app.key,
             "Transfer-Encoding": "chunked",
-        }
+        }  # fmt: skip
         head = "".join(f"{name}: {value}\r\n" for name, value in own.items())
         client.sendall(f"PUT /scans?name=x.npy HTTP/1.1\r\n{head}\r\n".encode())
         piece = b"1000000\r\n" + bytes(2**24) + b"\r\n"
@@ -188,6 +185,7 @@ def test_bodies_of_questions_are_short(app):
     assert app.ask("POST", "/jobs", b"[" * 2**16)[0] == 400
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("name", ["bomb.x3p", "bomb.xlsx"])
 def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
     path = tmp_path / name
@@ -203,6 +201,7 @@ def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
     assert app.is_alive()
 
 
+@pytest.mark.soak
 def test_who_does_not_finish_a_request_is_let_go(app):
     """A request whose head comes letter by letter, and one that never begins."""
     slow = socket.create_connection(("127.0.0.1", int(app.port)))
@@ -227,6 +226,7 @@ def test_who_does_not_finish_a_request_is_let_go(app):
     assert not open_ones
 
 
+@pytest.mark.soak
 def test_a_thousand_at_once_are_answered_or_refused(app):
     def ask(_):
         try:
@@ -253,6 +253,7 @@ def test_the_folder_is_private_and_goes(tmp_path):
         assert server.private() == []
 
 
+@pytest.mark.soak
 @pytest.mark.skipif(shutil.which("setpriv") is None, reason="nothing here ends a command with its server")
 def test_what_a_killed_server_leaves_the_next_one_removes(tmp_path):
     """Its command ends by itself; a server that lives keeps its folder."""
@@ -307,6 +308,7 @@ def test_a_start_that_another_one_takes_for_dead_begins_again(tmp_path, monkeypa
         assert folder not in met
 
 
+@pytest.mark.soak
 def test_scans_are_counted_while_they_come(app):
     head = f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     (root,) = app.private()
@@ -320,6 +322,7 @@ def test_scans_are_counted_while_they_come(app):
         assert until(lambda: list(root.glob("*.partial")), lambda left: not left) == []
 
 
+@pytest.mark.soak
 def test_a_scan_for_which_there_is_no_room_is_a_sentence(app):
     limits = resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE)
     resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, (10**5, limits[1]))
@@ -331,6 +334,7 @@ def test_a_scan_for_which_there_is_no_room_is_a_sentence(app):
     assert list(app.private()[0].glob("*.partial")) == []
 
 
+@pytest.mark.soak
 def test_silent_connections_do_not_keep_the_owner_out(app):
     with ExitStack() as stack:
         for _ in range(150):
@@ -351,6 +355,7 @@ def test_a_result_whose_name_is_no_text_hides_no_other(app):
     assert app.ask("POST", "/jobs", b'{"command": "open", "name": "bad\\udcff"}')[0] == 404
 
 
+@pytest.mark.soak
 def test_less_memory_than_it_would_leave_is_no_fault(tmp_path):
     code = "import resource; resource.setrlimit(resource.RLIMIT_AS, (4 * 10**9, 4 * 10**9)); "
     code += "from stiction.app import run; from stiction.cli.application import say; run.run(say=say)"
@@ -358,6 +363,22 @@ def test_less_memory_than_it_would_leave_is_no_fault(tmp_path):
         server.enter()
         until(lambda: _address_space(server.process.pid), lambda most: most == 4 * 10**9)
         assert server.is_alive()
+
+
+@pytest.mark.soak
+def test_first_answers_that_are_stopped_keep_nobody_waiting(app, tmp_path):
+    """Nothing that computes goes on meanwhile: they end without it."""
+    upper, lower = (app.take(path) for path in write_maps(tmp_path))
+    assert [app.ask("GET", f"/scans/{each}")[0] for each in (upper, lower)] == [200, 200]
+    options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"]]
+    with app.held(0):
+        for shifts in range(2, 8):
+            asked = {"command": "pair", "upper": upper, "lower": lower, "options": [*options, ["shifts", f"{shifts}"]]}
+            job = app.post("/jobs", asked)["job"]
+            until(lambda: app.jobs()[-1]["words"], lambda words: words == "pressing asperities")
+            app.post(f"/jobs/{job}/stop", {})
+        assert app.ask("GET", f"/scans/{upper}")[0] == 200
+        until(lambda: {each["state"] for each in app.jobs()[-6:]}, lambda states: states == {"stopped"})
 
 
 def _address_space(pid):

@@ -38,9 +38,8 @@ def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
     assert done.returncode == 0
     assert all(line.startswith("repetitions ") for line in done.stderr.splitlines())  # progress, of a busy machine
     assert (tmp_path / "quick" / "area.png").exists()
-    for arguments in (["studies", "figure6"], ["--help"], ["info", "quick"]):
-        done = shell('"$@" | true', *arguments, cwd=tmp_path)
-        assert (done.returncode, done.stderr) == (0, ""), arguments
+    done = shell('"$@" | true', "studies", "figure6", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_full_disk_behind_the_output_is_one_message(tmp_path):
@@ -48,9 +47,8 @@ def test_a_full_disk_behind_the_output_is_one_message(tmp_path):
     assert_refused(done, "stiction: ", "No space left on device")
 
 
-@pytest.mark.parametrize("arguments", [["studies"], ["info", "nowhere"], ["run"], ["--help"]], ids=str)
-def test_a_full_disk_behind_both_outputs_is_bad_input_without_a_word(tmp_path, arguments):
-    done = shell('"$@" > /dev/full 2>&1', *arguments, cwd=tmp_path)
+def test_a_full_disk_behind_both_outputs_is_bad_input_without_a_word(tmp_path):
+    done = shell('"$@" > /dev/full 2>&1', "info", "nowhere", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
 
 
@@ -69,20 +67,20 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("stiction.cli.running.filled", fail)
+    monkeypatch.setattr("stiction.studies.complete.filled", fail)
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "cp437", "koi8-r", "shift_jis", "ascii:strict"])
+@pytest.mark.parametrize("encoding", ["latin-1", "shift_jis"])
 def test_an_encoding_of_few_letters_spells_those_that_it_lacks(tmp_path, encoding):
     done = subprocess.run(
         [sys.executable, "-m", "stiction", "run", "quick", *TINY],
         cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": encoding},
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, b"")
-    said = done.stdout.decode(encoding.partition(":")[0] if encoding != "ascii:strict" else "utf-8")
+    said = done.stdout.decode(encoding)
     assert "_s [95 %]" in said
-    assert ("\N{GREEK SMALL LETTER MU}" in said) == (encoding in ("shift_jis", "ascii:strict"))
+    assert ("\N{GREEK SMALL LETTER MU}" in said) == (encoding == "shift_jis")
 
 
 def test_letters_are_spelt_as_they_are_said():

@@ -51,8 +51,8 @@ def characterise(*arguments, cwd):
     lines = done.stdout.splitlines()
     table = next(at for at, line in enumerate(lines) if line.startswith("points"))
     assert lines[0].startswith("history")
-    written = [cwd / line[6:].removesuffix(", the figure alone") for line in lines if line.startswith("wrote ")]
-    assert [path.suffix for path in written[:-1]] in ([], [".html"])
+    written = [cwd / line[6:] for line in lines if line.startswith("wrote ")]
+    assert [path.suffix for path in written[:-1]] == [".html"]
     rest = lines[table : -len(written)]
     return [line[20:] for line in lines[:table]], "\n".join([*rest, ""]), written[-1]
 
@@ -154,7 +154,7 @@ def test_a_page_says_how_it_was_made_and_not_where(folder):
 def test_json_and_a_figure_do_not_exclude_each_other(folder):
     done = stiction_command("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
     assert done.returncode == 0, done.stderr
-    assert done.stderr == "stiction: wrote look.png, the figure alone\n"
+    assert done.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
     assert imread(folder / "look.png").std() > 0.05
     record = json.loads(done.stdout)
     assert record["command"] == "characterise"

@@ -94,13 +94,10 @@ def test_plot_draws_again(ran):
 def test_a_study_file_runs_as_the_study_it_is(tmp_path):
     study = Study().with_changes(
         {
-            "surfaces.fractal_dimension": [1.2],
-            "surfaces.points": 4000,
-            "surfaces.extent": "2 um",
-            "contact.approach": ["5 nm", "10 nm"],
-            "ensemble.repetitions": 1,
+            "surfaces.fractal_dimension": [1.2], "surfaces.points": 4000, "surfaces.extent": "2 um",
+            "contact.approach": ["5 nm", "10 nm"], "ensemble.repetitions": 1,
         }
-    )
+    )  # fmt: skip
     (tmp_path / "mine.toml").write_text(study.to_toml(), encoding="utf-8")
     done = stiction_command("run", "mine.toml", "--output", "there", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -199,7 +196,7 @@ def test_bad_input_is_one_message_and_status_2(tmp_path, arguments, words):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
-@pytest.mark.parametrize("limit", [300_000, 437_500, 550_000, 980_000, 1_100_000])
+@pytest.mark.parametrize("limit", [437_500, 1_100_000])
 def test_limited_memory_ends_with_a_result_or_one_sentence(tmp_path, limit):
     # Where all but the OpenBLAS of SciPy found room, that tried for ever to get some.
     command = [sys.executable, "-m", "stiction", "run", "quick", *TINY, "--output", "out"]

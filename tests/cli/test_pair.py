@@ -9,14 +9,8 @@ import pytest
 import stiction
 import typer
 from command import assert_refused, stiction_command
-from stiction import (
-    Study,
-    effective_modulus,
-    run,
-    self_affine,
-    self_affine_surface,
-    write_profile,
-)
+from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, write_profile
+from stiction._errors import ArgumentError
 from stiction.cli.application import app
 from stiction.cli.options import announce_reader
 from stiction.studies import store
@@ -201,10 +195,20 @@ def test_materials_have_names(where):
     assert measured.endswith("the hardness is that of --hardness")
 
 
+def test_rubber_does_not_yield(where):
+    given = ["--mu0", "0.3", *LOAD, "--upper", "PDMS", "--lower", "glass"]
+    assert study_of(where, *MAPS, *given).contact.hardness is None
+    with contextlib.chdir(where):
+        assert asked(where, *MAPS, *given).remarks[0].endswith("PDMS does not yield")
+    with pytest.raises(ArgumentError, match="PDMS does not yield"):
+        study_of(where, *MAPS, *given, "--hardness", "1 GPa")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["none.csv", "lower.csv"], ["none.csv", "cannot be read"]),
+        (["bad\udcff.csv", "lower.csv"], ["file: must be text in UTF-8", "rename"]),
         (["upper.csv", "empty.csv"], ["empty.csv"]),
         (["bare.npy", "lower.csv"], ["bare.npy", "unit"]),
         ([*PROFILES, "--unit", "mm"], ["upper.csv", "unit says mm"]),
@@ -236,7 +240,7 @@ def test_materials_have_names(where):
         ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
         ([*PROFILES, "--mu0", "nan"], ["--mu0 must be at least 0"]),
         ([*MAPS, "--hardness", "3"], ["--hardness", "unit"]),
-        ([*MAPS, "--hardness", "150 HV"], ["--hardness", "'HV'"]),
+        ([*MAPS, "--hardness", "150 HB"], ["--hardness", "'HB'"]),
         ([*MAPS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness, 0.5 GPa"]),
         ([*PROFILES, "--mu0", ",".join(f"{index / 1000}" for index in range(101))], ["friction.mu0"]),
         ([*PROFILES, "--travel", "19 um"], ["travel"]),
@@ -280,7 +284,10 @@ def test_bad_input_is_one_message_and_status_2(where, arguments, words):
         (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials, such as steel; the files come first"]),
         ([*PROFILES, "--upper", "upper.csv"], ["--upper is a material", "the files come first", "'upper.csv'"]),
         ([*PROFILES, "--upper", "stele"], ["--upper must be", "steel"]),
-        ([*PROFILES, "--lower", "glass", "--young", "3 MPa"], ["--young and --poisson are of both bodies"]),
+        (
+            [*PROFILES, "--lower", "glass", "--young", "3 MPa"],
+            ["beside one material --young and --poisson are of the other body"],
+        ),
     ],
 )
 def test_materials_and_files_are_told_apart(where, arguments, words):
@@ -289,11 +296,9 @@ def test_materials_and_files_are_told_apart(where, arguments, words):
 
 def test_what_is_needed_is_asked_for(where):
     assert_refused(
-        stiction_command("pair", *PROFILES, *LOAD, "--mu0", "0.3", cwd=where),
-        "--effective-modulus",
-        "--young",
+        stiction_command("pair", *PROFILES, *LOAD, "--mu0", "0.3", cwd=where), "--effective-modulus", "--young",
         "--upper",
-    )
+    )  # fmt: skip
 
 
 # ---- While it is computed --------------------------------------------------------------------------------------------
@@ -351,19 +356,9 @@ def checked(where):
 def areas(where):
     """Two maps, pressed as areas by asperities."""
     done = stiction_command(
-        "pair",
-        *MAPS,
-        *MATERIAL,
-        "--load",
-        "10 MPa",
-        "--shifts",
-        3,
-        "--mechanics",
-        "asperities",
-        "-o",
-        "areas",
+        "pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--mechanics", "asperities", "-o", "areas",
         cwd=where,
-    )
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done
 
@@ -521,7 +516,12 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     stored = store.read(folder / "pair" / "resolution")
     wanted = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml"))
     np.testing.assert_array_equal(stored["contact_area"].values, wanted["contact_area"].values)
-    assert {"cut_off.png", "onset.png", "slip.png", "onset.csv"} <= {path.name for path in (folder / "pair").iterdir()}
+    files = folder / "pair"
+    assert (files / "onset.csv").exists()
+    assert [path.name for path in files.glob("*.png")] == ["friction.png"]
+    done = stiction_command("plot", "pair", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in files.iterdir()}
 
 
 def test_a_pair_says_how_it_begins_to_slide(beside):

@@ -28,7 +28,6 @@ from stiction import (
 
 # The same formula in another order of operations.
 SAME_FORMULA = 1e-13
-
 lengths = st.floats(1e-4, 1e3)
 moduli = st.floats(1e-2, 1e3)
 

@@ -383,13 +383,11 @@ class TestGapMinimum:
             for repetition in range(6):
                 upper, lower = (
                     weierstrass_mandelbrot(
-                        random_phases(5, repetition=repetition, side=side, frequencies=6),
-                        1.2,
-                        points=points // 10,
+                        random_phases(5, repetition=repetition, side=side, frequencies=6), 1.2, points=points // 10,
                         extent=4.0,
                     ).with_amplitude(0.1)
                     for side in ("upper", "lower")
-                )
+                )  # fmt: skip
                 both = [press(upper, lower, [approach], detection=how) for how in ("cell", "gap-minimum")]
                 each.append([float(both[0].contact_area[0]), float(both[1].contact_area[0])])
             cell, minimum = np.array(each).sum(axis=0)

@@ -25,43 +25,22 @@ from stiction import (
 from stiction.studies.members import pair_of
 
 MODULUS = 10.0
-
-DENSE = 1e-8
-"""Of the highest pressure, against dense matrices with a solver's tolerance of 1e-11."""
-
-MINDLIN = 1e-3
-"""Of the motion of a sphere, with a contact of 50 points in radius."""
-
+DENSE = 1e-8  # of the highest pressure, against dense matrices with a solver's tolerance of 1e-11
+MINDLIN = 1e-3  # of the motion of a sphere, with a contact of 50 points in radius
 ROUND_OFF = 1e-12
-
-GRID_OF_PLASTIC_EDGES = 0.05
-"""Of the true area, with some 15 points to a contact; the mean over grids is within 0.015."""
-
-QUADRATURE = 1e-9
-"""Of 60 by 200 points over smooth functions."""
-
-SCATTER_OF_ALL = 0.015
-"""Of two pairs with some tens of contacts each, over twelve directions."""
-
-TIGHT = 1e-10
-"""A solver's tolerance, where a solution is held to another one."""
+GRID_OF_PLASTIC_EDGES = 0.05  # of the true area, with some 15 points to a contact; the mean over grids is within 0.015
+QUADRATURE = 1e-9  # of 60 by 200 points over smooth functions
+SCATTER_OF_ALL = 0.015  # of two pairs with some tens of contacts each, over twelve directions
+TIGHT = 1e-10  # a solver's tolerance, where a solution is held to another one
 
 
-OF_LARGE_GRIDS = 1e-11
-"""Relative to the largest displacement: logarithms of far cells cancel."""
-
-SOON = 2.0
-"""Seconds, on a machine that does other things; the whole takes ten times that."""
-
-SAME = 1e-5
-"""Of two solutions with a tolerance of 1e-6."""
+OF_LARGE_GRIDS = 1e-11  # relative to the largest displacement: logarithms of far cells cancel
+SOON = 2.0  # seconds, on a machine that does other things; the whole takes ten times that
+SAME = 1e-5  # of two solutions with a tolerance of 1e-6
 
 
-OF_STIFFNESS = 1e-6
-"""Relative, of a compliance that is right to 1e-7."""
-
-GRID_OF_A_BALL = 2e-3
-"""Of the load at an approach, with a contact of 24 points in radius."""
+OF_STIFFNESS = 1e-6  # relative, of a compliance that is right to 1e-7
+GRID_OF_A_BALL = 2e-3  # of the load at an approach, with a contact of 24 points in radius
 
 
 def solver_of(gap, spacing, *, periodic, bound=np.inf, tolerance):
@@ -315,17 +294,24 @@ def test_stiffness_is_the_slope_of_load_over_approach():
     assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
 
 
+@pytest.mark.parametrize("hardness", [None, 0.06 * MODULUS], ids=["elastic", "yielding"])
 @pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
-def test_stiffness_agrees_with_dense_matrices(shape, boundary):
+def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
+    """That of unloading: points that have yielded unload elastically. Without a hardness loading is no other."""
     lower = rough(shape, longest=1, shortest=5)
-    curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary)
+    curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary, hardness=hardness)
     spacing = np.array([1 / n for n in shape])
     matrix = getattr(dense_half_space, f"{boundary}_matrix")(shape, spacing, MODULUS)
     touching = np.flatnonzero(curve.contact(0).pressure)
     assert 5 < touching.size < 0.8 * lower.heights.size
     even = np.linalg.solve(matrix[np.ix_(touching, touching)], np.ones(touching.size))
     assert (even > 0).all()
-    assert curve.stiffness[0] == pytest.approx(even.sum() * np.prod(spacing), rel=OF_STIFFNESS)
+    assert curve.unloading_stiffness[0] == pytest.approx(even.sum() * np.prod(spacing), rel=OF_STIFFNESS)
+    if hardness is None:
+        assert curve.stiffness[0] == curve.unloading_stiffness[0]
+    else:
+        assert curve.load_share_at_hardness[0] > 0.1
+        assert curve.stiffness[0] < 0.95 * curve.unloading_stiffness[0]
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -792,13 +778,9 @@ def test_progress_says_what_is_solved_and_can_end_it():
     body = rough((32, 32))
     seen = []
     half_space(
-        flat_like(body),
-        body,
-        [0.01, 0.1],
-        boundary="periodic",
-        progress=lambda *each: seen.append(each),
+        flat_like(body), body, [0.01, 0.1], boundary="periodic", progress=lambda *each: seen.append(each),
         tolerance=1e-6,
-    )
+    )  # fmt: skip
     assert {solved for solved, _, _ in seen} == {0, 1}
     assert seen[0][1] == 1
     assert all(error > 1e-6 for _, _, error in seen)

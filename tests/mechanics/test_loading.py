@@ -2,11 +2,8 @@ import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, press
 
-FOUND = 1e-11
-"""Relative: the root is bracketed to 1e-12 of the approach, and load goes with a power of it up to a few."""
-
-ARC = 1e-6
-"""Relative: Hertz's force of two arcs, as in the contact tests."""
+FOUND = 1e-11  # relative: the root is bracketed to 1e-12 of the approach, and load goes with a power of it up to a few
+ARC = 1e-6  # relative: Hertz's force of two arcs, as in the contact tests
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])

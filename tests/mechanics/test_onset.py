@@ -24,18 +24,10 @@ from stiction import (
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
 
 MODULUS = 10.0
-
 ROUND_OFF = 1e-12
-
-DENSE = 1e-6
-"""Of the largest value, against dense matrices, with the solver's tolerance of 1e-6."""
-
-MINDLIN = 1e-3
-"""Of the displacement of a ball whose contact is 24 points in radius."""
-
-RELATED = 0.01
-"""Of what an independent principle says on rough bodies."""
-
+DENSE = 1e-6  # of the largest value, against dense matrices, with the solver's tolerance of 1e-6
+MINDLIN = 1e-3  # of the displacement of a ball whose contact is 24 points in radius
+RELATED = 0.01  # of what an independent principle says on rough bodies
 PARTS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 

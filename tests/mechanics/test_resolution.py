@@ -16,31 +16,21 @@ from stiction import (
     self_affine,
     self_affine_surface,
 )
-from stiction.mechanics.brackets import most_area
-from stiction.mechanics.continuation import kappa_spread
+from stiction.mechanics.brackets import kappa_spread, most_area
 
 ROUND_OFF = 1e-12
-
-EDGES = 0.1
-"""Of an area, what cells at the edges of contacts are uncertain by on a coarse grid."""
-
+EDGES = 0.1  # of an area, what cells at the edges of contacts are uncertain by on a coarse grid
 STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
 def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
     return tuple(
         self_affine_surface(
-            seed,
-            hurst_exponent=hurst,
-            rms=rms,
-            shape=(points, points),
-            spacing=spacing,
-            side=side,
-            longest_wavelength=points * spacing / 4,
-            shortest_wavelength=shortest,
+            seed, hurst_exponent=hurst, rms=rms, shape=(points, points), spacing=spacing, side=side,
+            longest_wavelength=points * spacing / 4, shortest_wavelength=shortest,
         )
         for side in ("upper", "lower")
-    )
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -284,6 +274,7 @@ def test_progress_and_a_load_without_solution(monkeypatch):
         ({"loads": [1e9]}, "loads must be below hardness times area"),
         ({"upper": Profile(np.zeros(9), spacing=1.0)}, "must both be profiles or both surfaces"),
         ({"boundary": "open"}, "boundary must be one of"),
+        ({"direction": 1j}, "direction must be"),
     ],
 )
 def test_bad_arguments_are_named(changes, said):

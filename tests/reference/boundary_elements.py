@@ -9,9 +9,7 @@ EFFECTIVE_MODULUS = 10.0  # GPa
 LONGEST_PER_PERIOD = 4
 PERIOD = 4.0  # µm, so that the longest wave is 1 µm
 RMS_SLOPE = 0.1
-
-TOLERANCE = 1e-10
-"""Of the solver's complementarity error."""
+TOLERANCE = 1e-10  # of the solver's complementarity error
 
 POINTS_TOO_MANY = 0.38
 """By which a run of grid points under pressure is longer than the contact, in points, on average over positions.
@@ -19,11 +17,8 @@ POINTS_TOO_MANY = 0.38
 Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points at any load up to half contact.
 """
 
-LOAD_STEP = 0.02
-"""Half of the relative difference of the two loads between which a stiffness is taken."""
-
-WRAP = 48
-"""Points of the next period on each side, from which on a spline does not feel its ends at all."""
+LOAD_STEP = 0.02  # half of the relative difference of the two loads between which a stiffness is taken
+WRAP = 48  # points of the next period on each side, from which on a spline does not feel its ends at all
 
 
 def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
@@ -84,13 +79,9 @@ class Asperities:
     def touching(self, approach):
         """Position (µm), overlap (µm), radius (µm), force (mN) and area (µm²) of each contact of one period."""
         table = contacts(
-            self.flat,
-            self.lower,
-            approach,
-            effective_modulus=EFFECTIVE_MODULUS,
-            law=HertzCylinder(),
+            self.flat, self.lower, approach, effective_modulus=EFFECTIVE_MODULUS, law=HertzCylinder(),
             detection="gap-minimum",
-        )
+        )  # fmt: skip
         own = (table.index >= WRAP) & (table.index < WRAP + self.points)
         return (values[own] for values in (table.centre[:, 0], table.overlap, table.radius, table.force, table.area))
 

@@ -98,12 +98,10 @@ def faults(pressure, gap, spacing, modulus, load, *, periodic, tolerance, hardne
     approach = potential[between].mean() if between.any() else potential[capped].max()
     found = potential - approach
     wrong = {
-        "load": abs(pressure.sum() * np.prod(spacing) / load - 1),
-        "suction": -min(pressure.min(), 0) / pressure.max(),
+        "load": abs(pressure.sum() * np.prod(spacing) / load - 1), "suction": -min(pressure.min(), 0) / pressure.max(),
         "above the hardness": max(pressure.max() / hardness - 1, 0),
-        "open under pressure": np.max(found[pressure > 0], initial=0),
-        "overlap": np.max(-found[~capped], initial=0),
-    }
+        "open under pressure": np.max(found[pressure > 0], initial=0), "overlap": np.max(-found[~capped], initial=0),
+    }  # fmt: skip
     return [f"{name} {size:.1e}" for name, size in wrong.items() if not size <= tolerance]
 
 

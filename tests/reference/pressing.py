@@ -77,15 +77,12 @@ def sums(rows, sigma):
     opposing = sigma * n_x < 0
     t_x, t_z = sigma * -n_z, sigma * n_x
     return {
-        "contact_count": len(rows),
-        "contact_area": area.sum(),
-        "normal_elastic": (force * n_z).sum(),
+        "contact_count": len(rows), "contact_area": area.sum(), "normal_elastic": (force * n_z).sum(),
         "tangential_elastic": -sigma * (force * n_x)[opposing].sum(),
         "normal_frictional": (force * t_z)[opposing].sum(),
         "tangential_frictional": -sigma * (force * t_x)[opposing].sum(),
-        "normal_adhesive": (area * t_z)[opposing].sum(),
-        "tangential_adhesive": -sigma * (area * t_x)[opposing].sum(),
-    }
+        "normal_adhesive": (area * t_z)[opposing].sum(), "tangential_adhesive": -sigma * (area * t_x)[opposing].sum(),
+    }  # fmt: skip
 
 
 def loads(rows, sigma, mu0, tau0):

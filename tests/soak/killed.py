@@ -19,8 +19,7 @@ from stiction import Study, run
 from stiction.studies import store
 
 KILLS = 25
-SHORTEST = 25.0
-"""Seconds that the undisturbed run takes at least, so that a kill seldom finds it done."""
+SHORTEST = 25.0  # seconds that the undisturbed run takes at least, so that a kill seldom finds it done
 
 # Many repetitions of a tenth of a second, each a block, so that many kills fall into writes.
 STUDY = Study().with_changes(

@@ -28,14 +28,9 @@ from stiction.studies import pressed, store
 from stiction.studies.netcdf import decoded
 
 KILLS = 200
-OF_A_FOLDER = 20
-"""Kills, before a new one is begun: so that many fall into its beginning."""
-
-SAMPLE = 300
-"""Repetitions of a folder that are computed once more at the end."""
-
+OF_A_FOLDER = 20  # kills, before a new one is begun: so that many fall into its beginning
+SAMPLE = 300  # repetitions of a folder that are computed once more at the end
 ROUNDS = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
-
 PATIENCE = 600.0
 
 STUDY = Study().with_changes(

@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 from measured_studies import study_of, write_maps, write_profiles
-from stiction import Study, friction_map, pressed_maps, pressed_maps_mean, run, traverse, traverse_mean
+from stiction import (
+    Study,
+    area_map,
+    friction_map,
+    pressed_maps,
+    pressed_maps_mean,
+    run,
+    stiffness_map,
+    traverse,
+    traverse_mean,
+)
+from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load, axes_of, reached_loads
 from stiction.studies.member_values import member_values
@@ -93,6 +104,20 @@ def test_generated_results_are_read_at_the_mean_load_as_maps_are():
     )  # fmt: skip
 
 
+def test_quantities_of_an_ensemble_are_means_over_directions_before_their_intervals():
+    study = Study().with_changes({
+        "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
+        "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
+        "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
+    })  # fmt: skip
+    result = run(study)
+    load = [float(reached_loads(result, 5)[2])]
+    point, merged = at_load(result, load), result.mean("direction", keep_attrs=True)
+    for name, whole in (("contact_area", area_map(merged, load)), ("normal_stiffness", stiffness_map(merged, load))):
+        for statistic, other in (("mean", name), ("lower", "lower"), ("upper", "upper")):
+            np.testing.assert_allclose(point[name].sel(statistic=statistic), whole[other], rtol=ROUND_OFF)
+
+
 def test_means_of_directions_are_taken_before_their_intervals(areas):
     _, result = areas
     values = member_values(result, [2.0], mu0=0.3)
@@ -144,6 +169,23 @@ def test_a_member_without_a_solution_is_left_out(areas):
     assert int(point["ok"].max()) == 4
     assert np.isfinite(point["friction_all_round"]).all()
     assert member_values(broken, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
+
+
+@pytest.mark.parametrize("reading", ["elastic", "normal"])
+def test_a_load_without_a_solution_is_not_read_off_the_next(areas, reading):
+    _, result = areas
+    step = 1
+    broken = result.copy(deep=True)
+    broken["status"].values[0, 0, step] = STATUSES.index("not-solved")
+    for values in broken.data_vars.values():
+        if values.dtype.kind == "f" and "load" in values.dims:
+            values.loc[{"repetition": 0, "load": values["load"][step]}] = np.nan
+    loads = broken["load"].values[step] * np.array([0.9, 1.0])
+    status = member_values(broken, loads, reading=reading)["status"].transpose("repetition", ...)
+    assert (status[0] == "not-solved").all()
+    assert (status[1:] == "ok").all()
+    there, every = (member_values(each, result["load"].values[2:3])["contact_area"] for each in (broken, result))
+    np.testing.assert_array_equal(there, every)
 
 
 def test_bad_input(areas):

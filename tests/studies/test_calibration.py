@@ -138,16 +138,9 @@ def test_a_result_of_pair_stands_for_its_surfaces() -> None:
         for side in ("upper", "lower")
     )
     result = pair(
-        upper,
-        lower,
-        load=["40 MPa", "160 MPa"],
-        mu0=0.2,
-        tau0="50 MPa",
-        upper="steel",
-        lower="brass",
-        shifts=4,
+        upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
         onset=0,
-    )
+    )  # fmt: skip
     found = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
     truth = float(found.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
@@ -203,16 +196,13 @@ def test_runs_share_an_offset() -> None:
     offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
     tests = [
         FrictionTest(
-            BALL,
-            load,
-            run=run,
-            uncertainty=0.02 * y,
+            BALL, load, run=run, uncertainty=0.02 * y,
             coefficient=y * (1 + offsets[run] + 0.02 * random.standard_normal()),
         )
         for run in offsets
         for load in LOADS[::2]
         for y in [MU0 + TAU0 * BALL.area_per_load(load)]
-    ]
+    ]  # fmt: skip
     apart = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty) for test in tests
     ]

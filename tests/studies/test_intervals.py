@@ -5,11 +5,8 @@ import scipy.stats
 from reference.neighbours import judged, of_quantity, traverses
 from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours, of_sample
 
-TRIALS = 500
-"""The share that covers scatters by 1 %."""
-
-WIDEST = 1.5
-"""Median width over that of an interval from the true variance, where 32 values and more are at hand."""
+TRIALS = 500  # the share that covers scatters by 1 %
+WIDEST = 1.5  # median width over that of an interval from the true variance, where 32 values and more are at hand
 
 LEAST_GIVEN = 0.85
 """In a tenth of the traverses where half are 0 and neighbours are alike all of 16 are, and there is no interval."""
@@ -23,8 +20,7 @@ LEAST_COVERAGE = {
 }  # fmt: skip
 
 
-ALWAYS = ((16, 0.8), (64, 0.4), (200, 0.0))
-"""Cases that are no soak."""
+ALWAYS = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases that are no soak
 
 
 @pytest.mark.parametrize(

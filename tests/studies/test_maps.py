@@ -15,13 +15,10 @@ def dataset(normal, tangential, *, frictional=None, area=None, count=None):
     normal, tangential = np.atleast_2d(normal), np.atleast_2d(tangential)
     study = Study().with_changes(
         {
-            "surfaces.fractal_dimension": [1.3],
-            "contact.approach": [f"{k + 1} nm" for k in range(normal.shape[1])],
-            "ensemble.repetitions": normal.shape[0],
-            "friction.mu0": [0.0],
-            "friction.tau0": ["0 MPa"],
+            "surfaces.fractal_dimension": [1.3], "contact.approach": [f"{k + 1} nm" for k in range(normal.shape[1])],
+            "ensemble.repetitions": normal.shape[0], "friction.mu0": [0.0], "friction.tau0": ["0 MPa"],
         }
-    )
+    )  # fmt: skip
     result = empty_dataset(study)
     result["normal_elastic"].values[0, 0] = normal
     result["tangential_elastic"].values[0, 0] = tangential

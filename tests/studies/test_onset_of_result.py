@@ -44,12 +44,9 @@ def test_it_is_the_mean_of_what_the_members_do(study, onset):
     curves = []
     for index in range(3):
         curve = half_space(
-            *bodies_of(study).member(index, 0.0).pair,
-            [2.0],
-            effective_modulus=100.0,
-            hardness=4.0,
+            *bodies_of(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
             compliance_share=0.3,
-        )
+        )  # fmt: skip
         steps = onset["fraction"].values.tolist()
         curves.append(curve.onset(0, mu0=0.3, tau0=0.05, steps=steps, poisson=[0.3, 0.4]))
     for name in ("displacement", "slipped_area", "tangential_load"):
@@ -101,7 +98,7 @@ def test_a_map_says_what_slips_first(study, onset, monkeypatch):
     bears = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
     assert bears == pytest.approx(one.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9)
     np.testing.assert_allclose(onset["lower_height"], lower.heights, rtol=1e-6)
-    monkeypatch.setattr("stiction.studies.slip_map.MOST_PICTURED", 8)
+    monkeypatch.setattr("stiction.studies.onset.MOST_PICTURED", 8)
     coarse = computed(study, members=1)["slip"].values
     assert coarse.shape == (8, 8)
     for row, column in np.ndindex(8, 8):

@@ -27,12 +27,8 @@ from stiction.surfaces.pairing import FEWEST_POINTS, MapPairs
 ANGLES = (0.0, 30.0, 90.0, 180.0)
 MATERIAL = {"mu0": [0.3, 0.4], "tau0": [0.0, 0.05]}
 LOADS = (0.02, 0.1)
-
-ROUND_OFF = 1e-9
-"""Of the same sums at an approach that is found to 1e-12, or on lengths that are ten times as large."""
-
-SOLVED = 1e-4
-"""Area and friction of two solutions to 1e-6: points at a patch's edge may be in or out."""
+ROUND_OFF = 1e-9  # of the same sums at an approach that is found to 1e-12, or on lengths that are ten times as large
+SOLVED = 1e-4  # area and friction of two solutions to 1e-6: points at a patch's edge may be in or out
 
 
 def surface(side="lower", seed=3, shape=(64, 64), rms=0.02, shortest=0.4):
@@ -50,39 +46,17 @@ def numbers(result):
     return {name: values.values for name, values in result.data_vars.items() if values.dtype.kind == "f"}
 
 
-@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_every_number_is_that_of_pressing_by_hand(mechanics):
+def test_pieces_are_what_lies_above_each_other():
+    """Rows and columns of the upper that lie on those of the lower, cut to 48 by 48 in the middle."""
     upper, lower = pair()
-    result = pressed_maps(upper, lower, LOADS, **MATERIAL, directions=ANGLES, shifts=3, mechanics=mechanics)
-    x, y = MapPairs(upper, lower).moved(2)
+    pairs = MapPairs(upper, lower)
+    x, y = pairs.moved(2)
     rows, columns = round(y / 0.1), round(x / 0.1)
-    # Rows and columns of the upper that lie on those of the lower, cut to 48 by 48 in the middle.
     top, left = max(0, rows) + (64 - abs(rows) - 48) // 2, columns + (64 - columns - 48) // 2
     above = Surface(upper.heights[top - rows : top - rows + 48, left - columns : left - columns + 48], spacing=0.1)
     below = Surface(lower.heights[top : top + 48, left : left + 48], spacing=0.1)
-    above, below = levelled(above, "plane"), levelled(below, "plane")
-    for sliding in ("opposing", "all"):
-        if mechanics == "half-space":
-            curve = half_space(above, below, LOADS, direction=ANGLES, sliding=sliding)
-        else:
-            approaches = approach_at_load(above, below, LOADS, mu0=0.0)
-            curve = press(above, below, approaches, direction=ANGLES, sliding=sliding)
-        at = result.sel(sliding=sliding).isel(repetition=2).transpose("direction", "load", "mu0", "tau0", ...)
-        for m, mu0 in enumerate(MATERIAL["mu0"]):
-            for t, tau0 in enumerate(MATERIAL["tau0"]):
-                there = at.isel(mu0=m, tau0=t)
-                friction = curve.friction_coefficient(mu0=mu0, tau0=tau0)
-                np.testing.assert_allclose(there["friction_coefficient"], friction, rtol=ROUND_OFF)
-                np.testing.assert_allclose(there["normal_load"], curve.normal_load(mu0=mu0, tau0=tau0), rtol=ROUND_OFF)
-        np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=ROUND_OFF)
-        np.testing.assert_array_equal(at["contact_count"], curve.contact_count)
-        np.testing.assert_allclose(at["approach"], curve.approach, rtol=ROUND_OFF)
-        np.testing.assert_allclose(curve.normal_elastic, LOADS, rtol=1e-6)
-        if mechanics == "half-space":
-            np.testing.assert_allclose(at["normal_stiffness"], curve.stiffness, rtol=ROUND_OFF)
-    np.testing.assert_allclose(result["contact_area_fraction"], result["contact_area"] / (4.8 * 4.8), rtol=ROUND_OFF)
-    assert float(result["nominal_area"]) == pytest.approx(4.8 * 4.8)
-    assert (result["status"] == "ok").all()
+    for piece, cut in zip(pairs.pair(2), (above, below), strict=True):
+        np.testing.assert_allclose(levelled(piece, "plane").heights, levelled(cut, "plane").heights, atol=1e-15)
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
@@ -96,14 +70,10 @@ def test_it_is_the_study_of_both_bodies_to_the_bit(mechanics):
     study = study.model_copy(update={"surfaces": prepared})
     wanted = member_values(run(study), LOADS, mu0=[0.3], tau0=[0.0], of="shifts").isel(cut_off=0)
     result = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=[0.0, 90.0], **chosen).isel(repetition=slice(2))
-    for name in (
-        "friction_coefficient",
-        "contact_area",
-        "contact_count",
-        "approach",
-        "mean_pressure",
-        "share_opposing",
-    ):
+    assert (result["status"] == "ok").all()
+    shared = {*wanted.data_vars} & {*numbers(result)}
+    assert len(shared) > 15
+    for name in shared:
         there = wanted[name].transpose(*result[name].dims)
         if "sliding" in there.dims:
             there = there.sel(sliding=result["sliding"])

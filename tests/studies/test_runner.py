@@ -48,13 +48,11 @@ def test_every_sum_is_that_of_its_pair(result):
     for d, a, r in ((0, 0, 0), (2, 1, 3), (3, 0, 4)):
         upper, lower = (
             weierstrass_mandelbrot(
-                random_phases(2016, repetition=r, side=side),
-                result["fractal_dimension"].values[d],
-                points=5000,
+                random_phases(2016, repetition=r, side=side), result["fractal_dimension"].values[d], points=5000,
                 extent=2.0,
             ).with_amplitude((0.05, 0.1)[a])
             for side in ("upper", "lower")
-        )
+        )  # fmt: skip
         curve = press(upper, lower, result["approach"].values)
         for name in SUMS:
             assert np.array_equal(result[name].values[d, a, r], getattr(curve, name)), name
@@ -63,22 +61,12 @@ def test_every_sum_is_that_of_its_pair(result):
 def test_the_choices_of_a_study_arrive(result):
     """Each changed value changes the result, so none is dropped on the way."""
     changes = {
-        "surfaces.amplitude_measure": "Rq",
-        "surfaces.length_scale": "0.9 um",
-        "surfaces.extent": "2.1 um",
-        "surfaces.points": 5001,
-        "surfaces.gamma": 1.6,
-        "surfaces.directions": 39,
-        "surfaces.frequencies": 39,
-        "surfaces.convention": "classical",
-        "surfaces.band_limit": "nyquist",
-        "contact.effective_modulus": "11 GPa",
-        "contact.curvature": "signed",
-        "contact.detection": "gap-minimum",
-        "contact.law": "hertz-cylinder",
-        "contact.shear": "-x",
-        "ensemble.seed": 2017,
-    }
+        "surfaces.amplitude_measure": "Rq", "surfaces.length_scale": "0.9 um", "surfaces.extent": "2.1 um",
+        "surfaces.points": 5001, "surfaces.gamma": 1.6, "surfaces.directions": 39, "surfaces.frequencies": 39,
+        "surfaces.convention": "classical", "surfaces.band_limit": "nyquist", "contact.effective_modulus": "11 GPa",
+        "contact.curvature": "signed", "contact.detection": "gap-minimum", "contact.law": "hertz-cylinder",
+        "contact.shear": "-x", "ensemble.seed": 2017,
+    }  # fmt: skip
     for key, value in changes.items():
         other = run(SMALL.with_changes({key: value, "ensemble.repetitions": 1}))
         differs = [name for name in SUMS if not np.array_equal(other[name].values, result[name].values[:, :, :1])]

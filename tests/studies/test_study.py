@@ -119,12 +119,10 @@ class TestChanges:
     def test_replace_values_by_dotted_key(self):
         study = Study().with_changes(
             {
-                "ensemble.repetitions": 3,
-                "surfaces.fractal_dimension": [1.2, 1.5],
-                "contact.approach.count": 7,
+                "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
                 "contact.effective_modulus": "70 GPa",
             }
-        )
+        )  # fmt: skip
         assert study.ensemble.repetitions == 3
         assert study.surfaces.fractal_dimensions().tolist() == [1.2, 1.5]
         assert study.contact.approaches().size == 7

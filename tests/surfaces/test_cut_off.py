@@ -14,8 +14,7 @@ WEIGHTS = 1e-6
 """Of heights. Weights sampled from the Gaussian differ from those of its transform cut at the Nyquist wave number by
 exp(-ln 2 (λ_c/2Δx)²), which is less than this from nine points on."""
 
-FEW_WEIGHTS = 1e-4
-"""Of an amplitude, what the weights left out take at wavelengths of two to five points."""
+FEW_WEIGHTS = 1e-4  # of an amplitude, what the weights left out take at wavelengths of two to five points
 
 
 def by_definition(heights, spacing, wavelength):

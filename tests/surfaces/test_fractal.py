@@ -13,7 +13,6 @@ from stiction import (
 # Of the profile's total height. Phases are held to 64 bits, so what is left is the round-off of 1600 cosines and of a
 # recurrence of 256 steps; the reference's own long double phases are good to about 1e-10 rad at the highest frequency.
 AGREES_WITH_DIRECT_SUM = 1e-12
-
 SMALL = {"points": 3000, "extent": 2.0}
 
 
@@ -71,15 +70,9 @@ class TestProfile:
         ends = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
         at = np.unique(np.concatenate([np.arange(5), *ends, np.arange(7, 150_000, 3001), [149_999]]))
         expected = direct_sum.weierstrass_mandelbrot(
-            phases,
-            hurst(dimension, convention),
-            length_scale=1.0,
-            gamma=1.5,
-            extent=40.0,
-            points=150_000,
-            at=at,
+            phases, hurst(dimension, convention), length_scale=1.0, gamma=1.5, extent=40.0, points=150_000, at=at,
             nyquist=band_limit == "nyquist",
-        )
+        )  # fmt: skip
         error = np.abs(profile.heights[at] - expected).max() / np.ptp(profile.heights)
         assert error < AGREES_WITH_DIRECT_SUM
 
@@ -164,15 +157,9 @@ class TestSurface:
         random = np.random.default_rng(2)
         at = np.vstack([[(0, 0), (59, 89), (0, 89), (59, 0)], random.integers(self.SHAPE, size=(40, 2))])
         expected = direct_sum.weierstrass_mandelbrot_surface(
-            phases,
-            hurst(dimension, convention),
-            length_scale=1.0,
-            gamma=1.5,
-            extents=self.EXTENT,
-            shape=self.SHAPE,
-            at=at,
-            nyquist=band_limit == "nyquist",
-        )
+            phases, hurst(dimension, convention), length_scale=1.0, gamma=1.5, extents=self.EXTENT, shape=self.SHAPE,
+            at=at, nyquist=band_limit == "nyquist",
+        )  # fmt: skip
         ours = surface.heights[tuple(np.transpose(at))]
         assert np.abs(ours - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(surface.heights)
 

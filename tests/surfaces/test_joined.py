@@ -4,19 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from stiction import (
-    Profile,
-    Surface,
-    joined_spectrum,
-    scale_dependent_roughness,
-    self_affine_surface,
-    surface_spectrum,
-)
+from stiction import Profile, Surface, joined_spectrum, scale_dependent_roughness, self_affine_surface, surface_spectrum
 
 POINTS, SPACING = 1024, 0.01
-
-SCATTER = 0.1
-"""Of a bin of some hundred waves and more, of a few pieces of the surface."""
+SCATTER = 0.1  # of a bin of some hundred waves and more, of a few pieces of the surface
 
 
 @pytest.fixture(scope="module")

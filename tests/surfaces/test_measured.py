@@ -773,13 +773,10 @@ def test_a_surface_of_an_atomic_force_microscope(measured):
 def test_any_damaged_file_is_read_or_refused_in_one_sentence(tmp_path):
     pristine = {
         "a.csv": "".join([TEXTS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
-        "b.txt": TEXTS["decimal comma and tab"].encode(),
-        "c.npy": npy(np.arange(20.0)),
-        "d.x3p": x3p(METRES[0]),
-        "e.x3p": x3p(METRES[0], listed=True),
-        "f.x3p": x3p(METRES[0], positions=1e-6 * np.arange(9)),
+        "b.txt": TEXTS["decimal comma and tab"].encode(), "c.npy": npy(np.arange(20.0)), "d.x3p": x3p(METRES[0]),
+        "e.x3p": x3p(METRES[0], listed=True), "f.x3p": x3p(METRES[0], positions=1e-6 * np.arange(9)),
         "g.xlsx": workbook(("one", ROWS)),
-    }
+    }  # fmt: skip
     outcomes = Counter()
     for index in range(1500):
         random = np.random.default_rng([4, index])

@@ -38,12 +38,7 @@ def test_heights_are_a_copy_that_nobody_can_change():
 
 
 @pytest.mark.parametrize(
-    ("measure", "size"),
-    [
-        ("height", np.ptp),
-        ("Ra", lambda y: np.abs(y - y.mean()).mean()),
-        ("Rq", np.std),
-    ],
+    ("measure", "size"), [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)]
 )
 def test_amplitude_is_what_the_measure_says(measure, size):
     scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)

@@ -135,14 +135,11 @@ def slow(surface):
             for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):  # both ways to part the mesh
                 area += np.linalg.norm(np.cross(corner[b] - corner[a], corner[c] - corner[a])) / 4
     return {
-        "Sq": sq,
-        "Sa": math.fsum(abs(v) for v in z.flat) / n,
-        "Sz": float(z.max() - z.min()),
-        "Ssk": math.fsum(v**3 for v in z.flat) / n / sq**3,
-        "Sku": math.fsum(v**4 for v in z.flat) / n / sq**4,
+        "Sq": sq, "Sa": math.fsum(abs(v) for v in z.flat) / n, "Sz": float(z.max() - z.min()),
+        "Ssk": math.fsum(v**3 for v in z.flat) / n / sq**3, "Sku": math.fsum(v**4 for v in z.flat) / n / sq**4,
         "Sdq": math.sqrt(np.mean(np.square(along_x)) + np.mean(np.square(along_y))),
         "Sdr": area / ((rows - 1) * (columns - 1) * dx * dy) - 1,
-    }
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("factor", [1.0, 1e-6])

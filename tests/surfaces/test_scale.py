@@ -23,9 +23,7 @@ from stiction import (
 from stiction.surfaces.scale import interval_lines
 
 ROUND_OFF = 1e-9
-
-BINS = 0.03
-"""Of a slope between two bins, 48 to a decade."""
+BINS = 0.03  # of a slope between two bins, 48 to a decade
 
 
 def test_all_waves_have_the_moments_of_the_spectrum():

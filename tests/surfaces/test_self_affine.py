@@ -5,9 +5,7 @@ import pytest
 from rough_bodies import rough
 from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
 
-ROUND_OFF = 1e-12
-"""Of sums and transforms of some ten thousand numbers."""
-
+ROUND_OFF = 1e-12  # of sums and transforms of some ten thousand numbers
 CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
 
 

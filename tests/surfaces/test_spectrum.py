@@ -23,9 +23,7 @@ from stiction import (
 # Of sums over some thousand points, of transforms and their squares.
 ROUND_OFF = 1e-12
 AREA_ROUND_OFF = 1e-11
-
-LAY = 10.0
-"""Degrees, of maps of some ten of the longest waves that are twice as long one way; nine tenths are within 3."""
+LAY = 10.0  # degrees, of maps of some ten of the longest waves that are twice as long one way; nine tenths are within 3
 
 
 class TestSpectrum:

@@ -286,7 +286,20 @@ def test_materials_are_named_with_the_range_of_the_softer_hardness():
     one = answers(measured(load_share_at_hardness=0.9), with_materials(0.625))[0]
     assert "mild steel on brass" in one.inputs
     assert "hardness 625 MPa (known: 230 MPa to 1.7 GPa)" in one.inputs
-    assert any("from 230 MPa to 1.7 GPa, and μ0 + τ0/H from 0.23 to 0.42" in doubt.text for doubt in one.doubts)
+
+
+@pytest.mark.parametrize(("mu0", "beyond"), [(0.2, True), (0.1, False)])  # 175 and 112 MPa beside 120 MPa
+def test_no_interface_is_stronger_than_the_softer_body(mu0, beyond):
+    at = measured(load_share_at_hardness=0.9, mu0=(mu0,))
+    doubts = [each.text for each in answers(at, with_materials(0.625))[0].doubts]
+    assert any("μ0 p + τ0 is 175 MPa and the softer body shears at 120 MPa" in text for text in doubts) == beyond
+
+
+def test_without_adhesion_it_is_the_mu0_that_was_given():
+    at = measured(tau0=(0.0,))
+    at["friction_all_round"] = at["friction_all_round"] / 0.21 * 0.2012
+    doubts = [each.text for each in answers(at, measured_study())[0].doubts]
+    assert doubts == ["τ0 is 0, so this is the μ0 that was given; these surfaces add 0.001"]
 
 
 @pytest.mark.parametrize(

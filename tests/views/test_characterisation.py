@@ -26,7 +26,7 @@ from stiction import (
     surface_parameters,
     surface_spectrum,
 )
-from stiction.surfaces.peak import peak_of
+from stiction.surfaces.spectrum import peak_of
 from stiction.views.characterisation import HARMLESS, Characterisation, characterisation_text
 from stiction.views.figures.joined import joined_figure
 from stiction.views.figures.roughness import characterisation_figure, panels

@@ -14,8 +14,7 @@ from stiction.studies.result import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views import style
 from stiction.views.figures import drawn
-from stiction.views.figures.contact import contact_figure
-from stiction.views.figures.contacts import contacts_figure
+from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
 from stiction.views.figures.standard import figures_of
 from stiction.views.style import FORMATS, save_picture, spread_out
@@ -52,7 +51,7 @@ def test_a_study_has_the_figures_that_it_asks_for(result):
 def test_measured_bodies_have_the_standard_set(maps, lines):
     of_each = ("friction", "compass", "positions", "cut_off")
     of_materials = [f"{name}{of}" for of in ("", "-2", "-3", "-4") for name in of_each]
-    assert names(maps, contact_picture(maps)) == [*of_materials, "sizes", "contacts"]
+    assert names(maps, contact_picture(maps)) == [*of_materials, "budget", "sizes", "contacts"]
     assert {"friction", "positions", "contact", "friction-4"} <= set(names(lines))
     assert not {"compass", "contacts", "cut_off"} & set(names(lines))
 

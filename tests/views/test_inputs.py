@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from points import measured_study
 from stiction import Profile, Surface, instrument_limit, self_affine
+from stiction.studies.pair import pair_study
 from stiction.views.inputs import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
 
 
@@ -85,3 +86,20 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
     assert instrument_limit(faint).reason == "noise floor"
     assert not any("like noise" in text for text in texts(faint, faint))
     assert any("of the mean square slope" in text for text in texts(noisy, noisy))
+
+
+def test_waves_that_the_tip_cannot_follow_are_doubted_and_pressed_off_and_on():
+    scan = self_affine(
+        3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
+    )
+    common = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
+    assert pair_study(scan, scan, **common).surfaces.cells()["cut_off"].tolist() == [0.0]
+    study = pair_study(scan, scan, tip="20 um", **common)
+    limit = instrument_limit(scan, tip_radius=20.0)
+    assert limit.reason == "tip"
+    assert study.surfaces.cells()["cut_off"].tolist() == [0.0, limit.wavelength]
+    (doubt,) = doubts_of_inputs(scan, scan, study)
+    assert "sharper than the tip follows" in doubt.text
+    assert doubt.severity == "fault"
+    with pytest.raises(ValueError, match="tip"):
+        pair_study(scan, scan, tip="20", **common)

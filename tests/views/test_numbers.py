@@ -33,15 +33,9 @@ pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
 from page_numbers import PageNumbers
 
-AGREEMENT = 1e-6
-"""The page keeps 2e-9 of each sum; intervals are differences of these."""
-
-MEASURED = 1e-9
-"""Of measured bodies the page keeps every bit."""
-
-SHAPES = 2e-4
-"""The page keeps 1e-4 of what is only drawn."""
-
+AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
+MEASURED = 1e-9  # of measured bodies the page keeps every bit
+SHAPES = 2e-4  # the page keeps 1e-4 of what is only drawn
 READ_OFF = {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
 
 
@@ -391,13 +385,11 @@ def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result)
     d, a, k = 1, 1, 7
     upper, lower = (
         weierstrass_mandelbrot(
-            random_phases(SMALL.ensemble.seed, side=side, repetition=pair),
-            surfaces.fractal_dimensions()[d],
-            extent=float(surfaces.extent),
-            points=surfaces.points,
+            random_phases(SMALL.ensemble.seed, side=side, repetition=pair), surfaces.fractal_dimensions()[d],
+            extent=float(surfaces.extent), points=surfaces.points,
         ).with_amplitude(surfaces.amplitudes()[a])
         for side in ("upper", "lower")
-    )
+    )  # fmt: skip
     example = numbers(
         "(at) => exampleAt(facts, profiles, contacts, at)",
         {"pair": pair, "dimension": d, "amplitude": a, "step": k, "shear": 1},

@@ -18,9 +18,7 @@ pytestmark = pytest.mark.skipif(
     not (browser.CHROMIUM and browser.DRIVER), reason="Debian's chromium and chromium-driver are not installed"
 )
 
-CONTROL, SHIFT = 2, 8
-"""Bits of the browser's protocol."""
-
+CONTROL, SHIFT = 2, 8  # bits of the browser's protocol
 TABLE = {"name": "scan.csv", "command": "stiction characterise scan.csv"}
 
 
@@ -47,12 +45,10 @@ def pages(small_result, profile, surface, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     maps = maps_result(folder)
     texts = {
-        "study": report_page(small_result),
-        "maps": report_page(maps, picture=contact_picture(maps)),
-        "lines": report_page(lines_result(folder)),
-        "profile": surface_page(profile, **TABLE).html(),
+        "study": report_page(small_result), "maps": report_page(maps, picture=contact_picture(maps)),
+        "lines": report_page(lines_result(folder)), "profile": surface_page(profile, **TABLE).html(),
         "surface": surface_page(surface, **TABLE).html(),
-    }
+    }  # fmt: skip
     for name, text in texts.items():
         (folder / f"{name}.html").write_text(text, encoding="utf-8")
     return {name: folder / f"{name}.html" for name in texts}

@@ -26,8 +26,7 @@ in_browser = pytest.mark.skipif(
     not (browser.CHROMIUM and browser.DRIVER), reason="Debian's chromium and chromium-driver are not installed"
 )
 
-AGREEMENT = 1e-6
-"""The page keeps 2e-9 of each sum; intervals are differences of these."""
+AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
 
 
 @pytest.fixture(scope="module")

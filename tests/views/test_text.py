@@ -7,11 +7,12 @@ from stiction.views.answer import Doubt
 from stiction.views.digits import from_to, percent, quoted, significant, with_interval, with_unit
 from stiction.views.text import aligned, axes_text, fitted, overview_text, quantities_text, result_text
 
+COLUMNS = 80
 
-@pytest.fixture(autouse=True, params=[80, 120])
-def columns(request, monkeypatch):
-    monkeypatch.setenv("COLUMNS", str(request.param))
-    return request.param
+
+@pytest.fixture(autouse=True)
+def _columns(monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(COLUMNS))
 
 
 MANY = {"loads": (0.5, 1.0, 10.0, 100.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2, 0.4)}
@@ -31,11 +32,11 @@ RESULTS = {
 
 @pytest.mark.parametrize("verbose", [False, True])
 @pytest.mark.parametrize("name", RESULTS)
-def test_nothing_is_wider_than_the_terminal(name, verbose, columns):
+def test_nothing_is_wider_than_the_terminal(name, verbose):
     at, study = RESULTS[name]
     beside = [Doubt("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
     text = result_text(at, study, verbose=verbose, beside=beside)
-    assert max(map(len, text.splitlines())) <= columns
+    assert max(map(len, text.splitlines())) <= COLUMNS
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
@@ -61,7 +62,7 @@ def test_spheres_on_a_strip_have_no_nominal_area():
         assert ("A/A0" in result_text(RESULTS["lines"][0], study)) == shown
 
 
-def test_several_loads_and_materials_are_a_line_each(columns):
+def test_several_loads_and_materials_are_a_line_each():
     lines = result_text(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
@@ -125,12 +126,12 @@ def test_one_axis_has_no_table():
     assert axes_text(at) == ""
 
 
-def test_an_overview_has_a_table_for_each_material_and_marks_what_is_beyond_the_model(columns):
+def test_an_overview_has_a_table_for_each_material_and_marks_what_is_beyond_the_model():
     at = generated(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
     at["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
     at["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
     text = overview_text(at, generated_study())
-    assert max(map(len, text.splitlines())) <= columns
+    assert max(map(len, text.splitlines())) <= COLUMNS
     assert text.count("μ_s [95 %] at μ0 = 0.4") == 2
     assert text.count("not-reached") == 2
     assert text.count("0.250 [0.237, 0.263]*") == 4

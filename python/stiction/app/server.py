@@ -37,8 +37,7 @@ MOST_LISTED = 100  # results in the list
 MOST_POINTS = 2**21  # of a scan, for a first answer
 REFUSED = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY = "x-stiction-key"
-OPEN = ("/", "/app.js", "/app.css")
-"""Paths that hold nothing private, for which the cookie will do."""
+OPEN = ("/", "/app.js", "/app.css")  # paths that hold nothing private, for which the cookie will do
 
 OPTIONS = {
     "pair": ("unit", "spacing", "missing", "upper", "lower", "young", "poisson", "hardness", "mu0", "tau0", "load",

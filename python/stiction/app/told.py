@@ -55,7 +55,7 @@ def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     answer = answer_record(answers(at, study, beside=beside)[0])
     texts = {"page.html": report_page([source], names=[asked["name"]])}
     if isinstance(source, Stored) and command:
-        over, onset = resolution_at(source), onset_beside(source)
+        over, onset = source.once(resolution_at), source.once(onset_beside)
         texts |= {
             "result.json": record_text(command, at, study, beside=beside, over=over, onset=onset),
             "result.csv": csv_text(at, study, beside=beside),

@@ -6,8 +6,7 @@ import os
 import sys
 from contextlib import suppress
 
-INTERRUPTED = 130
-"""Exit status, as of a shell's own commands."""
+INTERRUPTED = 130  # exit status, as of a shell's own commands
 
 
 def main() -> None:

@@ -26,9 +26,7 @@ from stiction._files import reason
 from stiction._text import LONGEST_LINE, bytes_text, named, printable
 from stiction.cli import INTERRUPTED
 
-BAD_INPUT = 2
-"""Exit status."""
-
+BAD_INPUT = 2  # exit status
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 LEAST_MEMORY = 1_000_000_000
@@ -92,6 +90,8 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     "Measured surfaces": {
         "pair": ("pair", "Static friction of two measured surfaces at given loads."),
         "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
+        "calibrate": ("calibrate", "mu0 and tau0 from friction that was measured."),
+        "interfaces": ("calibrate", "Strengths of interfaces that were read in a source."),
         "materials": ("materials", "Elasticity and hardness of materials, with sources."),
         "app": ("app", "All of it in a browser: drop two scans on a page."),
     },
@@ -106,9 +106,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "report": ("results", "Make one interactive page, for any browser."),
         "export": ("results", "Write a result to one netCDF file, or its table to a CSV file."),
     },
-    "Contact laws": {
-        "table": ("table", "Friction, true area and stiffness of rough surfaces for another code."),
-    },
+    "Contact laws": {"table": ("table", "Friction, true area and stiffness of rough surfaces for another code.")},
 }
 """Of each group the commands, the module that adds each, and a line of help, which is printed without the modules."""
 
@@ -120,12 +118,9 @@ def examples(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", STATUSES])
 
 
-_DEFAULT = re.compile(r"\[default: \(([^()]*)\)")
-"""A default in words, which typer puts into brackets of its own."""
-
+_DEFAULT = re.compile(r"\[default: \(([^()]*)\)")  # a default in words, which typer puts into brackets of its own
 _RANGE = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_TYPE = re.compile(r" <[\w\[\] ]+>$")
-"""What typer adds to a help text, and to a name."""
+_TYPE = re.compile(r" <[\w\[\] ]+>$")  # what typer adds to a help text, and to a name
 
 
 class _Command(TyperCommand):
@@ -190,8 +185,7 @@ app = typer.Typer(
     **(_PLAIN | {"add_completion": True}),
 )
 
-_ADDED: dict[str, typer.Typer] = {}
-"""Each command that has been added."""
+_ADDED: dict[str, typer.Typer] = {}  # each command that has been added
 
 
 def command(name: str, *lines: str) -> Callable[[Function], Function]:

@@ -19,18 +19,17 @@ if TYPE_CHECKING:
 
 
 Loads = Annotated[
-    list[str],
-    option("--load", "FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.'),
+    list[str], option("--load FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.')
 ]
-Dimension = Annotated[float | None, option("--d", "D", "Of a study: the nearest fractal dimension that it has.", "all")]
-Amplitude = Annotated[str | None, option("--amplitude", "LENGTH", "Of a study: the nearest that it has.", "its first")]
-Mu0 = Annotated[str | None, option("--mu0", "NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
+Dimension = Annotated[float | None, option("--d D", "Of a study: the nearest fractal dimension that it has.", "all")]
+Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
+Mu0 = Annotated[str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
 Tau0 = Annotated[
     str | None,
-    option("--tau0", "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa of a study, its own of a pair"),
+    option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa of a study, its own of a pair"),
 ]
 Direction = Annotated[
-    float | None, option("--direction", "DEGREES", "Where the upper body is about to move.", "the mean of all")
+    float | None, option("--direction DEGREES", "Where the upper body is about to move.", "the mean of all")
 ]
 
 
@@ -56,6 +55,7 @@ def at(
     Any mu0 and tau0 will do: they need not be those of the study, and nothing is pressed again.
     """
     from stiction.studies.at_load import at_load
+    from stiction.studies.budget import with_uncertainty
     from stiction.views import rows, text
     from stiction.views.asked import in_memory
     from stiction.views.inputs import doubts_of_study
@@ -67,7 +67,7 @@ def at(
     if tau0 is not None:
         strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
     length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
-    found = at_load(in_memory(stored), _loads(stored, load), mu0=rubbing, tau0=strengths)
+    found = with_uncertainty(at_load(in_memory(stored), _loads(stored, load), mu0=rubbing, tau0=strengths), stored)
     found = _cells(found, fractal_dimension, length)
     if direction is not None:
         found = _towards(found, direction)

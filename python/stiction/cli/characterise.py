@@ -12,17 +12,7 @@ from stiction._arguments import quantity_of
 from stiction._checks import choice
 from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import (
-    Channel,
-    Columns,
-    Json,
-    MissingPoints,
-    Spacing,
-    Unit,
-    given,
-    measurement,
-    option,
-)
+from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Tip, Unit, given, measurement, option
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -30,38 +20,24 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.views.characterisation import Characterisation
 
-Row = Annotated[int | None, option("--row", "N", "Of a surface, this row alone, from 0 on.", least=0)]
-Column = Annotated[int | None, option("--column", "N", "Of a surface, this column alone, from 0 on.", least=0)]
-Level = Annotated[
-    str | None,
-    option(
-        "--level",
-        "TREND",
-        "What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.",
-        "line, plane",
-    ),
-]
+Row = Annotated[int | None, option("--row N", "Of a surface, this row alone, from 0 on.", least=0)]
+Column = Annotated[int | None, option("--column N", "Of a surface, this column alone, from 0 on.", least=0)]
+Level = Annotated[str | None, option(
+    "--level TREND",
+    "What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.", "line, plane",
+)]  # fmt: skip
 Band = Annotated[
-    str | None,
-    option("--band", "SHORTEST,LONGEST", 'Wavelengths to fit the Hurst exponent to, "1 um,100 um".', "found"),
+    str | None, option("--band SHORTEST,LONGEST", 'Wavelengths to fit the Hurst exponent to, "1 um,100 um".', "found")
 ]
 CutOff = Annotated[
-    str | None,
-    option("--cutoff", "LENGTH", 'Take off waves shorter than this (Gaussian), "0.1 um".', "the scan as it is"),
+    str | None, option("--cutoff LENGTH", 'Take off waves shorter than this (Gaussian), "0.1 um".', "the scan as it is")
 ]
-Tip = Annotated[
-    str | None, option("--tip", "RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False)
-]
-Together = Annotated[
-    bool,
-    option("--together", None, "Several scans of one surface, alike in all directions: one spectrum."),
-]
+Together = Annotated[bool, option("--together", "Several scans of one surface, alike in all directions: one spectrum.")]
 Output = Annotated[
     Path | None,
     option(
-        "--output -o",
-        "FILE",
-        "What alone to write, by its ending: of a file its page or its figure, of several a table.",
+        "--output -o FILE",
+        "What to write, by its ending: of a file its page, or its figure and the page; of several a table.",
         "./FILE.html and .png, ./characterised.csv, ./joined.csv and .png",
     ),
 ]
@@ -123,7 +99,7 @@ def characterise(
     elif len(files) == 1:
         tell(views.characterisation_text(found[0]))
     for path in outputs:
-        what = "" if output is None else ", the figure alone"
+        what = ""
         if len(files) > 1:
             what = f", {len(files)} files"
             if path.exists():
@@ -132,7 +108,7 @@ def characterise(
         elif path.suffix.lower() == ".html":
             from stiction.views.report.surface import surface_page
 
-            what = "" if output is None else ", the page alone"
+            what = ", the page alone" if len(outputs) == 1 else ""
             surface_page(found[0], name=printable(files[0].name), command=_same_as(context, files[0])).save(path)
         else:
             from stiction.views.figures.roughness import characterisation_figure
@@ -174,7 +150,8 @@ def _outputs(files: list[Path], output: Path | None, *, together: bool) -> list[
     if output.suffix.lower() not in endings:
         allowed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
         raise ValueError(f"{named(output)}: cannot be written: its name must end in {allowed}")
-    return [output]
+    several = together or len(files) > 1
+    return [output] if several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
 
 
 def _same_as(context: typer.Context, file: Path) -> str:

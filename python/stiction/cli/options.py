@@ -16,49 +16,44 @@ from stiction.surfaces.surface import Surface
 
 
 def option(
-    flags: str, takes: str | None, means: str, usually: str | bool = True, *, panel: str | None = None,
-    least: int | None = None,
-) -> Any:  # fmt: skip
+    flags: str, means: str, usually: str | bool = True, *, panel: str | None = None, least: int | None = None
+) -> Any:
     """An option of a command, as its help shows it.
 
-    It is called by its flags, "--output -o"; behind it stands what it `takes`, in capitals, and nothing behind a
+    It is called by its flags, "--output -o DIR", behind which stands what it takes, in capitals, and nothing behind a
     switch. Its default is `usually` so in words, or it is said whether the default is shown. The panel is the section
     of help that it is in.
     """
-    return typer.Option(
-        *flags.split(), metavar=takes, help=means, show_default=usually, rich_help_panel=panel, min=least
-    )
+    names = [word for word in flags.split() if word.startswith("-")]
+    takes = " ".join(flags.split()[len(names) :]) or None
+    return typer.Option(*names, metavar=takes, help=means, show_default=usually, rich_help_panel=panel, min=least)
 
 
 _reading = partial(option, panel="Reading files")
 _output = partial(option, panel="Output")
 
 _unit = _reading(
-    "--unit",
-    "UNIT",
+    "--unit UNIT",
     'Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
     False,
 )
 _spacing = _reading(
-    "--spacing",
-    "LENGTH",
+    "--spacing LENGTH",
     'Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
     False,
 )
 _channel = _reading(
-    "--channel",
-    "NAME|NUMBER",
+    "--channel NAME|NUMBER",
     "What to read of a file of several channels or sheets, numbers from 0 on.",
     "the first of heights",
 )
 _columns = _reading(
-    "--columns", "X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
+    "--columns X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
 )
 
-Json = Annotated[bool, _output("--json", None, "Print JSON alone on standard output; messages go elsewhere.")]
-
-Verbose = Annotated[bool, _output("--verbose -v", None, "Show all: inputs, directions, cut-offs, onset, quantities.")]
-
+_tip = _reading("--tip RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False)
+Json = Annotated[bool, _output("--json", "Print JSON alone on standard output; messages go elsewhere.")]
+Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions, cut-offs, onset, quantities.")]
 Unit = Annotated[str | None, _unit]
 Spacing = Annotated[str | None, _spacing]
 Channel = Annotated[str | None, _channel]
@@ -69,8 +64,9 @@ Units = Annotated[list[str] | None, _unit]
 Spacings = Annotated[list[str] | None, _spacing]
 Channels = Annotated[list[str] | None, _channel]
 ColumnsOfEach = Annotated[list[str] | None, _columns]
-
-MissingPoints = Annotated[str, _reading("--missing", "error|interpolate", "What to do about points without a height.")]
+Tip = Annotated[str | None, _tip]
+Tips = Annotated[list[str] | None, _tip]
+MissingPoints = Annotated[str, _reading("--missing error|interpolate", "What to do about points without a height.")]
 
 
 def option_of(argument: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
@@ -18,6 +18,7 @@ from stiction.cli.options import (
     Json,
     MissingPoints,
     Spacings,
+    Tips,
     Units,
     Verbose,
     announce_reader,
@@ -37,57 +38,38 @@ _motion = partial(option, panel="Load and motion")
 _of_lines = partial(option, panel="Only for lines")
 _of_areas = partial(option, panel="Only for areas")
 _output = partial(option, panel="Output")
-
 UpperFile = Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")]
 LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")]
 
 # ---- What is pressed ------------------------------------------------------------------------------------------------
 
-Mechanics = Annotated[
-    str | None,
-    _pressed(
-        "--mechanics",
-        "half-space|asperities",
-        "The exact elastic answer (of lines: of half-planes), or a fast one.",
-        "half-space of areas, asperities of lines",
-    ),
-]
-Check = Annotated[bool, _pressed("--check", None, "Press by the other mechanics as well, into DIR/NAME.")]
+Mechanics = Annotated[str | None, _pressed(
+    "--mechanics half-space|asperities",
+    "The exact elastic answer (of lines: of half-planes), or a fast one.", "half-space of areas, asperities of lines",
+)]  # fmt: skip
+Check = Annotated[bool, _pressed("--check", "Press by the other mechanics as well, into DIR/NAME.")]
 LinesOfMaps = Annotated[
     int | None,
     _pressed(
-        "--lines",
-        "N",
+        "--lines N",
         "Press this many pairs of lines of two maps, not their areas; also the number of surrogates of lines.",
         "128 of surrogates, and of a map and a profile",
         least=1,
     ),
 ]
-Lay = Annotated[
-    str | None,
-    _pressed(
-        "--lay",
-        "grooves|isotropic",
-        "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.",
-        "lines",
-    ),
-]
-Surrogates = Annotated[
-    str | None,
-    _pressed(
-        "--surrogates",
-        "N|none|upper|lower|both",
-        "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
-    ),
-]
-Seed = Annotated[
-    int | None, _pressed("--seed", "N", "Where the random phases of surrogates start.", str(SEED), least=0)
-]
+Lay = Annotated[str | None, _pressed(
+    "--lay grooves|isotropic",
+    "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.", "lines",
+)]  # fmt: skip
+Surrogates = Annotated[str | None, _pressed(
+    "--surrogates N|none|upper|lower|both",
+    "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
+)]  # fmt: skip
+Seed = Annotated[int | None, _pressed("--seed N", "Where the random phases of surrogates start.", str(SEED), least=0)]
 Level = Annotated[
     str | None,
     _pressed(
-        "--level",
-        "TREND",
+        "--level TREND",
         "What is taken off each line: mean, line, quadratic or none; off each map: mean, plane or quadratic.",
         "line, plane",
     ),
@@ -95,8 +77,7 @@ Level = Annotated[
 CutOff = Annotated[
     str | None,
     _pressed(
-        "--cutoff",
-        "LENGTHS",
+        "--cutoff LENGTHS",
         'Take off waves shorter than this (Gaussian), "0.1 um"; several are pressed each; none vouches for all.',
         "waves that are hardly the surface's, off and on",
     ),
@@ -104,95 +85,74 @@ CutOff = Annotated[
 
 Curvature = Annotated[
     str | None,
-    _pressed(
-        "--curvature", "convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"
-    ),
+    _pressed("--curvature convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"),
 ]
 
-OnsetMembers = Annotated[
-    int | None,
-    _pressed(
-        "--onset",
-        "N",
-        "Members of which it is computed how they begin to slide; 0 for none.",
-        "16, of areas by the half-space 4",
-        least=0,
-    ),
-]
+OnsetMembers = Annotated[int | None, _pressed(
+    "--onset N",
+    "Members of which it is computed how they begin to slide; 0 for none.", "16, of areas by the half-space 4", least=0,
+)]  # fmt: skip
 
 # ---- Material -------------------------------------------------------------------------------------------------------
 
-EffectiveModulus = Annotated[str | None, _material("--effective-modulus", "PRESSURE", 'E*, as in "10 GPa".', False)]
-Young = Annotated[
-    str | None,
-    _material(
-        "--young",
-        "PRESSURES",
-        'Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".',
-        False,
-    ),
-]
-Poisson = Annotated[str | None, _material("--poisson", "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', False)]
+EffectiveModulus = Annotated[str | None, _material("--effective-modulus PRESSURE", 'E*, as in "10 GPa".', False)]
+Young = Annotated[str | None, _material(
+    "--young PRESSURES",
+    'Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".', False,
+)]  # fmt: skip
+Poisson = Annotated[str | None, _material("--poisson NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', False)]
 UpperMaterial = Annotated[
-    str | None,
-    _material("--upper", "MATERIAL", "Instead of E*: what the slider is made of, by name, as in steel.", False),
+    str | None, _material("--upper MATERIAL", "Instead of E*: what the slider is made of, by name, as in steel.", False)
 ]
 LowerMaterial = Annotated[
-    str | None, _material("--lower", "MATERIAL", "What it is carried over; that of --upper by default.", False)
+    str | None, _material("--lower MATERIAL", "What it is carried over; that of --upper by default.", False)
 ]
-Hardness = Annotated[
-    str | None,
-    _material(
-        "--hardness",
-        "PRESSURE",
-        "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.",
-        False,
-    ),
-]
+Hardness = Annotated[str | None, _material(
+    "--hardness PRESSURE",
+    "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.", False,
+)]  # fmt: skip
 ContactLaw = Annotated[
-    str | None, _material("--law", "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW)
+    str | None, _material("--law hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW)
 ]
 YieldStrength = Annotated[
-    str | None, _material("--yield-strength", "PRESSURE", "Of the softer body, for jackson-green.", False)
+    str | None, _material("--yield-strength PRESSURE", "Of the softer body, for jackson-green.", False)
 ]
 
 # ---- Load and motion ------------------------------------------------------------------------------------------------
 
-Mu0 = Annotated[str, _motion("--mu0", "NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".')]
-Tau0 = Annotated[str, _motion("--tau0", "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".')]
+Mu0 = Annotated[str | None, _motion("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', False)]
+Tau0 = Annotated[str | None, _motion("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa")]
+Strength = Annotated[str | None, _motion(
+    "--interface NAME|FILE", "Instead of both: as stiction calibrate kept them or interfaces lists them.", False
+)]  # fmt: skip
 Loads = Annotated[
-    list[str], _motion("--load", "FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.')
+    list[str], _motion("--load FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.')
 ]
-Directions = Annotated[
-    str | None,
-    _motion(
-        "--direction",
-        "DEGREES",
-        'Of areas, where the upper is about to move, from +x towards +y: "0,90".',
-        "the compass in 30",
-    ),
-]
+Directions = Annotated[str | None, _motion(
+    "--direction DEGREES",
+    'Of areas, where the upper is about to move, from +x towards +y: "0,90".', "the compass in 30",
+)]  # fmt: skip
 
 # ---- Only for lines -------------------------------------------------------------------------------------------------
 
 Offsets = Annotated[
-    int | None, _of_lines("--offsets", "N", "Positions along the lower profile.", "64, or 1 for several lines", least=1)
+    int | None, _of_lines("--offsets N", "Positions along the lower profile.", "64, or 1 for several lines", least=1)
 ]
-Travel = Annotated[str | None, _of_lines("--travel", "LENGTH", "The largest offset.", "half the length")]
-LinesAlong = Annotated[str | None, _of_lines("--along", "x|y", "Direction of the lines of maps.", "x")]
+Travel = Annotated[str | None, _of_lines("--travel LENGTH", "The largest offset.", "half the length")]
+LinesAlong = Annotated[str | None, _of_lines("--along x|y", "Direction of the lines of maps.", "x")]
 Detection = Annotated[
-    str | None, _of_lines("--detection", "gap-minimum|cell", "How contacts of asperities are found.", "gap-minimum")
+    str | None, _of_lines("--detection gap-minimum|cell", "How contacts of asperities are found.", "gap-minimum")
 ]
 
 # ---- Only for areas -------------------------------------------------------------------------------------------------
 
-Shifts = Annotated[int | None, _of_areas("--shifts", "N", "Relative positions of maps.", str(SHIFTS), least=1)]
-Rotation = Annotated[float | None, _of_areas("--rotate", "DEGREES", "Turn the upper map in its plane.", False)]
+Shifts = Annotated[int | None, _of_areas("--shifts N", "Relative positions of maps.", str(SHIFTS), least=1)]
+Rotation = Annotated[float | None, _of_areas("--rotate DEGREES", "Turn the upper map in its plane.", False)]
 
 # ---- Output ---------------------------------------------------------------------------------------------------------
 
-Folder = Annotated[Path, _output("--output -o", "DIR", "Where the results go.")]
-Replace = Annotated[bool, _output("--replace", None, "Write over the results of another pair.")]
+Folder = Annotated[Path, _output("--output -o DIR", "Where the results go.")]
+Replace = Annotated[bool, _output("--replace", "Write over the results of another pair.")]
 
 
 @command(
@@ -209,9 +169,10 @@ def pair(
     context: typer.Context,
     upper: UpperFile,
     lower: LowerFile,
-    mu0: Mu0,
     load: Loads,
-    tau0: Tau0 = "0 MPa",
+    mu0: Mu0 = None,
+    tau0: Tau0 = None,
+    interface: Strength = None,
     direction: Directions = None,
     effective_modulus: EffectiveModulus = None,
     young: Young = None,
@@ -242,6 +203,7 @@ def pair(
     missing: MissingPoints = "error",
     channel: Channels = None,
     columns: ColumnsOfEach = None,
+    tip: Tips = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,
@@ -256,7 +218,7 @@ def pair(
     pressed as areas, or as pairs of lines with --lines. Options that describe a file apply to both; give them twice to
     set UPPER and LOWER separately. The result is a study in DIR, which run, at, plot, report, info and export take.
     """
-    from stiction.cli.showing import said_by, show_result, write_views
+    from stiction.cli.showing import said_by, show_answer, show_result, write_views
     from stiction.studies.members import about
     from stiction.views.inputs import doubts_of_inputs
 
@@ -268,25 +230,35 @@ def pair(
     studies = asked.studies
     about(studies[0])  # refuses what cannot be pressed, before anything is written
     doubts = doubts_of_inputs(*asked.bodies, studies[0], [float(load) for load in asked.loads])
+    for remark in asked.remarks:
+        say(remark)
+    rests: list[Callable[[], None]] = []
+
+    def answered(stored: Stored) -> None:
+        if as_json:
+            return
+        if rests:
+            tell(f"\nBy {stored.study.contact.mechanics}:\n")
+        rests.append(show_answer(stored, command="pair", verbose=verbose, beside=doubts))
+
     with executor_of(workers, scheduler) as executor:
         results: list[Stored] = []
         if replace or not (output / STUDY).exists():
             announce_first(asked.first_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
-            results.append(fill_folder(study, folder, executor, said=said, part=chosen, replace=replace, onset=onset))
+            result = fill_folder(
+                study, folder, executor, said=said, part=chosen, replace=replace, onset=onset, answered=answered
+            )
+            for rest in rests[len(results) :]:
+                rest()
+            results.append(result)
     if chosen is not None:
         return
-    first, *others = results
-    show_result(
-        first, command="pair", as_json=as_json, verbose=verbose, beside=doubts,
-        about={"check": [record_of(other, doubts) for other in others]} if as_json and others else None,
-    )  # fmt: skip
-    for other in others if not as_json else ():
-        tell(f"\nBy {other.study.contact.mechanics}:\n")
-        show_result(other, command="pair", verbose=verbose, beside=doubts)
-    for remark in asked.remarks:
-        say(remark)
+    if as_json:
+        checks = [record_of(other, doubts) for other in results[1:]]
+        about_them = {"check": checks} if checks else None
+        show_result(results[0], command="pair", as_json=True, beside=doubts, about=about_them)
     for result in results:
         write_views(result, beside=doubts, said=said)
 

@@ -32,7 +32,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
         }  # fmt: skip
         show_result(stored, command="info", as_json=True, about=about)
         return
-    if study.surfaces.kind != "measured":
+    if not study.is_measured:
         changes = [f"{key} = {value}" for key, _, value in differences(Study(), study)]
         words = ["the defaults, but", *changes] if changes else ["the defaults"]
         for index, each in enumerate(words):
@@ -49,8 +49,8 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")
 def plot(
     directory: Directory,
-    output: Annotated[Path | None, option("--output -o", "DIR", "Where the figures go.", "DIR")] = None,
-    formats: Annotated[str, option("--format", "FORMATS", 'Of the figures, some of "png,pdf,svg".')] = "png",
+    output: Annotated[Path | None, option("--output -o DIR", "Where the figures go.", "DIR")] = None,
+    formats: Annotated[str, option("--format FORMATS", 'Of the figures, some of "png,pdf,svg".')] = "png",
 ) -> None:
     """Draw the figures of a result again, or of what is finished of it."""
     from stiction.views.style import checked_formats
@@ -68,10 +68,9 @@ def plot(
 @command("report", "stiction report figure6", "stiction report quick figure6 -o both.html")
 def report(
     directories: Annotated[
-        list[Path],
-        typer.Argument(metavar="DIR", help="Where a study or a pair was written; two studies are compared."),
+        list[Path], typer.Argument(metavar="DIR", help="Where a study or a pair was written; two studies are compared.")
     ],
-    output: Annotated[Path | None, option("--output -o", "FILE.html", "The page to write.", "DIR/report.html")] = None,
+    output: Annotated[Path | None, option("--output -o FILE.html", "The page to write.", "DIR/report.html")] = None,
 ) -> None:
     """Make one interactive page, for any browser, of a result, or of what is finished of it."""
     from stiction.views.report import save_report

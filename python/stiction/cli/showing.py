@@ -32,6 +32,14 @@ def show_result(
     beside: Sequence[Doubt] | None = None, about: dict[str, Any] | None = None,
 ) -> None:  # fmt: skip
     """Print what a result says at the loads of its study: text, or JSON; its files are read for doubts not given."""
+    show_answer(stored, command=command, as_json=as_json, verbose=verbose, beside=beside, about=about)()
+
+
+def show_answer(
+    stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False,
+    beside: Sequence[Doubt] | None = None, about: dict[str, Any] | None = None,
+) -> Callable[[], None]:  # fmt: skip
+    """Print what `show_result` does but for what lies beside a result; what is returned prints that. JSON is one."""
     from stiction.studies.onset import onset_beside
     from stiction.studies.resolution import resolution_at
     from stiction.studies.store import StoreError
@@ -51,31 +59,35 @@ def show_result(
             tell(rows.record(command, [], **(about or {}), remark=str(error)))
         else:
             tell(f"μ_s  none: {error}")
-        return
-    besides: dict[str, Any] = {"beside": beside, "over": resolution_at(stored), "onset": onset_beside(stored)}
-    if as_json:
-        tell(rows.record_text(command, at, study, **besides, **(about or {})))
-    elif study.is_measured:
-        tell(text.result_text(at, study, verbose=verbose, **besides))
-    else:
-        tell(text.overview_text(at, study))
+        return lambda: None
+    if not as_json:
+        measured = study.is_measured
+        tell(text.answer_text(at, study, verbose=verbose, beside=beside) if measured else text.overview_text(at, study))
+
+    def rest() -> None:
+        besides: dict[str, Any] = {"over": stored.once(resolution_at), "onset": stored.once(onset_beside)}
+        if as_json:
+            tell(rows.record_text(command, at, study, beside=beside, **besides, **(about or {})))
+        elif study.is_measured and (more := text.beside_text(at, study, verbose=verbose, **besides)):
+            tell(more)
+
+    return rest
 
 
 def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str], None]) -> None:
-    """Write the page, the table and the figures of a measured pair into its folder, and say so in two lines."""
+    """Write the page, the table and a figure of a measured pair into its folder, and say so in two lines."""
     from stiction.views.figures import drawn
-    from stiction.views.figures.standard import picture_of
     from stiction.views.files import write_table
     from stiction.views.report import save_report
 
     write_table(stored, stored.path / "result.csv", beside=beside)
-    picture = picture_of(stored)
     announce("drawing")
-    drawings = drawn(stored, stored.path, picture=picture)
+    drawings = drawn(stored, stored.path, first=True)
     page = stored.path / "report.html"
-    save_report([stored], page, names=[stored.path.resolve().name], picture=picture)
+    save_report([stored], page, names=[stored.path.resolve().name])
     said(f"wrote {page}: everything, to look at and to share")
-    said(f"wrote {stored.path / 'result.csv'} and {len(drawings)} figures")
+    figures = " and ".join(map(str, [stored.path / "result.csv", *drawings]))
+    said(f"wrote {figures}; stiction plot {stored.path} draws all figures")
 
 
 def draw_result(

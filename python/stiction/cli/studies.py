@@ -16,7 +16,7 @@ from stiction.studies.study import Study, study_names, study_summary
 from stiction.studies.text import StudyError, toml
 
 Changes = Annotated[
-    list[str] | None, option("--set", "KEY=VALUE", "Change a value, as in ensemble.repetitions=10. Repeatable.")
+    list[str] | None, option("--set KEY=VALUE", "Change a value, as in ensemble.repetitions=10. Repeatable.")
 ]
 
 
@@ -32,7 +32,7 @@ def run_command(
     study: Annotated[
         str, typer.Argument(metavar="STUDY", help="A built-in study, a study file (TOML), or a folder with a result.")
     ],
-    output: Annotated[Path | None, option("--output -o", "DIR", "Where the results go.", "./NAME")] = None,
+    output: Annotated[Path | None, option("--output -o DIR", "Where the results go.", "./NAME")] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,

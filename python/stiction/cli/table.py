@@ -19,32 +19,30 @@ TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
     "stiction table --young '70 GPa' --poisson 0.2 --load '1 MPa,9 MPa' --mu0 0.4",
 )
 def table_command(
-    hurst: Annotated[str, option("--hurst", "NUMBERS", "Hurst exponents of the surfaces.")] = ("0.5,0.7,0.9"),
-    rms: Annotated[str, option("--rms", "LENGTHS", "Their root-mean-square heights Sq.")] = ("10 nm,30 nm,100 nm"),
+    hurst: Annotated[str, option("--hurst NUMBERS", "Hurst exponents of the surfaces.")] = ("0.5,0.7,0.9"),
+    rms: Annotated[str, option("--rms LENGTHS", "Their root-mean-square heights Sq.")] = ("10 nm,30 nm,100 nm"),
     load: Annotated[
-        str, option("--load", "PRESSURES", "Normal loads over the nominal area, 3 for a stiffness.")
+        str, option("--load PRESSURES", "Normal loads over the nominal area, 3 for a stiffness.")
     ] = "1 MPa,3 MPa,10 MPa,30 MPa,100 MPa",
-    mu0: Annotated[str, option("--mu0", "NUMBERS", "Molecular friction coefficients.")] = ("0.2,0.4,0.6"),
-    tau0: Annotated[str, option("--tau0", "PRESSURES", "Adhesive shear strengths.")] = "0 MPa",
+    mu0: Annotated[str, option("--mu0 NUMBERS", "Molecular friction coefficients.")] = ("0.2,0.4,0.6"),
+    tau0: Annotated[str, option("--tau0 PRESSURES", "Adhesive shear strengths.")] = "0 MPa",
     effective_modulus: Annotated[
-        str | None, option("--effective-modulus", "PRESSURE", 'E*, as in "10 GPa".', False)
+        str | None, option("--effective-modulus PRESSURE", 'E*, as in "10 GPa".', False)
     ] = None,
     young: Annotated[
-        str | None, option("--young", "PRESSURES", "Young's moduli instead, of both or one after the other.")
+        str | None, option("--young PRESSURES", "Young's moduli instead, of both or one after the other.")
     ] = None,
-    poisson: Annotated[str | None, option("--poisson", "NUMBERS", "Poisson's ratios, with --young.")] = None,
-    extent: Annotated[
-        str, option("--extent", "LENGTH", "Side of the square that is pressed, and its period.")
-    ] = "10 um",
+    poisson: Annotated[str | None, option("--poisson NUMBERS", "Poisson's ratios, with --young.")] = None,
+    extent: Annotated[str, option("--extent LENGTH", "Side of the square that is pressed, and its period.")] = "10 um",
     wavelengths: Annotated[
-        str, option("--wavelengths", "SHORTEST,LONGEST", "Cut-off and roll-off of the surfaces.")
+        str, option("--wavelengths SHORTEST,LONGEST", "Cut-off and roll-off of the surfaces.")
     ] = "0.3125 um,2.5 um",
-    points: Annotated[int, option("--points", "N", "Along each side.", least=16)] = 256,
-    repetitions: Annotated[int, option("--repetitions", "N", "Pairs of surfaces.", least=1)] = 12,
-    seed: Annotated[int, option("--seed", "N", "Of the surfaces.")] = 2016,
+    points: Annotated[int, option("--points N", "Along each side.", least=16)] = 256,
+    repetitions: Annotated[int, option("--repetitions N", "Pairs of surfaces.", least=1)] = 12,
+    seed: Annotated[int, option("--seed N", "Of the surfaces.")] = 2016,
     workers: Workers = None,
     scheduler: Scheduler = None,
-    output: Annotated[Path, option("--output -o", "DIR", "Where the results go.")] = Path("table"),
+    output: Annotated[Path, option("--output -o DIR", "Where the results go.")] = Path("table"),
 ) -> None:
     """Friction, true area and stiffness of self-affine surfaces for the contact law of another code.
 
@@ -59,22 +57,13 @@ def table_command(
 
     modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
     shortest, longest = _two_lengths(wavelengths)
-    materials: dict[str, Any] = {
-        "mu0": numbers_of("mu0", mu0),
-        "tau0": quantities_of("tau0", tau0, "pressure"),
-    }
+    materials: dict[str, Any] = {"mu0": numbers_of("mu0", mu0), "tau0": quantities_of("tau0", tau0, "pressure")}
     study = table_study(
-        hurst_exponents=numbers_of("hurst", hurst),
-        rms=quantities_of("rms", rms, "length"),
-        pressures=[_pressure(each) for each in listed(load)],
-        effective_modulus=modulus,
-        extent=float(quantity_of("extent", extent, "length")),
-        points=points,
-        longest_wavelength=longest,
-        shortest_wavelength=shortest,
-        repetitions=repetitions,
-        seed=seed,
-    )
+        hurst_exponents=numbers_of("hurst", hurst), rms=quantities_of("rms", rms, "length"),
+        pressures=[_pressure(each) for each in listed(load)], effective_modulus=modulus,
+        extent=float(quantity_of("extent", extent, "length")), points=points, longest_wavelength=longest,
+        shortest_wavelength=shortest, repetitions=repetitions, seed=seed,
+    )  # fmt: skip
     with executor_of(workers, scheduler) as executor:
         stored = fill_folder(study, output, executor)
     table = friction_table(stored.dataset(), **materials)

@@ -10,11 +10,8 @@ from stiction._checks import Floats
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-TURNED = "turned over"
-"""What the history of a body says that `turned_over` has made."""
-
-_ROUND_OFF = 1e-9
-"""Of the height of a body, by which two that are the same may differ."""
+TURNED = "turned over"  # what the history of a body says that `turned_over` has made
+_ROUND_OFF = 1e-9  # of the height of a body, by which two that are the same may differ
 
 
 def warn_of_one_body(upper: Profile | Surface, lower: Profile | Surface, *, moved: bool = False) -> None:

@@ -11,19 +11,11 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, number, read_only
-from stiction.mechanics.model import (
-    ContactModel,
-    Curvature,
-    check_pair,
-    measured_source,
-    model_of,
-    refuse_no_modulus,
-)
+from stiction.mechanics.model import ContactModel, Curvature, check_pair, measured_source, model_of, refuse_no_modulus
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-_GROOVED = 1e-9
-"""Of its depth: a gap that changes by less along x or y is one of grooves."""
+_GROOVED = 1e-9  # of its depth: a gap that changes by less along x or y is one of grooves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,12 +126,9 @@ def candidates(
         curvature = "signed" if isinstance(upper, Surface) else "convex"
     choice("curvature", curvature, Curvature)
     core = stiction._core.candidates(
-        upper.heights,
-        lower.heights,
-        spacing=upper.spacing,
-        deepest=number("deepest", deepest, unit="µm"),
+        upper.heights, lower.heights, spacing=upper.spacing, deepest=number("deepest", deepest, unit="µm"),
         curvature=curvature,
-    )
+    )  # fmt: skip
     if isinstance(upper, Surface) and len(core) == 0:
         _refuse_grooves(upper.heights - lower.heights)
     return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))

@@ -15,14 +15,9 @@ from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
-_BISECTIONS = 64
-"""Of the logarithm of an aspect ratio, to the last bit."""
-
-_ROUND_OFF = 1e-9
-"""By which a slope may be above the gradient that it is a part of."""
-
-_GENTLE = 1e-3
-"""Deviation of slopes below which two terms of a series are exact to the last bit."""
+_BISECTIONS = 64  # of the logarithm of an aspect ratio, to the last bit
+_ROUND_OFF = 1e-9  # by which a slope may be above the gradient that it is a part of
+_GENTLE = 1e-3  # deviation of slopes below which two terms of a series are exact to the last bit
 
 
 def positive(**arguments: ArrayLike) -> list[Floats]:
@@ -104,6 +99,151 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
     """
     d, r, e = positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
     return np.asarray(4 / 3 * e * r**0.5 * d**1.5), np.asarray(np.pi * r * d)
+
+
+def tabor_parameter(
+    radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike, adhesion_range: ArrayLike
+) -> Floats:
+    """How much a ball that sticks is drawn out of shape: (R w²/(E*² ρ³))^(1/3), `dmt` far below 1 and `jkr` far above.
+
+    Parameters
+    ----------
+    radius, adhesion_range : array_like of float, µm
+    effective_modulus : array_like of float, GPa
+    work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+
+    Notes
+    -----
+    Tabor, Journal of Colloid and Interface Science 58 (1977) 2.
+
+    Examples
+    --------
+    >>> from stiction import tabor_parameter
+    >>> float(tabor_parameter(1.0, 80.0, work_of_adhesion=5e-5, adhesion_range=5e-4).round(2))  # silicon, 1 µm
+    0.15
+    """
+    r, e, w, length = _sticky(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
+    return np.asarray((r * w**2 / (e**2 * length**3)) ** (1 / 3))
+
+
+def jkr(
+    load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
+) -> tuple[Floats, Floats]:
+    """Contact radius (µm) and pull-off force (mN) of a soft ball: a³ = 3R/(4E*) (F + P + sqrt(2PF + P²)), 3/2 π w R.
+
+    P is 3 π w R. The radius is NaN at loads below minus the pull-off force.
+
+    Parameters
+    ----------
+    load : array_like of float, mN
+    radius : array_like of float, µm
+    effective_modulus : array_like of float, GPa
+    work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+
+    Notes
+    -----
+    Johnson, Kendall & Roberts, Proceedings of the Royal Society A 324 (1971) 301.
+
+    Examples
+    --------
+    >>> from stiction import jkr
+    >>> radius, pull_off = jkr(0.0, 1000.0, 2e-3, work_of_adhesion=5e-5)  # a ball of silicone
+    >>> radius.round(1), pull_off.round(3)
+    (np.float64(70.7), np.float64(0.236))
+    """
+    r, e, w = _sticky(radius, effective_modulus, work_of_adhesion)
+    f, pull = np.broadcast_arrays(float_array("load", load), 1.5 * np.pi * w * r)
+    with np.errstate(invalid="ignore"):
+        cube = 3 * r / (4 * e) * (f + 2 * pull + np.sqrt(4 * pull * (f + pull)))
+    return np.cbrt(cube), pull.copy()
+
+
+def dmt(
+    load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
+) -> tuple[Floats, Floats]:
+    """Contact radius (µm) and pull-off force (mN) of a hard ball: a³ = 3R/(4E*) (F + 2 π w R), and 2 π w R.
+
+    Parameters and NaN as for `jkr`.
+
+    Notes
+    -----
+    Derjaguin, Muller & Toporov, Journal of Colloid and Interface Science 53 (1975) 314, as Maugis (1992) has it: the
+    attraction outside the contact adds to the load of Hertz.
+
+    Examples
+    --------
+    >>> from stiction import dmt
+    >>> radius, pull_off = dmt(0.0, 1.0, 80.0, work_of_adhesion=5e-5)
+    >>> radius.round(4), pull_off.round(6)
+    (np.float64(0.0143), np.float64(0.000314))
+    """
+    r, e, w = _sticky(radius, effective_modulus, work_of_adhesion)
+    f, pull = np.broadcast_arrays(float_array("load", load), 2 * np.pi * w * r)
+    cube = 3 * r / (4 * e) * (f + pull)
+    return np.cbrt(np.where(cube >= 0, cube, np.nan)), pull.copy()
+
+
+def maugis_dugdale(
+    load: ArrayLike,
+    radius: ArrayLike,
+    effective_modulus: ArrayLike,
+    *,
+    work_of_adhesion: ArrayLike,
+    adhesion_range: ArrayLike,
+) -> tuple[Floats, Floats]:
+    """Contact radius (µm) and pull-off force (mN) of a ball whose attraction is w/ρ up to a gap of ρ and 0 beyond.
+
+    Parameters and NaN as for `jkr`, and the range ρ in µm. `half_space` lets the attraction fall off exponentially.
+
+    Notes
+    -----
+    Maugis, Journal of Colloid and Interface Science 150 (1992) 243, eqs. 6.13 to 6.17. In his units λ is 1.127 times
+    `tabor_parameter`; over the ratio of the radii of attraction and contact the latter is the root of a square, and the
+    load follows.
+
+    Examples
+    --------
+    >>> from stiction import maugis_dugdale
+    >>> radius, pull_off = maugis_dugdale(0.0, 1.0, 80.0, work_of_adhesion=5e-5, adhesion_range=5e-4)
+    >>> round(float(pull_off / (3.14159 * 5e-5)), 2)  # between 3/2 and 2
+    1.91
+    """
+    from scipy.optimize import brentq, minimize_scalar
+
+    r, e, w, length = _sticky(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
+    arrays = np.broadcast_arrays(float_array("load", load), r, e, w, length)
+    radii, pulls = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
+    for place in np.ndindex(radii.shape):
+        force, r1, e1, w1, l1 = (float(each[place]) for each in arrays)
+        modulus = 4 / 3 * e1
+        unit, strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
+        least = minimize_scalar(lambda x, s=strength: _maugis(x, s)[1], bounds=(-20, 40), method="bounded")
+        pulls[place] = -least.fun * unit
+        radii[place] = np.nan
+        if force / unit >= least.fun:
+            outer = least.x - 1
+            while outer > -30 and _maugis(outer, strength)[1] < force / unit:
+                outer -= 1
+            found = brentq(lambda x, s=strength, f=force / unit: _maugis(x, s)[1] - f, outer, least.x)
+            radii[place] = _maugis(found, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
+    return np.asarray(radii), np.asarray(pulls)
+
+
+def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
+    """Radius and load in Maugis' units, over the logarithm of m - 1, m being the ratio of both radii."""
+    m = 1 + np.exp(logarithm)
+    root = np.sqrt(np.exp(logarithm) * (m + 1))
+    angle = np.arctan(root)
+    square = strength / 2 * (root + (m**2 - 2) * angle)
+    linear = 4 / 3 * strength**2 * (root * angle - np.exp(logarithm))
+    radius = 2 / (linear + np.sqrt(linear**2 + 4 * square))
+    return radius, radius**3 - strength * radius**2 * (root + m**2 * angle)
+
+
+def _sticky(
+    radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **others: ArrayLike
+) -> list[Floats]:
+    return positive(radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others)
 
 
 def hertz_cylinder(
@@ -358,3 +498,109 @@ def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
     square = deviation**2
     longer = np.where(gentle, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
     return longer, np.where(gentle, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
+
+
+# ---- Westergaard's wave ---------------------------------------------------------------------------------------------
+
+
+def westergaard_contact_fraction(
+    mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
+) -> Floats:
+    """Fraction of a flat that an elastic sinusoid touches: 2/π arcsin (p̄/p*)^(1/2), p* = π E* Δ / λ; 1 from p* on.
+
+    Parameters
+    ----------
+    mean_pressure : array_like of float, GPa
+        p̄, load per nominal area.
+    amplitude : array_like of float, µm
+        Δ of heights Δ cos(2πx/λ): half the total height.
+    wavelength : array_like of float, µm
+        λ.
+    effective_modulus : array_like of float, GPa
+
+    Notes
+    -----
+    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8. Exact for a half-space in plane strain; the
+    crests interact.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import westergaard_contact_fraction
+    >>> wave = {"amplitude": 0.01, "wavelength": 1.0, "effective_modulus": 10.0}
+    >>> westergaard_contact_fraction(np.array([0.25, 0.5, 1.0]) * np.pi * 0.1, **wave).round(3)
+    array([0.333, 0.5  , 1.   ])
+    """
+    p, d, wave, e = positive(
+        mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
+    )
+    return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / (np.pi * e * d / wave), 1))))
+
+
+def westergaard_pressure(
+    x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
+) -> Floats:
+    """Pressure (GPa) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 out of contact.
+
+    Parameters
+    ----------
+    x : array_like of float, µm
+    mean_pressure, amplitude, wavelength, effective_modulus
+        As for `westergaard_contact_fraction`.
+
+    Notes
+    -----
+    2 p̄ cos ψ / sin² ψ_a (sin² ψ_a - sin² ψ)^(1/2) with ψ = πx/λ and sin² ψ_a = p̄/p*; p̄ + p* cos 2ψ from p* on.
+    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8.
+
+    Examples
+    --------
+    >>> from stiction import westergaard_pressure
+    >>> wave = {"amplitude": 0.01, "wavelength": 1.0, "effective_modulus": 10.0}
+    >>> westergaard_pressure([0.0, 0.1, 0.5], 0.1, **wave).round(4)
+    array([0.3545, 0.2821, 0.    ])
+    """
+    sine, cosine, p, full, _ = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    share = np.minimum(p / full, 1)
+    partial = 2 * full * np.abs(cosine) * np.sqrt(np.maximum(share - sine**2, 0))
+    return np.asarray(np.where(p < full, partial, p + full * (1 - 2 * sine**2)))
+
+
+def westergaard_gap(
+    x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
+) -> Floats:
+    """Gap (µm) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 in contact.
+
+    Parameters
+    ----------
+    x : array_like of float, µm
+    mean_pressure, amplitude, wavelength, effective_modulus
+        As for `westergaard_contact_fraction`.
+
+    Notes
+    -----
+    With s the magnitude of sin(πx/λ) and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its slope,
+    4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
+
+    Examples
+    --------
+    >>> from stiction import westergaard_gap
+    >>> wave = {"amplitude": 0.01, "wavelength": 1.0, "effective_modulus": 10.0}
+    >>> westergaard_gap([0.0, 0.25, 0.5], 0.1, **wave).round(5)
+    array([0.     , 0.00159, 0.00904])
+    """
+    sine, _, p, full, d = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    edge = np.sqrt(np.minimum(p / full, 1))
+    s = np.maximum(np.abs(sine), edge)
+    return np.asarray(2 * d * (s * np.sqrt(s**2 - edge**2) - edge**2 * np.arccosh(s / edge)))
+
+
+def _wave(
+    x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Sine and cosine of πx/λ, mean pressure, pressure of full contact, amplitude."""
+    p, d, wave, e = positive(
+        mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
+    )
+    phase = np.pi * float_array("x", x) / wave
+    return np.asarray(np.sin(phase)), np.asarray(np.cos(phase)), p, np.asarray(np.pi * e * d / wave), d

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,38 +23,20 @@ if TYPE_CHECKING:
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved"]
 """Whether a point has a coefficient of friction, or why not."""
 
-STATUSES: tuple[Status, ...] = get_args(Status)
-"""In this order their numbers stand in files."""
-
+STATUSES: tuple[Status, ...] = get_args(Status)  # in this order their numbers stand in files
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
 STATUS_NO_CONTACT: Status = "no-contact"
 STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
+STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # dtype of arrays of statuses
+_PARTS = ("elastic", "frictional", "adhesive")
 
-STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")
-"""Of arrays of them."""
+SIX = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _PARTS)
+"""The sums that normal and tangential load are made of for every mu0 and tau0."""
 
-SHEAR_STRENGTH_LIMIT = 0.1
-"""tau0/E* above which tau0 is nearly always MPa given as GPa."""
-
-
-class LoadSums(Protocol):
-    """Whatever has the sums that both loads follow from: over asperities, or over points of a half-space."""
-
-    @property
-    def normal_elastic(self) -> Floats: ...  # noqa: D102
-    @property
-    def tangential_elastic(self) -> Floats: ...  # noqa: D102
-    @property
-    def normal_frictional(self) -> Floats: ...  # noqa: D102
-    @property
-    def tangential_frictional(self) -> Floats: ...  # noqa: D102
-    @property
-    def normal_adhesive(self) -> Floats: ...  # noqa: D102
-    @property
-    def tangential_adhesive(self) -> Floats: ...  # noqa: D102
+SHEAR_STRENGTH_LIMIT = 0.1  # tau0/E* above which tau0 is nearly always MPa given as GPa
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,15 +116,9 @@ class Validity(Readable):
     share_crossed: Floats
 
     @classmethod
-    def of(cls, sums: Sums) -> Validity:
+    def of(cls, sums: Any) -> Self:
         """That of sums."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return cls(
-                relative_overlap=sums.overlap_load / sums.normal_elastic,
-                share_beyond_hertz=sums.load_beyond_hertz / sums.normal_elastic,
-                share_below_grid=sums.load_below_grid / sums.normal_elastic,
-                share_crossed=sums.crossed_count / (sums.crossed_count + sums.contact_count),
-            )
+        return cls(**{each.name: ratio_of(each.name, sums) for each in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -175,14 +151,43 @@ class SurfaceValidity(Validity):
     share_unanswered: Floats
 
 
-def normal_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -> Floats:
-    """F_N in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
-    return np.asarray(sums.normal_elastic + mu0 * sums.normal_frictional + tau0 * sums.normal_adhesive)
+RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "relative_overlap": ("overlap_load", ("normal_elastic",)),
+    "share_beyond_hertz": ("load_beyond_hertz", ("normal_elastic",)),
+    "share_below_grid": ("load_below_grid", ("normal_elastic",)),
+    "share_crossed": ("crossed_count", ("crossed_count", "contact_count")),
+    "share_overlapping": ("load_overlapping", ("normal_elastic",)),
+    "share_at_edge": ("load_at_edge", ("normal_elastic",)),
+    "share_unanswered": ("unanswered_count", ("grid_minimum_count",)),
+}
+"""Sum that is the numerator of each figure of validity, and those of its denominator."""
 
 
-def tangential_load(sums: LoadSums, mu0: Floats | float, tau0: Floats | float) -> Floats:
-    """F_T in mN for mu0 (dimensionless) and tau0 in GPa, which broadcast against the sums."""
-    return np.asarray(sums.tangential_elastic + mu0 * sums.tangential_frictional + tau0 * sums.tangential_adhesive)
+def ratio_of(name: str, sums: Any) -> Floats:
+    """A figure of validity of sums by name or by attribute; NaN where there is no contact."""
+    part, whole = RATIOS[name]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(_of(sums, part) / sum(_of(sums, each) for each in whole))
+
+
+def _of(sums: Any, name: str) -> Any:
+    return sums[name] if isinstance(sums, Mapping) else getattr(sums, name)
+
+
+def load_of(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
+    """The "normal", "tangential" or "lateral" load, mN, of sums by name or by attribute.
+
+    mu0 (dimensionless) and tau0 in GPa broadcast against the sums.
+    """
+    elastic, frictional, adhesive = (_of(sums, f"{load}_{part}") for part in _PARTS)
+    return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
+
+
+def loads_of(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+    """Normal and tangential load, mN, of sums (...), over (..., mu0, tau0)."""
+    columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX}
+    mu0 = mu0[:, np.newaxis]
+    return load_of("normal", columns, mu0, tau0), load_of("tangential", columns, mu0, tau0)
 
 
 class Curve(Shown):
@@ -203,24 +208,23 @@ class Curve(Shown):
 
         The shape is that of (mu0, tau0) + (k,) of k steps, or + (m, k) of m directions.
         """
-        return normal_load(self, *self._parameters(mu0, tau0))
+        return load_of("normal", self, *self._parameters(mu0, tau0))
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """F_T in mN that starts the sliding; shape and arguments as for `normal_load`."""
-        return tangential_load(self, *self._parameters(mu0, tau0))
+        return load_of("tangential", self, *self._parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """F_T / F_N, NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
-        normal = normal_load(self, *parameters)
-        tangential = tangential_load(self, *parameters)
+        normal, tangential = (load_of(load, self, *parameters) for load in ("normal", "tangential"))
         ok = status_at(self.contact_count, normal) == STATUS_OK
         coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=ok)
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
         """Either "ok", "self-locked" (F_N <= 0) or "no-contact"; shape and arguments as for `normal_load`."""
-        normal = normal_load(self, *self._parameters(mu0, tau0))
+        normal = load_of("normal", self, *self._parameters(mu0, tau0))
         return status_at(self.contact_count, normal)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
@@ -258,11 +262,9 @@ def status_of(*, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, belo
     "not-reached".
     """
     ladder: list[tuple[ArrayLike, Status]] = [
-        (np.logical_not(touched), STATUS_NO_CONTACT),
-        (reached, STATUS_OK),
-        (below, STATUS_BELOW_RANGE),
+        (np.logical_not(touched), STATUS_NO_CONTACT), (reached, STATUS_OK), (below, STATUS_BELOW_RANGE),
         (locked, STATUS_SELF_LOCKED),
-    ]
+    ]  # fmt: skip
     conditions = np.broadcast_arrays(*(np.asarray(condition, dtype=np.bool_) for condition, _ in ladder))
     return np.select(conditions, [np.asarray(status, STATUS_DTYPE) for _, status in ladder], STATUS_NOT_REACHED)
 
@@ -277,6 +279,14 @@ def friction_parameter(name: str, values: ArrayLike) -> Floats:
     array = float_array(name, values)
     if not (array >= 0).all():
         raise ValueError(f"{name} must not be negative, got {values!r}")
+    return array
+
+
+def listed_parameter(name: str, values: ArrayLike) -> Floats:
+    """mu0 or tau0 as one number, (), or some, (k,)."""
+    array = friction_parameter(name, values)
+    if array.ndim > 1 or not array.size:
+        raise ValueError(f"{name} must be a number or a list of numbers, got {values!r}")
     return array
 
 

@@ -6,6 +6,7 @@ half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -114,7 +115,7 @@ class HalfSpaceCurve(Curve):
     contact_area : (k,) ndarray, µm²
         True area along the interface, less what a grid's edges add; never below load over hardness.
     normal_elastic : (k,) ndarray, mN
-        Σ F n_z.
+        Σ F n_z, less the attraction.
     tangential_elastic : (k,) or (d, k) ndarray, mN
         -Σ F s·n over opposing patches, or all.
     normal_frictional, tangential_frictional : (k,) or (d, k) ndarray, mN per unit mu0
@@ -123,6 +124,8 @@ class HalfSpaceCurve(Curve):
         Σ A t_z and -Σ A s·t over opposing patches, or all.
     load_share_at_hardness, area_share_at_hardness : (k,) ndarray
         Of the load and of the points under pressure where the pressure is the hardness.
+    contact_load : (k,) ndarray, mN
+        Of the pressures: the load and, where bodies adhere, the attraction between them.
     effective_modulus : float, GPa
 
     Examples
@@ -150,11 +153,36 @@ class HalfSpaceCurve(Curve):
     tangential_adhesive: Floats = field(metadata={"unit": "mN per GPa of tau0"})
     load_share_at_hardness: Floats
     area_share_at_hardness: Floats
+    contact_load: Floats = field(metadata={"unit": "mN"})
     effective_modulus: float = field(metadata={"unit": "GPa"})
     _problem: Problem = field(repr=False)
     _model: ContactModel = field(repr=False)
     _pressed: tuple[Pressed, ...] = field(repr=False)
     _sums: tuple[PatchSums, ...] = field(repr=False)
+    _tolerance: float = field(repr=False)
+
+    @cached_property
+    def pull_off(self) -> float:
+        """mN, the most that bodies bear that are drawn apart from the contact of the least load; 0 without adhesion.
+
+        Computed when first asked for: some twenty contacts. Where one of them does not converge, as where soft bodies
+        jump apart, a warning says that it is the most that was reached.
+        """
+        if self.work_of_adhesion == 0:
+            return 0.0
+        from stiction.mechanics.adhesion import pull_off
+
+        return pull_off(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
+
+    @property
+    def work_of_adhesion(self) -> float:
+        """Energy in mN/µm (kJ/m²) that it takes to part an area in contact."""
+        return self._problem.work_of_adhesion
+
+    @property
+    def adhesion_range(self) -> float:
+        """Gap in µm over which the attraction falls off by 1/e: that given, or the least that the grid resolves."""
+        return self._problem.adhesion_range
 
     @cached_property
     def stiffness(self) -> Floats:
@@ -163,6 +191,14 @@ class HalfSpaceCurve(Curve):
         NaN on a free half-plane, and where all pressure is at the hardness. Computed when first asked for.
         """
         return read_only(np.array([one.stiffness for one in self._pressed]))
+
+    @cached_property
+    def unloading_stiffness(self) -> Floats:
+        """(k,) dF/dδ, mN/µm, as bodies unload or as ultrasound feels them: elastic at points that have yielded, too.
+
+        That of loading, `stiffness`, is smaller where there is a hardness, because such points carry no more.
+        """
+        return read_only(np.array([one.unloading_stiffness for one in self._pressed]))
 
     def at(self, index: int) -> Pressed:
         """Points under pressure at `load[index]`, their pressures and patches."""
@@ -173,10 +209,10 @@ class HalfSpaceCurve(Curve):
         problem, place = self._problem, place_of(index, self.load.size, "loads")
         one, sums = self._pressed[place], self._sums[place]
         pressure = one.on_grid(one.values)
-        gap = problem.grids.displacement(pressure) + problem.gap - one.approach
+        gap = problem.grids.displacement(pressure - one.attraction) + problem.gap - one.approach
         each = [one.on_grid(opposes[one.patch - 1]) for opposes in sums.opposing]
         opposing = np.array(each).reshape(*self._model.angles().shape, *pressure.shape)
-        values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share()))
+        values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share))
         pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))
         return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
 
@@ -259,7 +295,7 @@ class HalfSpaceCurve(Curve):
         return onset_of(held, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements)
 
     def _by(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
-        rows = [one.total(model.sliding) for one in sums]
+        rows = _totals(model, self._pressed, sums)
         return replace(self, **_columns(rows, model), _model=model, _sums=sums)
 
 
@@ -275,6 +311,8 @@ def half_space(
     hardness: float | None = None,
     direction: Direction | Sequence[Direction] = "+x",
     sliding: Sliding = "opposing",
+    work_of_adhesion: float | str = 0.0,
+    adhesion_range: float | str = 5e-4,
     tolerance: float = 1e-6,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> HalfSpaceCurve:
@@ -286,7 +324,8 @@ def half_space(
         Two of a kind on the same grid.
     loads : (k,) array_like of float, mN
         Above 0 and strictly increasing; or text, "10 mN" or on the whole area "10 MPa", or a list of such. A profile
-        is 1 µm thick.
+        is 1 µm thick. Of bodies that adhere they are what is pressed from outside, of any sign: increasing as bodies
+        come near, or decreasing as they are drawn apart.
     approaches : (k,) array_like of float, µm
         In place of loads: displacements of the upper body since first touch, of its far points, or of its mean plane
         where periodic. Above 0 and strictly increasing; or text, "5 nm". Each takes some six solutions, in search of
@@ -305,8 +344,14 @@ def half_space(
         Where the upper body is about to move; on surfaces also an angle in degrees from +x towards +y.
     sliding : {"opposing", "all"}
         Whether only patches rub whose force on the upper body points against the motion, or all.
+    work_of_adhesion : float, mN/µm (kJ/m²)
+        Energy w that it takes to part an area; or text, "50 mJ/m^2". The attraction w/ρ exp(-gap/ρ) adds to the load.
+    adhesion_range : float, µm
+        The length ρ; or text, "0.5 nm". Raised to where the grid has two points in the process zone E* ρ²/w, with a
+        warning.
     tolerance : float
-        Of the error, see `HalfSpaceCurve`. Approaches are met to it, in the same unit.
+        Of the error, see `HalfSpaceCurve`, and a tenth of that of the attraction. Approaches are met to it, in the
+        same unit.
     progress : callable, optional
         Called in each iteration on the finest grid with how many loads or approaches are solved, the number of the
         iteration and the error so far. An exception that it raises, as Ctrl-C does, ends the computation.
@@ -317,7 +362,7 @@ def half_space(
         If the grids differ or an argument is outside its range; approaches also on free half-planes, which have none,
         with a hardness, and from the one on at which all points of periodic bodies touch.
     RuntimeError
-        If a load's error does not reach the tolerance.
+        If a load's error does not reach the tolerance, or bodies that adhere come off before a load is reached.
 
     Notes
     -----
@@ -356,16 +401,28 @@ def half_space(
         compliance_share=part_of_one("compliance_share", compliance_share),
         hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
     )
+    work, length = (
+        number(name, in_core_units(name, given, kind), unit=unit, above=above)
+        for name, given, kind, unit, above in (
+            ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
+            ("adhesion_range", adhesion_range, "length", "µm", 0),
+        )
+    )
+    if work > 0:
+        from stiction.mechanics.adhesion import sticky
+
+        problem = sticky(problem, work, length, float(model.effective_modulus))
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_in_core_units("loads", loads, problem.cell * problem.gap.size)
     name, steps = steps_of(problem, loads, in_core_units("approaches", approaches, "length"))
     warn_of_one_body(upper, lower)
-    return _curve(problem, model, pressed(problem, name, steps, tolerance=tolerance, progress=progress))
+    contacts = pressed(problem, name, steps, tolerance=tolerance, progress=progress)
+    return _curve(problem, model, contacts, tolerance)
 
 
-def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed]) -> HalfSpaceCurve:
+def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed], tolerance: float) -> HalfSpaceCurve:
     sums = tuple(one.sums(model.directions()) for one in contacts)
-    rows = [one.row() | of_patches.total(model.sliding) for one, of_patches in zip(contacts, sums, strict=True)]
+    rows = [one.row() | total for one, total in zip(contacts, _totals(model, contacts, sums), strict=True)]
     return HalfSpaceCurve(
         **_columns(rows, model),
         effective_modulus=float(model.effective_modulus),
@@ -373,7 +430,15 @@ def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed]) -> Ha
         _model=model,
         _pressed=tuple(contacts),
         _sums=sums,
+        _tolerance=tolerance,
     )
+
+
+def _totals(model: ContactModel, contacts: Sequence[Pressed], sums: Sequence[PatchSums]) -> list[dict[str, Any]]:
+    totals = [one.total(model.sliding) for one in sums]
+    for one, total in zip(contacts, totals, strict=True):
+        total["normal_elastic"] -= one.adhering
+    return totals
 
 
 def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
@@ -385,3 +450,17 @@ def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
             column = np.ascontiguousarray(column.T) if model.angles().ndim > 0 else column[:, 0].copy()
         columns[name] = read_only(column)
     return columns
+
+
+def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
+    """The curves of a half-space and which loads are theirs; a load without a solution is in none."""
+    try:
+        return [(np.arange(loads.size), solve(loads))]
+    except RuntimeError:
+        curves = []
+        for index in range(loads.size):
+            try:
+                curves.append((np.array([index]), solve(loads[index : index + 1])))
+            except RuntimeError:
+                continue
+        return curves

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,9 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core as _core
 from stiction._checks import Floats, float_array, read_only
 from stiction.mechanics.model import THICKNESS
-from stiction.mechanics.patches import PatchSums, labelled, patch_sums, slopes, true_share
+from stiction.mechanics.patches import PatchSums, patch_sums, slopes
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from stiction.mechanics.adhesion import State
 
 MOST_KEPT = 2**20
 """Points of a grid whose kernels are kept when nobody uses them: 35 MB; a quarter of a free load takes to make them."""
@@ -59,7 +62,7 @@ def threads() -> int:
 class Problem:
     """Heights of two bodies, their gap (µm, its least is 0), the lower one's share of the compliance, and kernels.
 
-    `spacing` is that along y and x, or x (µm).
+    `spacing` is that along y and x, or x (µm); the work of adhesion is in mN/µm, its range, as the grid has it, in µm.
     """
 
     upper: Floats
@@ -69,13 +72,15 @@ class Problem:
     compliance_share: float
     grids: _core.HalfSpaceGrids
     hardness: float | None
+    work_of_adhesion: float = 0.0
+    adhesion_range: float = 0.0
 
     @property
     def periodic(self) -> bool:
         """Whether the bodies go on beyond the edges."""
         return self.grids.periodic
 
-    @property
+    @cached_property
     def cell(self) -> float:
         """µm², of a grid point."""
         return float(np.prod(self.spacing)) * (THICKNESS if len(self.spacing) == 1 else 1.0)
@@ -95,16 +100,27 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """The contact at a load (mN): points, pressures (GPa) and patches, from 1 on; approach (µm), error, iterations."""
+    """The contact at a load (mN).
+
+    Of its points: pressures (GPa), shares of their cells in contact, and patches, from 1 on; approach (µm), error,
+    iterations; the attraction (GPa) over the grid where the bodies adhere.
+    """
 
     problem: Problem
     load: float
     points: NDArray[np.int64]
     values: Floats
+    share: Floats
     patch: NDArray[np.int32]
     approach: float
     error: float
     iterations: int
+    attraction: Floats | float = 0.0
+
+    @property
+    def adhering(self) -> float:
+        """mN, of the attraction."""
+        return float(np.sum(self.attraction)) * self.problem.cell
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values at the points, 0 elsewhere."""
@@ -112,18 +128,12 @@ class Pressed:
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
 
-    def share(self) -> Floats:
-        """Of each point's cell that is in contact."""
-        least = 0.0 if self.problem.hardness is None else self.values / self.problem.hardness
-        touching = self.on_grid(np.ones(self.points.size, np.bool_))
-        return true_share(touching, periodic=self.problem.periodic, least=least)
-
     def sums(self, directions: Floats) -> PatchSums:
         """Sums over each patch, for directions as (m, 2) horizontal unit vectors."""
         problem = self.problem
         return patch_sums(
             self.values * problem.cell,
-            self.share() * problem.cell,
+            self.share * problem.cell,
             [along[self.points] for along in problem.slope],
             self.patch,
             directions,
@@ -134,6 +144,7 @@ class Pressed:
         capped = self.values == self.problem.hardness
         return {
             "load": self.load,
+            "contact_load": self.load + self.adhering,
             "approach": self.approach if self.problem.has_approach else np.nan,
             "error": self.error,
             "iterations": self.iterations,
@@ -145,9 +156,16 @@ class Pressed:
     @cached_property
     def stiffness(self) -> float:
         """dF/dδ, mN/µm, of the points as they are; infinite at full periodic contact, NaN without an approach."""
+        hardness = np.inf if self.problem.hardness is None else self.problem.hardness
+        return self._stiffness_of(self.values < hardness)
+
+    @cached_property
+    def unloading_stiffness(self) -> float:
+        """As `stiffness`, of all points: those that have yielded unload elastically."""
+        return self._stiffness_of(np.ones(self.values.shape, np.bool_))
+
+    def _stiffness_of(self, free: NDArray[np.bool_]) -> float:
         problem = self.problem
-        hardness = np.inf if problem.hardness is None else problem.hardness
-        free = self.values < hardness
         if not (problem.has_approach and free.any()):
             return np.nan
         compliance = problem.grids.linear_compliance(self.on_grid(free), threads=threads())
@@ -199,13 +217,18 @@ def steps_of(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | 
     if asked is None or (loads is not None and approaches is not None):
         raise ValueError("half_space takes loads or approaches, one of them")
     steps = float_array(name, asked, ndim=1)
-    if not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
+    if problem.work_of_adhesion > 0:
+        if name == "approaches":
+            raise ValueError("approaches are for bodies without adhesion; give loads")
+        if not (steps.size > 0 and len(set(np.sign(np.diff(steps)))) <= 1 and np.diff(steps).all()):
+            raise ValueError(f"loads must be strictly increasing or strictly decreasing, got {loads!r}")
+    elif not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
         unit = "mN" if name == "loads" else "µm"
         raise ValueError(f"{name} must be above 0 {unit} and strictly increasing, got {asked!r}")
     gap, hardness = problem.gap, problem.hardness
     if name == "loads":
         most = np.inf if hardness is None else hardness * problem.cell * gap.size
-        if not steps[-1] < most:
+        if not steps.max() < most:
             raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
         return name, steps
     if hardness is not None:
@@ -226,6 +249,10 @@ def pressed(
     progress: Callable[[int, int, float], object] | None,
 ) -> list[Pressed]:
     """The contact at each load (mN) or approach (µm)."""
+    if problem.work_of_adhesion > 0:
+        from stiction.mechanics.adhesion import sticking
+
+        return sticking(problem, steps, tolerance=tolerance, progress=progress)
     contacts: list[Pressed] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -243,22 +270,18 @@ def pressed(
                 f"no solution at {step:g} {'mN' if name == 'loads' else 'µm'}: error {solution.error:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {tolerance:g}"
             )
-        contacts.append(_pressed(problem, solution, step if name == "loads" else None))
+        contacts.append(pressed_of(problem, solution, step if name == "loads" else None))
     return contacts
 
 
-def _pressed(problem: Problem, solution: _core.HalfSpaceSolution, load: float | None) -> Pressed:
-    points = np.flatnonzero(solution.pressure)
-    values = solution.pressure[points]
-    touching = (solution.pressure > 0).reshape(problem.gap.shape)
-    labels, _ = labelled(touching, periodic=problem.periodic)
-    return Pressed(
-        problem,
-        float(values.sum()) * problem.cell if load is None else load,
-        read_only(points),
-        read_only(values),
-        read_only(labels.ravel()[points]),
-        solution.approach,
-        solution.error,
-        solution.iterations,
-    )
+def pressed_of(
+    problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None, attraction: Floats | float = 0.0
+) -> Pressed:
+    """What a solution is at a load (mN), or at that of its pressure."""
+    hardness = np.inf if problem.hardness is None else problem.hardness
+    pressure = solution.pressure.reshape(problem.gap.shape)
+    found: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
+    points, values, share, patch = map(read_only, found)
+    load = float(values.sum()) * problem.cell if load is None else load
+    known = solution.approach, solution.error, solution.iterations
+    return Pressed(problem, load, points, values, share, patch, *known, attraction)

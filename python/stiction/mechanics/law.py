@@ -111,12 +111,8 @@ class JacksonGreen(Law):
     poisson_ratio: float = parameter("", least=0.0, most=0.5)
 
 
-LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)
-"""Every law there is."""
-
-LawName = Literal["hertz-sphere", "hertz-cylinder"]
-"""Laws that need no parameters may be given by name."""
-
+LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # every law there is
+LawName = Literal["hertz-sphere", "hertz-cylinder"]  # laws that need no parameters may be given by name
 NAMED: dict[str, Law] = {law.name: law() for law in LAWS if all(each.default is not MISSING for each in fields(law))}
 
 
@@ -158,8 +154,6 @@ def force_and_area(
     """
     chosen = law_of(law)
     return stiction._core.force_and_area(
-        chosen.name,
-        chosen.parameters(effective_modulus),
-        overlap=number("overlap", overlap, unit="µm", above=0),
+        chosen.name, chosen.parameters(effective_modulus), overlap=number("overlap", overlap, unit="µm", above=0),
         radius=number("radius", radius, unit="µm", above=0),
-    )
+    )  # fmt: skip

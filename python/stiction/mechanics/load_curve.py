@@ -18,7 +18,7 @@ from stiction._units import in_core_units
 from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.candidates import Candidates, candidates, model_for_candidates
 from stiction.mechanics.contact import Contacts, contacts
-from stiction.mechanics.friction import Curve, Sums, SurfaceValidity, Validity
+from stiction.mechanics.friction import Curve, Sums, SurfaceValidity, Validity, load_of
 from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, model_for_pair, shows_model
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
 from stiction.mechanics.quantities import DIRECTED
@@ -90,17 +90,10 @@ class LoadCurve(Curve, Sums):
     _pressed: PressedBodies = field(repr=False)
 
     def onset(
-        self,
-        index: int,
-        *,
-        mu0: float,
-        tau0: float = 0.0,
-        direction: Direction = 0.0,
-        steps: int | Sequence[float] = 20,
-        displacements: ArrayLike | None = None,
-        poisson: float | Sequence[float] = 0.3,
-        compliance_share: float = 0.5,
-    ) -> Onset:
+        self, index: int, *, mu0: float, tau0: float = 0.0, direction: Direction = 0.0,
+        steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
+        poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
+    ) -> Onset:  # fmt: skip
         """How the bodies begin to slide at `approach[index]`, see `Onset`: contact by contact, each by Mindlin.
 
         Parameters
@@ -123,14 +116,9 @@ class LoadCurve(Curve, Sums):
         angle = heading(direction, line=not isinstance(self, SurfaceLoadCurve))
         approach = float(self.approach[place_of(index, self.approach.size, "approaches")])
         held = Asperities(
-            self._pressed.at(approach),
-            self._pressed.model,
-            mu0=mu0,
-            tau0=tau0,
-            angle=angle,
-            poisson=poisson,
+            self._pressed.at(approach), self._pressed.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
             compliance_share=part_of_one("compliance_share", compliance_share),
-        )
+        )  # fmt: skip
         return onset_of(held, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements)
 
     @property
@@ -184,25 +172,14 @@ class SurfaceLoadCurve(LoadCurve):
     @property
     def validity(self) -> SurfaceValidity:
         """How far the model is to be trusted at each approach, (k,) each."""
-        lines = Validity.of(self)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return SurfaceValidity(
-                relative_overlap=lines.relative_overlap,
-                share_beyond_hertz=lines.share_beyond_hertz,
-                share_below_grid=lines.share_below_grid,
-                share_crossed=lines.share_crossed,
-                share_overlapping=self.load_overlapping / self.normal_elastic,
-                share_at_edge=self.load_at_edge / self.normal_elastic,
-                share_unanswered=self.unanswered_count / self.grid_minimum_count,
-            )
+        return SurfaceValidity.of(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Horizontal force in mN towards the left of the motion that keeps the upper body on its way.
 
         Its shape and arguments are as for `normal_load`; negative values are towards the right.
         """
-        mu0, tau0 = self._parameters(mu0, tau0)
-        return np.asarray(self.lateral_elastic + mu0 * self.lateral_frictional + tau0 * self.lateral_adhesive)
+        return load_of("lateral", self, *self._parameters(mu0, tau0))
 
 
 @overload
@@ -292,12 +269,9 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         )
     arrays = {name: read_only(column) for name, column in columns.items()}
     return LoadCurve(
-        **arrays,
-        approach=read_only(steps.copy()),
-        effective_modulus=float(model.effective_modulus),
-        sliding=model.sliding,
-        _pressed=pressed,
-    )
+        **arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding, _pressed=pressed,
+    )  # fmt: skip
 
 
 def _pressed_surfaces(
@@ -310,10 +284,6 @@ def _pressed_surfaces(
         table = column.reshape(len(directions), steps.size)
         arrays[name] = read_only(table if name in DIRECTED and angles.ndim > 0 else table[0])
     return SurfaceLoadCurve(
-        **arrays,
-        approach=read_only(steps.copy()),
-        effective_modulus=float(model.effective_modulus),
-        sliding=model.sliding,
-        direction=read_only(angles),
-        _pressed=pressed,
-    )
+        **arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus),
+        sliding=model.sliding, direction=read_only(angles), _pressed=pressed,
+    )  # fmt: skip

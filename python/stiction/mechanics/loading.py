@@ -17,17 +17,13 @@ from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, 
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-_LEAST = 1e-6
-"""Smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone."""
-
-_STEP = 1.1
-"""Ratio of neighbouring sampled approaches: a load that is crossed and lost again within one may be missed."""
+_LEAST = 1e-6  # smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone
+_STEP = 1.1  # ratio of neighbouring sampled approaches: a load that is crossed and lost again within one may be missed
 
 _STEPS_AT_A_TIME = 16
 """Sampled approaches between two looks at whether all loads are reached; deeper ones cost the more."""
 
-_FURTHER = 5.0
-"""How much further than they are asked for candidates are looked for."""
+_FURTHER = 5.0  # how much further than they are asked for candidates are looked for
 
 
 @shows_model
@@ -119,13 +115,8 @@ class Bodies:
         """Approaches between `left`, where F_N is below loads, and `right`, where it is not."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
         given: dict[str, Any] = {
-            "loads": loads,
-            "left": left,
-            "right": right,
-            "mu0": mu0,
-            "tau0": tau0,
-            "model": model.core(),
-        }
+            "loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0, "model": model.core(),
+        }  # fmt: skip
         if model.detection == "cell":
             upper, lower = self.profiles()
             return stiction._core.approaches_at(upper.heights, lower.heights, spacing=upper.spacing, **given)
@@ -152,7 +143,7 @@ def crossing(
     """Approaches (l,) that first carry loads (l,), and the status of each: "ok", or why it is NaN."""
 
     def carried(sums: Sums) -> Floats:
-        return friction.normal_load(sums, mu0, tau0)
+        return friction.load_of("normal", sums, mu0, tau0)
 
     steps = np.zeros(1)
     curve = bodies.pressed(steps, model)

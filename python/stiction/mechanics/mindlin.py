@@ -22,8 +22,7 @@ from stiction.mechanics.onset import Slip, poisson_ratios
 if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
 
-NODES = 24
-"""Of Gauss and Legendre, over a smooth function of an angle."""
+NODES = 24  # of Gauss and Legendre, over a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
@@ -119,12 +118,10 @@ class Asperities:
         held = self._held(depth)
         slides = depth >= 1
         return Slip(
-            load=load,
-            displacement=way,
-            slipped_area=float(self.area @ depth**2 / self.area.sum()),
+            load=load, displacement=way, slipped_area=float(self.area @ depth**2 / self.area.sum()),
             slipped_load=float(self.load @ depth**3 / self.load.sum()),
             traction=np.where(slides, self.bound, held / self.area),
-        )
+        )  # fmt: skip
 
     def dissipated(self, slip: Slip) -> float:
         """Σ Q (δ - 2 Q/k) over the springs that slip."""

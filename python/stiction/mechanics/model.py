@@ -22,12 +22,8 @@ Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
-
-EFFECTIVE_MODULUS = 10.0
-"""GPa, of the paper."""
-
-THICKNESS = 1.0
-"""µm, of a profile."""
+EFFECTIVE_MODULUS = 10.0  # GPa, of the paper
+THICKNESS = 1.0  # µm, of a profile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +86,7 @@ class ContactModel:
         if self.direction is not None:
             if self.shear != "+x":
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
-            if _are_many(self.direction):
+            if isinstance(self.direction, (list, tuple, range)) or np.ndim(self.direction):
                 object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
             if not self._angles:
                 raise ValueError("direction must have at least one element, got none")
@@ -145,21 +141,13 @@ class ContactModel:
     def _core(self) -> stiction._core.ContactModel:
         law = law_of(self.law)
         return stiction._core.ContactModel(
-            law=law.name,
-            parameters=law.parameters(self.effective_modulus),
-            detection=self.detection or "cell",
-            curvature=self.curvature or "convex",
-            direction=_unit_vector(self._angles[0]),
-            sliding=self.sliding,
-        )
+            law=law.name, parameters=law.parameters(self.effective_modulus), detection=self.detection or "cell",
+            curvature=self.curvature or "convex", direction=_unit_vector(self._angles[0]), sliding=self.sliding,
+        )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: all but what is made again, as the model of the core."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
-
-
-def _are_many(direction: Any) -> bool:
-    return isinstance(direction, (list, tuple, range)) or (isinstance(direction, np.ndarray) and direction.ndim > 0)
 
 
 def _angle(direction: Any) -> float:

@@ -25,11 +25,8 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-SAME_LOAD = 1e-9
-"""Of the sliding load: loads as near as this need no solution of their own."""
-
-SAME_DISPLACEMENT = 1e-7
-"""Of the displacement at sliding, to which a displacement that is asked for is met."""
+SAME_LOAD = 1e-9  # of the sliding load: loads as near as this need no solution of their own
+SAME_DISPLACEMENT = 1e-7  # of the displacement at sliding, to which a displacement that is asked for is met
 
 
 @dataclass(frozen=True)
@@ -220,12 +217,10 @@ class Onset(Shown):
         import pandas
 
         columns = {
-            "tangential_load_mN": self.tangential_load,
-            "displacement_um": self.displacement,
-            "slipped_area": self.slipped_area,
-            "slipped_load": self.slipped_load,
+            "tangential_load_mN": self.tangential_load, "displacement_um": self.displacement,
+            "slipped_area": self.slipped_area, "slipped_load": self.slipped_load,
             "energy_lost_mN_um": self.energy_lost(self.tangential_load),
-        }
+        }  # fmt: skip
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -289,14 +284,9 @@ class Onset(Shown):
 
 
 def onset_of(
-    held: Held,
-    *,
-    mu0: float,
-    tau0: float,
-    direction: float,
-    steps: int | Sequence[float],
+    held: Held, *, mu0: float, tau0: float, direction: float, steps: int | Sequence[float],
     displacements: ArrayLike | None,
-) -> Onset:
+) -> Onset:  # fmt: skip
     """The curve of bodies at fractions of the sliding load, or at displacements."""
     at_sliding = held.at(held.sliding_load)
     slips: list[Slip] = []
@@ -311,18 +301,10 @@ def onset_of(
         for name in ("displacement", "slipped_area", "slipped_load")
     }
     return Onset(
-        tangential_load=read_only(np.array([slip.load for slip in slips])),
-        **columns,
-        normal_load=held.normal_load,
-        sliding_load=held.sliding_load,
-        displacement_at_sliding=at_sliding.displacement,
-        stiffness=held.stiffness,
-        mu0=mu0,
-        tau0=tau0,
-        direction=direction,
-        _held=held,
-        _slips=tuple(slips),
-    )
+        tangential_load=read_only(np.array([slip.load for slip in slips])), **columns, normal_load=held.normal_load,
+        sliding_load=held.sliding_load, displacement_at_sliding=at_sliding.displacement, stiffness=held.stiffness,
+        mu0=mu0, tau0=tau0, direction=direction, _held=held, _slips=tuple(slips),
+    )  # fmt: skip
 
 
 WEAKEST = 1e-9

@@ -11,11 +11,8 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, float_array, read_only
 from stiction._shown import Readable
 
-FEWEST_POINTS = 3
-"""Of a curve to which two parameters are fitted."""
-
-RIGID = 1e-12
-"""Of the last displacement, below which the first one is round-off."""
+FEWEST_POINTS = 3  # of a curve to which two parameters are fitted
+RIGID = 1e-12  # of the last displacement, below which the first one is round-off
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -21,14 +21,12 @@ class Quantity(NamedTuple):
 
 
 _OF_THE_CORE = {name: Quantity(unit, words) for name, unit, words in stiction._core.quantities()}
-
 _OF_AREAS = {name: Quantity(unit, words) for name, unit, words in stiction._core.areal_quantities()}
 
 SUMS: tuple[str, ...] = tuple(_OF_THE_CORE)
 """What a LoadCurve holds at each approach, and a result of each pair: the members of `Sums`, in the core's order."""
 
-AREAL_SUMS: tuple[str, ...] = tuple(_OF_AREAS)
-"""What a SurfaceLoadCurve holds besides."""
+AREAL_SUMS: tuple[str, ...] = tuple(_OF_AREAS)  # what a SurfaceLoadCurve holds besides
 
 DIRECTED: frozenset[str] = frozenset(
     f"{load}_{part}" for load in ("tangential", "lateral") for part in ("elastic", "frictional", "adhesive")
@@ -75,6 +73,13 @@ QUANTITIES: dict[str, Quantity] = (
             "fraction of the normal load on what slips at half of the sliding load",
             "load that slips at half of sliding",
         ),
+        "sliding_load": Quantity("mN", "tangential load at which all slips"),
+        "displacement": Quantity("um", "displacement of the upper body since the tangential load was 0"),
+        "stiffness": Quantity("mN/um", "tangential stiffness at rest"),
+        "unloading_stiffness": Quantity("mN/um", "normal stiffness, unloading or by ultrasound"),
+        "slipped_area": Quantity("1", "fraction of the true contact area that slips"),
+        "slipped_load": Quantity("1", "fraction of the normal load on what slips"),
+        "energy_lost": Quantity("mN um", "energy that a cycle between plus and minus this load takes"),
         "contact_area_fraction": Quantity("1", "true over nominal contact area", "true area A/A0"),
         "mean_pressure": Quantity("GPa", "mean pressure in contact"),
         "share_opposing": Quantity("1", "fraction of the load on contacts that oppose the motion", "load that opposes"),
@@ -123,14 +128,25 @@ QUANTITIES: dict[str, Quantity] = (
         "area_share_at_hardness": Quantity("1", "fraction of the points under pressure where that is the hardness"),
         "lateral_load": Quantity("mN", "lateral load that keeps the upper body on its way"),
         "direction": Quantity("degree", "where the upper body is about to move, from +x towards +y"),
-        "sliding": Quantity("", "which contacts rub and push: those that oppose the motion, or all"),
+        "sliding": Quantity(
+            "", "which contacts rub and push: those that oppose the motion, or all", "rubbing contacts"
+        ),
         "fractal_dimension": Quantity("1", "fractal dimension"),
         "amplitude": Quantity("um", "amplitude"),
         "repetition": Quantity("1", "repetition"),
         "approach": Quantity("um", "approach since first touch"),
         "load": Quantity("mN", "normal load"),
-        "mu0": Quantity("1", "molecular friction coefficient"),
-        "tau0": Quantity("GPa", "adhesive shear strength"),
+        "mu0": Quantity("1", "molecular friction coefficient", "mu0"),
+        "tau0": Quantity("GPa", "adhesive shear strength", "tau0"),
+        "hurst_exponent": Quantity("1", "Hurst exponent", "H"),
+        "rms": Quantity("um", "Sq of each surface", "Sq"),
+        "area_factor": Quantity("1/GPa", "a of A/A0 = a p"),
+        "stiffness_factor": Quantity("GPa/um/GPa^c", "b of k/A0 = b p^c"),
+        "stiffness_exponent": Quantity("1", "c of k/A0 = b p^c"),
+        "area_deviation": Quantity("1", "largest relative difference from A/A0 = a p", "largest deviation of A/A0"),
+        "stiffness_deviation": Quantity(
+            "1", "largest relative difference from k/A0 = b p^c", "largest deviation of k/A0"
+        ),
         "effective_modulus": Quantity("GPa", "effective modulus"),
         "status": Quantity("", "whether the value exists, or why not"),
     }
@@ -142,3 +158,10 @@ def attributes_of(name: str) -> dict[str, str]:
     """The attributes of a variable of that name in a dataset."""
     unit, words = QUANTITIES[name][:2]
     return {"units": unit, "long_name": words} if unit else {"long_name": words}
+
+
+def column_of(name: str) -> tuple[str, float]:
+    """The title of a column for spreadsheets, with its unit, and the factor to that: places in GPa are told in MPa."""
+    quantity = QUANTITIES[name]
+    unit, factor = ("MPa", 1000.0) if name in ("tau0", "pressure") else (quantity.unit, 1.0)
+    return quantity.short + (f" ({unit})" if unit not in ("", "1") else ""), factor

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -11,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, number
-from stiction.mechanics.brackets import with_brackets
-from stiction.mechanics.continuation import (
+from stiction.mechanics.brackets import (
     FINER,
     continued,
     elastic_area,
@@ -22,10 +22,12 @@ from stiction.mechanics.continuation import (
     kappa_spread,
     plastic_wavelength,
     rms_gradient,
+    with_brackets,
 )
-from stiction.mechanics.friction import friction_parameter
-from stiction.mechanics.half_space import Boundary, HalfSpaceCurve, half_space
+from stiction.mechanics.friction import SIX, friction_parameter, load_of
+from stiction.mechanics.half_space import Boundary, half_space, solved
 from stiction.mechanics.model import Direction, Sliding, check_pair, modulus_for
+from stiction.mechanics.quantities import attributes_of
 from stiction.surfaces.cut_off import LONGEST, cut_off
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import instrument_limit, scale_dependent_roughness
@@ -37,22 +39,12 @@ if TYPE_CHECKING:
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """GPa, from polymers and soft metals to ceramics: where none is given, each has a wavelength at which it is reached."""
 
-_COARSEST = 1 / 30
-"""Of the shortest side: the longest cut-off by default."""
-
-_RULES: tuple[Sliding, ...] = ("all", "opposing")
-"""All contacts first, because mu0 is measured on faces where all rub."""
-
+_COARSEST = 1 / 30  # longest cut-off by default, in shortest sides
+_RULES: tuple[Sliding, ...] = ("all", "opposing")  # all contacts first, because mu0 is measured on faces where all rub
 _AROUND = (0.0, 90.0, 180.0, 270.0)
 
-_SUMS = {
-    "normal_elastic": ("mN", "normal load without friction"),
-    "tangential_elastic": ("mN", "tangential load by slopes"),
-    "normal_frictional": ("mN", "normal load per unit mu0"),
-    "tangential_frictional": ("mN", "tangential load per unit mu0"),
-    "normal_adhesive": ("mN/GPa", "normal load per tau0"),
-    "tangential_adhesive": ("mN/GPa", "tangential load per tau0"),
-}
+_NUMBERS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
+"""Numbers of a curve that an answer has beside its sums."""
 
 
 def resolution(
@@ -169,17 +161,16 @@ def resolution(
     steps = float_array("loads", loads, ndim=1)
     tell = progress or (lambda done, of: None)
     count = len(lengths) + (hardness is not None)
-    capped = []
+    answers = []
     for done, length in enumerate(lengths):
         tell(done, count)
-        capped.append(_solved(*pair.cut_off_at(length), steps, hardness=hardness, **options))
-    if hardness is None:
-        elastic = capped[0]
-    else:
+        answers.append(_answer(*pair.cut_off_at(length), steps, along, hardness=hardness, **options))
+    elastic = answers[0]
+    if hardness is not None:
         tell(len(lengths), count)
-        elastic = _solved(upper, lower, steps, hardness=None, **options)
+        elastic = _answer(upper, lower, steps, along, hardness=None, **options)
     tell(count, count)
-    result = _over_cut_offs(pair, lengths, steps, capped, along, effective_modulus, hardness)
+    result = _over_cut_offs(pair, lengths, steps, answers, effective_modulus, hardness)
     if parameters is not None:
         result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
     result.attrs |= _instrument(pair, tip_radius)
@@ -199,9 +190,9 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     array([[0.3]])
     """
     mu, tau = _strength("mu0", mu0), _strength("tau0", tau0)
-    normal = result.normal_elastic + mu * result.normal_frictional + tau * result.normal_adhesive
-    tangential = result.tangential_elastic + mu * result.tangential_frictional + tau * result.tangential_adhesive
-    found = (tangential / normal).where(normal > 0)
+    normal, tangential = (load_of(load, result, mu, tau) for load in ("normal", "tangential"))
+    mu_s = np.divide(tangential, normal, out=np.full_like(normal, np.nan), where=normal > 0)
+    found = result.normal_elastic.copy(data=mu_s)
     found.attrs = {"units": "1", "long_name": "coefficient of static friction", "mu0": mu, "tau0_GPa": tau}
     ordered: xr.DataArray = found.transpose("sliding", "cut_off", "normal_load")
     return ordered
@@ -262,89 +253,57 @@ class _Pair:
         )  # type: ignore[return-value]
 
 
-_Solution = tuple[HalfSpaceCurve, int]
-"""A curve and the index of a load in it."""
-
-
-def _solved(upper: Any, lower: Any, loads: Floats, **options: Any) -> list[_Solution | None]:
-    """A solution for each load; None where none is found."""
-    try:
-        curve = half_space(upper, lower, loads, **options)
-        return [(curve, index) for index in range(loads.size)]
-    except RuntimeError:  # of one load, which the others need not share
-        if loads.size == 1:
-            return [None]
-    return [_solved(upper, lower, loads[index : index + 1], **options)[0] for index in range(loads.size)]
-
-
-def _sums(found: list[_Solution | None], sliding: Sliding, along: tuple[Direction, ...]) -> dict[str, Floats]:
-    """Means of the sums of each load over directions, by a sliding rule; NaN without a solution."""
-    means = {name: np.full(len(found), np.nan) for name in _SUMS}
-    ruled: dict[int, list[HalfSpaceCurve]] = {}
-    for load, solution in enumerate(found):
-        if solution is None:
-            continue
-        curve, index = solution
-        if id(curve) not in ruled:
+def _answer(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any) -> dict[str, Floats]:
+    """Numbers (load,) and six sums (rule, load), means over directions, by name; NaN where no solution is found."""
+    found = {name: np.full(loads.size, np.nan) for name in _NUMBERS}
+    found |= {name: np.full((len(_RULES), loads.size), np.nan) for name in SIX}
+    for at, curve in solved(functools.partial(half_space, upper, lower, **options), loads):
+        for name in _NUMBERS:
+            found[name][at] = getattr(curve, name)
+        for rule, sliding in enumerate(_RULES):
             by_rule = curve if sliding == curve.sliding else curve.with_sliding(sliding)
-            areal = curve.direction.ndim > 0
-            ruled[id(curve)] = [by_rule] if areal else [by_rule.with_direction(each) for each in along]
-        for name, values in means.items():
-            values[load] = np.mean([np.atleast_2d(getattr(each, name))[:, index] for each in ruled[id(curve)]])
-    return means
+            ways = [by_rule] if curve.direction.ndim else [by_rule.with_direction(each) for each in along]
+            for name in SIX:
+                found[name][rule, at] = np.mean([np.atleast_2d(getattr(each, name)) for each in ways], axis=(0, 1))
+    return found
 
 
 # ---- Over cut-offs --------------------------------------------------------------------------------------------------
 
 
-def _several(directions: Direction | Sequence[Direction]) -> tuple[Direction, ...]:
+def _several(directions: Any) -> tuple[Direction, ...]:
     """One direction or some."""
-    return (directions,) if isinstance(directions, (str, int, float)) else tuple(directions)
+    return (directions,) if isinstance(directions, str) or not np.ndim(directions) else tuple(directions)
 
 
 def _over_cut_offs(
-    pair: _Pair,
-    lengths: list[float],
-    loads: Floats,
-    curves: list[list[_Solution | None]],
-    along: tuple[Direction, ...],
-    modulus: float,
+    pair: _Pair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
-) -> xr.Dataset:
+) -> xr.Dataset:  # fmt: skip
     """Areas, pressures and sums, NaN where there is no solution."""
     import xarray as xr
 
-    shape = len(lengths), loads.size
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
-    gradient = [rms_gradient(gap, periodic=pair.periodic) for gap in gaps]
-    area, count, capped, error = (np.full(shape, np.nan) for _ in range(4))
-    for i, row in enumerate(curves):
-        for j, found in enumerate(row):
-            if found is not None:
-                curve, at = found
-                area[i, j], count[i, j] = curve.contact_area[at], curve.contact_count[at]
-                capped[i, j], error[i, j] = curve.load_share_at_hardness[at], curve.error[at]
-    by_rule = [[_sums(row, sliding, along) for row in curves] for sliding in _RULES]
-    sums = {name: np.array([[row[name] for row in rows] for rows in by_rule]) for name in _SUMS}
-    fraction = area / pair.nominal_area
-    grid = ("cut_off", "normal_load")
+    gradient = np.array([rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
+    over = {name: np.array([each[name] for each in answers]) for name in (*_NUMBERS, *SIX)}
+    area = over["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        pressure = loads / area
-        kappa = area * modulus * np.array(gradient)[:, np.newaxis] / loads
+        over |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}
+        kappa = area * modulus * gradient[:, np.newaxis] / loads
+    over["load_fraction_at_hardness"] = over.pop("load_share_at_hardness")
+    grid = ("cut_off", "normal_load")
     variables: dict[str, Any] = {
-        "shortest_wavelength": ("cut_off", [max(each, pair.shortest) for each in lengths], "µm", "shortest wave seen"),
-        "rms_gradient": ("cut_off", gradient, "1", "root-mean-square gradient of the gap"),
-        "contact_area": (grid, area, "µm²", "true contact area"),
-        "contact_area_fraction": (grid, fraction, "1", "true over nominal area"),
-        "mean_pressure": (grid, pressure, "GPa", "mean pressure in contact"),
-        "kappa": (grid, kappa, "1", "A E* h'/F"),
-        "contact_count": (grid, count, "1", "patches of connected points"),
-        "load_fraction_at_hardness": (grid, capped, "1", "fraction of the load where the pressure is the hardness"),
-        "error": (grid, error, "1", "error of the solution"),
-        **{name: (("sliding", *grid), sums[name], unit, text) for name, (unit, text) in _SUMS.items()},
-    }
+        "shortest_wavelength": (
+            "cut_off", [max(each, pair.shortest) for each in lengths], _said("µm", "shortest wave seen")
+        ),
+        "rms_gradient": ("cut_off", gradient, attributes_of("rms_gradient")),
+        "kappa": (grid, kappa, _said("1", "A E* h'/F")),
+        **{name: (grid, each, attributes_of(name.replace("fraction_at", "share_at"))) for name, each in over.items()
+           if name not in SIX},
+        **{name: (("sliding", *grid), np.moveaxis(over[name], 1, 0), attributes_of(name)) for name in SIX},
+    }  # fmt: skip
     return xr.Dataset(
-        {name: (at, values, _said(unit, text)) for name, (at, values, unit, text) in variables.items()},
+        variables,
         coords={
             "cut_off": ("cut_off", lengths, _said("µm", "wavelength cut off, 0 for none")),
             "normal_load": ("normal_load", loads, _said("mN", "elastic normal load")),
@@ -352,14 +311,11 @@ def _over_cut_offs(
         },
         attrs={
             "model": "elastic half-space" + (", perfectly plastic at the hardness" if hardness is not None else ""),
-            "effective_modulus_GPa": modulus,
-            "hardness_GPa": math.nan if hardness is None else hardness,
-            "nominal_area_um2": pair.nominal_area,
-            "boundary": pair.boundary,
-            "upper_history": "; ".join(pair.upper.history),
-            "lower_history": "; ".join(pair.lower.history),
+            "effective_modulus_GPa": modulus, "hardness_GPa": math.nan if hardness is None else hardness,
+            "nominal_area_um2": pair.nominal_area, "boundary": pair.boundary,
+            "upper_history": "; ".join(pair.upper.history), "lower_history": "; ".join(pair.lower.history),
         },
-    )
+    )  # fmt: skip
 
 
 def _said(unit: str, text: str) -> dict[str, str]:
@@ -380,22 +336,16 @@ def _instrument(pair: _Pair, tip_radius: float | None) -> dict[str, Any]:
 
 
 def _with_limits(
-    result: xr.Dataset,
-    pair: _Pair,
-    loads: Floats,
-    elastic: list[_Solution | None],
-    modulus: float,
-    hardness: float | None,
+    result: xr.Dataset, pair: _Pair, loads: Floats, elastic: dict[str, Floats], modulus: float, hardness: float | None,
     parameters: tuple[float, float] | None,
-) -> xr.Dataset:
+) -> xr.Dataset:  # fmt: skip
     """The plastic limit, the wavelength at which it is reached, and the elastic answer down to it."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = gap_exponent(gap, pair.periodic)
-    area = np.array([math.nan if found is None else found[0].contact_area[found[1]] for found in elastic])
+    area = elastic["contact_area"]
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
-    count = np.array([math.nan if found is None else found[0].contact_count[found[1]] for found in elastic])
-    spread = kappa_spread(count)
+    spread = kappa_spread(elastic["contact_count"])
     variables: dict[str, Any] = {
         "elastic_kappa": ("normal_load", kappa, _said("1", "A E* h'/F of the elastic answer at the scan")),
         "elastic_area_fraction": (

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from stiction._checks import float_array, number
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.model import EFFECTIVE_MODULUS, Sliding
+from stiction.mechanics.quantities import attributes_of
 from stiction.surfaces.scale import ScaleDependentRoughness
 
 if TYPE_CHECKING:
     import xarray as xr
 
-KAPPA = 2.2
-"""A E* h'/F at light load: 2.1 to 2.4 on Gaussian areas."""
+KAPPA = 2.2  # A E* h'/F at light load: 2.1 to 2.4 on Gaussian areas
 
 
 def spectral_resolution(
@@ -111,26 +111,15 @@ def spectral_resolution(
     ]  # fmt: skip
     elastic = np.flatnonzero(modulus * gradient / factor >= most)
     reached = float(lengths[elastic[0]]) if elastic.size else np.nan
-    said = {
-        "rms_gradient": ("1", "root-mean-square gradient of the gap"),
-        "contact_area_fraction": ("1", "true over nominal area"),
-        "mean_pressure": ("GPa", "mean pressure in contact"),
-    }
-    values = dict(zip(said, (gradient, area, p / area), strict=True))
+    values = {"rms_gradient": gradient, "contact_area_fraction": area, "mean_pressure": p / area}
     return xr.Dataset(
         {
-            **{
-                name: ("wavelength", values[name], {"units": unit, "long_name": text})
-                for name, (unit, text) in said.items()
-            },
+            **{name: ("wavelength", each, attributes_of(name)) for name, each in values.items()},
             "friction_coefficient": (
-                ("sliding", "wavelength"),
-                np.array(friction),
-                {"units": "1", "long_name": "coefficient of static friction"},
+                ("sliding", "wavelength"), np.array(friction), attributes_of("friction_coefficient"),
             ),
             "plastic_wavelength": (
-                (),
-                reached,
+                (), reached,
                 {"units": "µm", "long_name": "wavelength at which the elastic mean pressure reaches the hardness"},
             ),
         },
@@ -139,4 +128,4 @@ def spectral_resolution(
             "sliding": ("sliding", ["all", "opposing"], {"long_name": "which contacts rub"}),
         },
         attrs={"pressure_GPa": p, "hardness_GPa": float(most), "effective_modulus_GPa": modulus, "kappa": factor},
-    )
+    )  # fmt: skip

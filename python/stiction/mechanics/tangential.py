@@ -33,7 +33,7 @@ class HalfSpace:
         self.points: NDArray[Any] = pressed.points
         self.pressure = pressed.values
         stretch = np.sqrt(1 + sum(along[self.points] ** 2 for along in problem.slope))
-        self.area = pressed.share() * self.cell * stretch
+        self.area = pressed.share * self.cell * stretch
         self.bound = mu0 * self.pressure + tau0 * self.area / self.cell
         self.normal_load = float(self.pressure.sum() * self.cell)
         self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
@@ -71,12 +71,10 @@ class HalfSpace:
     def _slip(self, load: float, traction: Floats, displacement: float) -> Slip:
         slips = traction >= self.bound
         return Slip(
-            load=load,
-            displacement=max(displacement, 0.0) if self.moves else np.nan,
+            load=load, displacement=max(displacement, 0.0) if self.moves else np.nan,
             slipped_area=float(self.area[slips].sum() / self.area.sum()),
-            slipped_load=float(self.pressure[slips].sum() / self.pressure.sum()),
-            traction=traction,
-        )
+            slipped_load=float(self.pressure[slips].sum() / self.pressure.sum()), traction=traction,
+        )  # fmt: skip
 
     def _moved(self, traction: Floats) -> Floats:
         """µm, of the points in contact."""

@@ -15,12 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array
 from stiction.mechanics import friction
-from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
 from stiction.mechanics.quantities import ONSET, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import CELLS, cells_of, ensemble_map, head_of, material_of, means, study_of_result
-from stiction.studies.member_values import Kind, Reading, member_values
+from stiction.studies.member_values import Kind, Reading, by_slopes, member_values
 from stiction.studies.study import Study, step_of
 
 if TYPE_CHECKING:
@@ -29,22 +28,14 @@ if TYPE_CHECKING:
     from stiction.studies.maps import Result
 
 STATISTIC = ["mean", "lower", "upper"]
-
-SPREAD = (0.1, 0.9)
-"""Quantiles of single members that are reported as spread_low and spread_high."""
-
+SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
 __all__ = ["Reading", "at_load", "axes_of", "means", "member_values", "reached_loads"]
 
 
 def at_load(
-    result: Result,
-    loads: ArrayLike,
-    *,
-    mu0: ArrayLike | None = None,
-    tau0: ArrayLike | None = None,
-    reading: Reading | None = None,
-    of: Kind | None = None,
-) -> xarray.Dataset:
+    result: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    reading: Reading | None = None, of: Kind | None = None,
+) -> xarray.Dataset:  # fmt: skip
     """Friction, true area and statistics of contacts at given loads, with 95 % intervals.
 
     Parameters
@@ -123,39 +114,38 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
     """What `friction_map` and its kin say, with a dimension statistic."""
     import xarray
 
+    def read(what: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
+        """Where the mean normal load reaches the loads; of means over groups of directions, if there are any."""
+        change = None if groups is None else _put_together(groups)
+        return ensemble_map(result, loads, mu0, tau0, what, change)
+
     head = head_of(result)
-    by_name = {}
-    onset = [name for name in ONSET if name in head]
-    for what in ("friction_coefficient", "contact_area", "normal_stiffness", *onset):
+    first = read("friction_coefficient")
+    variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
+    # Area and stiffness of an ensemble at its mean load depend, a little, on what friction adds to the load.
+    variables["status"] = first["status"].variable
+    every, about = None, first
+    if "direction" in head.dims:
+        every = np.arange(head.sizes["direction"])[np.newaxis]
+        about = read("friction_coefficient", every).isel(direction=0)
+        variables["friction_all_round"] = _with_statistic(about, "friction_coefficient")
+        axes, places = axes_of(head["direction"].values)
+        if axes.size:
+            along = _with_statistic(read("friction_coefficient", places), "friction_coefficient")
+            dims = ["axis" if each == "direction" else each for each in along.dims]
+            variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
+            first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
+    for what in ("contact_area", "normal_stiffness", *(name for name in ONSET if name in head)):
         try:
-            by_name[what] = ensemble_map(result, loads, mu0, tau0, what)
+            found = read(what, every)
         except ValueError:
             if what != "normal_stiffness":  # of too few steps, or of a half-plane
                 raise
-    first = by_name["friction_coefficient"]
-    variables: dict[str, Any] = {name: _with_statistic(each, name) for name, each in by_name.items()}
-    # Area and stiffness of an ensemble at its mean load depend, a little, on what friction adds to the load.
-    variables["status"] = first["status"].variable
-    variables |= {name: first[name].variable for name in VALIDITY}
+            continue
+        variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
+    variables |= {name: about[name].variable for name in VALIDITY}
     members = head.sizes["repetition"] if not hasattr(result, "finished") else result.finished.size
     variables |= {"members": ((), members, {"units": "1", "long_name": "members"})}
-    if "direction" in head.dims:
-        axes, places = axes_of(head["direction"].values)
-        changes = {"friction_all_round": (np.arange(head.sizes["direction"])[np.newaxis], "round", np.zeros(1))}
-        if axes.size:
-            changes["friction_by_axis"] = (places, "axis", axes)
-        for name, (groups, dim, coordinate) in changes.items():
-            change = _put_together(groups)
-            table = ensemble_map(result, loads, mu0, tau0, "friction_coefficient", change)
-            merged = _with_statistic(table, "friction_coefficient")
-            dims = [dim if each == "direction" else each for each in merged.dims]
-            if dim == "round":
-                index = tuple(0 if each == "round" else slice(None) for each in dims)
-                merged = xarray.Variable([each for each in dims if each != "round"], merged.values[index], merged.attrs)
-            else:
-                merged = xarray.Variable(dims, merged.values, merged.attrs)
-                first = first.assign_coords(axis=("axis", coordinate, attributes_of("axis")))
-            variables[name] = merged
     dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=STATISTIC)
     return dataset.transpose(*cells_of(dataset), ...)
 
@@ -173,18 +163,9 @@ def _put_together(groups: NDArray[np.intp]) -> Any:
     import xarray
 
     def change(piece: xarray.Dataset) -> xarray.Dataset:
-        variables = {}
-        for name, each in piece.data_vars.items():
-            if "direction" not in each.dims:
-                variables[name] = each.variable
-                continue
-            axis = each.dims.index("direction")
-            parts = [np.take(each.values, group, axis=axis).mean(axis=axis) for group in groups]
-            variables[name] = xarray.Variable(each.dims, np.stack(parts, axis=axis), each.attrs)
-        coordinates = {name: each.variable for name, each in piece.coords.items() if name != "direction"}
-        return xarray.Dataset(variables, coordinates, piece.attrs).assign_coords(
-            direction=("direction", np.arange(len(groups), dtype=float), piece["direction"].attrs)
-        )
+        found = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
+        found = found.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
+        return found.assign_coords(direction=("direction", np.arange(len(groups), dtype=float)))
 
     return change
 
@@ -257,8 +238,7 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
 
 
-_NOT_ONE = ("contact_area_fraction",)
-"""Fractions that may come out above 1, which a reader must see."""
+_NOT_ONE = ("contact_area_fraction",)  # fractions that may come out above 1, which a reader must see
 
 
 def _quantiles(values: Floats, axes: tuple[int, ...]) -> tuple[Floats, Floats]:
@@ -307,25 +287,12 @@ class OverMembers:
 
 def _beside(study: Study, point: xarray.Dataset) -> dict[str, Any]:
     """What the slopes of the gap alone say of friction."""
-    gradient = point["rms_gradient"].sel(statistic="mean")
-    slope = point["rms_slope"].sel(statistic="mean")
-    dims = [*gradient.dims, "sliding", "direction", "mu0", "tau0"]
-    shape = [point.sizes[str(dim)] for dim in dims]
-    found = np.full(shape, np.nan)
-    modulus = float(study.contact.effective_modulus)
-    rub, stick = point["mu0"].values[:, np.newaxis], point["tau0"].values[np.newaxis]
-    gradients = gradient.values.reshape(-1)
-    slopes = slope.transpose(*gradient.dims, "direction").values.reshape(gradients.size, -1)
-    table = found.reshape(gradients.size, *shape[len(gradient.dims) :])
-    for cell, steep in enumerate(gradients):
-        for way, along in enumerate(slopes[cell]):
-            if not (steep > 0 and along > 0):
-                continue
-            for rule, sliding in enumerate(point["sliding"].values):
-                table[cell, rule, way] = gentle_friction(
-                    rub, stick, rms_gradient=steep, rms_slope=along, effective_modulus=modulus, sliding=str(sliding),  # type: ignore[arg-type]
-                )  # fmt: skip
-    return {"gentle_friction": (dims, table.reshape(shape), attributes_of("gentle_friction"))}
+    gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
+    cells = [str(dim) for dim in gradient.dims]
+    return by_slopes(
+        cells, gradient.values, slope.transpose(*cells, "direction").values, point["sliding"].values,
+        point["mu0"].values, point["tau0"].values, float(study.contact.effective_modulus),
+    )  # fmt: skip
 
 
 def _difference(

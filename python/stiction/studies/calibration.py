@@ -44,6 +44,9 @@ TAIL = 1e-7
 WIDE = 8.0
 """Half-width of the grid of mu0, standard deviations."""
 
+LEAST_TESTS = 3
+"""Tests that slid from whose scatter errors are found."""
+
 EXCLUDED, UNLIKELY = 0.01, 0.05
 """Probabilities of residuals as large: a rule is excluded by the first, errors are scaled by the second."""
 
@@ -369,6 +372,8 @@ def calibrate(
     held = {test.uncertainty is None for test in tests}
     if len(held) > 1:
         raise ValueError("uncertainty must be given of all tests, or of none")
+    if True in held and sum(test.slid for test in tests) < LEAST_TESTS:
+        raise ValueError(f"uncertainty is needed of fewer than {LEAST_TESTS} tests: their scatter says too little")
     known = tuple(
         None if value is None else number(name, in_core_units(name, value, "pressure") if name == "tau0" else value)
         for name, value in (("mu0", mu0), ("tau0", tau0))
@@ -376,6 +381,8 @@ def calibrate(
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")
     there = [rule for rule in RULES if all(rule in _rules_of(test.result) for test in tests)]
+    if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
+        there = there[:1]  # both rules are one
     rules = there if sliding == "both" else [sliding]
     if not rules or not set(rules) <= set(there):
         raise ValueError(
@@ -448,29 +455,22 @@ def _of_curve(curve: Curve, load: float) -> _Friction:
 
 def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
     """Of a result: means over members, directions too, and the scatter of the adhesive sum over members."""
-    from stiction.studies.member_values import member_values
+    from stiction.studies.member_values import six_at
 
     dataset = getattr(result, "dataset", result)
-    unit = 1e-3  # GPa; small beside any modulus
-    there = member_values(dataset, [load], mu0=[0.0, 1.0], tau0=[0.0, unit], reading="elastic")
-    there = there.sel(sliding=sliding).isel(load=0, cut_off=0, missing_dims="ignore")
-    normal, tangential = (
-        there[name].mean("direction").transpose("repetition", "mu0", "tau0").values
-        for name in ("normal_load", "tangential_load")
-    )
-    reached = np.isfinite(tangential).all(axis=(1, 2))
+    there = six_at(dataset, load).sel(sliding=sliding).isel(cut_off=0, missing_dims="ignore")
+    six = {str(name): each.mean("direction").values.reshape(-1) for name, each in there.data_vars.items()}
+    reached = np.isfinite(list(six.values())).all(axis=0)
     if not reached.any():
         raise ValueError(f"load must be one that the result reaches, got {load:g} mN")
-    normal, tangential = normal[reached], tangential[reached]
-    base = float(normal[:, 0, 0].mean())
-    stick = (tangential[:, 0, 1] - tangential[:, 0, 0]) / unit
+    stick = six["tangential_adhesive"][reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
-    means, upward = tangential.mean(axis=0) / base, normal.mean(axis=0) / base
+    base = six["normal_elastic"][reached].mean()
+    mean = {name: float(each[reached].mean() / base) for name, each in six.items()}
     return _Friction(
-        elastic=float(means[0, 0]), rub=float(means[1, 0] - means[0, 0]),
-        stick=float((means[0, 1] - means[0, 0]) / unit),
-        rub_normal=float(upward[1, 0] - upward[0, 0]), stick_normal=float((upward[0, 1] - upward[0, 0]) / unit),
-        scatter=spread, hardness=float(study_of(dataset).contact.hardness or math.nan),
+        elastic=mean["tangential_elastic"], rub=mean["tangential_frictional"], stick=mean["tangential_adhesive"],
+        rub_normal=mean["normal_frictional"], stick_normal=mean["normal_adhesive"], scatter=spread,
+        hardness=float(study_of(dataset).contact.hardness or math.nan),
     )  # fmt: skip
 
 

@@ -12,8 +12,7 @@ from typing import Any
 from stiction._text import LONGEST_NAME, printable
 from stiction._units import shortened
 
-PATIENCE = "15s"
-"""How long a scheduler may take to answer."""
+PATIENCE = "15s"  # how long a scheduler may take to answer
 
 
 class ClusterError(ValueError):

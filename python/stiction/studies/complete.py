@@ -7,14 +7,15 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+from stiction._core import __version__
 from stiction._files import replace as put
+from stiction._text import duration_text
+from stiction.studies.pressed import cost_of_member
 from stiction.studies.runner import fill, filled, prepared
-from stiction.studies.same_study import computed_otherwise
 from stiction.studies.store import BLOCKS, STUDY, Stored, open_stored
-from stiction.studies.study import Study
+from stiction.studies.study import Study, computed_otherwise, differences, differences_text
 
-Say = Callable[[str], Any]
-"""A function that tells a person a line."""
+Say = Callable[[str], Any]  # a function that tells a person a line
 
 
 def _nothing(_: str) -> None:
@@ -22,17 +23,57 @@ def _nothing(_: str) -> None:
 
 
 def complete(
-    study: Study, folder: Path, executor: Executor, *, replace: bool = False, onset: int | None = None,
-    progress: bool = False,
+    study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
+    onset: int | None = None, progress: bool = False, said: Say = _nothing, say: Say = _nothing,
+    announce: Say = _nothing, answered: Callable[[Stored], Any] = lambda _: None,
 ) -> Stored:  # fmt: skip
-    """Compute what a folder lacks of a study and of what is kept beside it; another study there may be replaced."""
-    if replace and (folder / STUDY).exists():
-        remove_result(folder)
-    stored = prepared(study, folder)
-    is_new = stored.count < study.ensemble.repetitions
-    stored = filled(stored, executor=executor, progress=progress)
-    write_picture(stored, anew=is_new)
-    fill_beside(stored, executor, onset, progress=progress)
+    """Compute what a folder lacks of a study, or of one of its parts, and without a part of what is kept beside it.
+
+    Parameters
+    ----------
+    study : Study
+    folder : Path
+    executor : concurrent.futures.Executor
+    part : (int, int), optional
+        Which of how many parts.
+    replace : bool
+        Whether the result of another study that lies there is removed.
+    onset : int, optional
+        Members whose onset of sliding is computed, 0 for none; a few by default.
+    progress : bool
+        Whether to draw progress bars.
+    said, say, announce : callable
+        Told what was done, what is worth knowing, and what is about to be computed.
+    answered : callable
+        Given the result before what is kept beside it is computed.
+
+    Returns
+    -------
+    Stored
+        What the folder holds now.
+    """
+    there = open_stored(folder) if (folder / STUDY).exists() else None
+    if replace and there:
+        remove_result(there)
+    stored, total = prepared(study, folder, part), study.ensemble.repetitions
+    before = stored.count
+    other = differences(there.study, stored.study) if there and before else []
+    if friction := [each for each in other if each[0].startswith("friction.")]:
+        say(f"{folder} was asked for other friction; its {before} repetitions are kept, and its table, page and "
+            f"figures are replaced\n{differences_text(friction)}")  # fmt: skip
+    stored = filled(stored, part=part, executor=executor, progress=progress, say=said)
+    if part is not None:
+        said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
+        return stored
+    fill_hardness(stored, executor)
+    if before < total:
+        said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
+    else:
+        by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
+        said(f"{folder} holds this study already{by}")
+    answered(stored)
+    write_picture(stored, anew=before < total)
+    fill_beside(stored, executor, onset, progress=progress, announce=announce, say=say)
     return stored
 
 
@@ -51,6 +92,21 @@ def write_picture(stored: Stored, *, anew: bool) -> None:
         return
     if picture is not None:
         export(picture, stored.path / FILE, replace=True)
+
+
+def fill_hardness(stored: Stored, executor: Executor) -> None:
+    """Press a few members of a pair at other hardnesses, where the hardness is a range, unless that was done."""
+    from stiction.studies.export import export
+    from stiction.studies.hardness import FILE, areas_over_hardness, hardness_beside
+
+    if not stored.study.is_measured or hardness_beside(stored) is not None:
+        return
+    try:
+        areas = areas_over_hardness(stored.study, executor)
+    except ValueError:  # the files are not there any more
+        return
+    if areas is not None:
+        export(areas, stored.path / FILE, replace=True)
 
 
 def fill_beside(
@@ -80,12 +136,14 @@ def fill_beside(
         over = resolution_study(stored.study)
         if over is not None:
             folder = stored.path / FOLDER
-            if (folder / STUDY).exists() and computed_otherwise(open_stored(folder).study, over):
-                remove_result(folder)  # of another pair, or of other loads
-            announce("over cut-offs")
+            there = open_stored(folder) if (folder / STUDY).exists() else None
+            if there and computed_otherwise(there.study, over):
+                remove_result(there)  # of another pair, or of other loads
+            took = duration_text(over.ensemble.repetitions * cost_of_member(over))
+            announce(f"over cut-offs: about {took} of one core")
             fill(over, folder, executor=executor, progress=progress)
-        there = onset_beside(stored)
-        if onset == 0 or (there is not None and onset in (None, int(there.attrs["members"]))):
+        kept = onset_beside(stored)
+        if onset == 0 or (kept is not None and onset in (None, int(kept.attrs["members"]))):
             return
         announce("onset of sliding")
         curve = onset_of_result(stored.study, executor, members=onset)
@@ -97,11 +155,11 @@ def fill_beside(
         put(stored.path / TABLE, backbone(curve).encode())
 
 
-def remove_result(directory: Path) -> None:
+def remove_result(stored: Stored) -> None:
     """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
     from stiction.studies.onset import FILE, TABLE
 
-    for block in open_stored(directory).blocks:
-        (directory / BLOCKS / block.name).unlink(missing_ok=True)
-    for name in (STUDY, FILE, TABLE) if (directory / FILE).exists() else (STUDY,):
-        (directory / name).unlink(missing_ok=True)
+    for block in stored.blocks:
+        (stored.path / BLOCKS / block.name).unlink(missing_ok=True)
+    for name in (STUDY, FILE, TABLE) if (stored.path / FILE).exists() else (STUDY,):
+        (stored.path / name).unlink(missing_ok=True)

@@ -17,14 +17,12 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import Pressed
 
-STEEPEST = 0.1
-"""The fraction of a body whose slopes are its steepest."""
+STEEPEST = 0.1  # the fraction of a body whose slopes are its steepest
 
 QUANTILES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Quantiles of the areas of contacts, and of the pressures over the true area, that are kept."""
 
-SMALL = 4
-"""Grid cells of the largest contact that a scan hardly resolves."""
+SMALL = 4  # grid cells of the largest contact that a scan hardly resolves
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +87,19 @@ class Table:
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
         return {name: of_table(self) for name, of_table in OF_CONTACTS.items()} | {
-            "patch_area": np.quantile(self.area, QUANTILES),
+            "patch_area": _quantiles(self.area),
             "pressure": np.interp(
                 QUANTILES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
             ),
         }  # fmt: skip
+
+
+def _quantiles(values: Floats) -> Floats:
+    """What `numpy.quantile` gives at `QUANTILES`, in a tenth of its time for a few values."""
+    ordered, place = np.sort(values), np.array(QUANTILES) * (values.size - 1)
+    below = place.astype(np.intp)
+    low, high, part = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], place - below
+    return np.where(part < 0.5, low + (high - low) * part, high - (high - low) * (1 - part))
 
 
 OF_CONTACTS: dict[str, Callable[[Table], float]] = {
@@ -127,17 +133,12 @@ def patches_of(pressed: Pressed) -> Table:
     for index, size in zip(indices, problem.gap.shape, strict=True):
         edge |= (index == 0) | (index == size - 1)
     return Table(
-        x=mean(places[-1]),
-        y=mean(places[0] if len(places) == 2 else nothing),
+        x=mean(places[-1]), y=mean(places[0] if len(places) == 2 else nothing),
         force=np.asarray(problem.cell * total, np.float64),
-        area=np.asarray(problem.cell * np.bincount(patch, weights=pressed.share()), np.float64),
-        slope_x=mean(along[-1]),
-        slope_y=mean(along[0] if len(along) == 2 else nothing),
-        cells=np.bincount(patch).astype(np.float64),
-        at_edge=np.bincount(patch, weights=edge) > 0,
-        pressure=pressure,
-        weight=np.ones(pressure.size),
-    )
+        area=np.asarray(problem.cell * np.bincount(patch, weights=pressed.share), np.float64), slope_x=mean(along[-1]),
+        slope_y=mean(along[0] if len(along) == 2 else nothing), cells=np.bincount(patch).astype(np.float64),
+        at_edge=np.bincount(patch, weights=edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
+    )  # fmt: skip
 
 
 def asperities_of(touching: Contacts, spacing: tuple[float, ...], extent: tuple[float, ...]) -> Table:
@@ -153,17 +154,10 @@ def asperities_of(touching: Contacts, spacing: tuple[float, ...], extent: tuple[
         cells = touching.area / float(np.prod(spacing))
         at_edge = (x - half < 0) | (x + half > extent[1]) | (y - half < 0) | (y + half > extent[0])
     return Table(
-        x=x,
-        y=y if len(spacing) == 2 else np.zeros(x.size),
-        force=touching.force * normal[:, 2],
-        area=touching.area,
-        slope_x=steep[:, 0],
-        slope_y=steep[:, 1] if len(spacing) == 2 else np.zeros(x.size),
-        cells=cells,
-        at_edge=at_edge,
-        pressure=touching.force / touching.area,
-        weight=touching.area,
-    )
+        x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=touching.force * normal[:, 2], area=touching.area,
+        slope_x=steep[:, 0], slope_y=steep[:, 1] if len(spacing) == 2 else np.zeros(x.size), cells=cells,
+        at_edge=at_edge, pressure=touching.force / touching.area, weight=touching.area,
+    )  # fmt: skip
 
 
 def on_steepest(table: Table, found: Slopes) -> dict[str, float]:

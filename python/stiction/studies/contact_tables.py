@@ -1,11 +1,11 @@
-"""The table `[contact]` of a study: by asperities or by the half-space, of generated or of measured surfaces."""
+"""The table `[contact]` of a study, by asperities or by the half-space, and where each of its keys may stand."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, create_model, model_validator
@@ -14,13 +14,16 @@ from stiction._checks import Floats
 from stiction._units import exact, quantity, shortened
 from stiction.mechanics.half_space import Boundary
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
-from stiction.mechanics.model import ContactModel, Curvature, Detection, Direction, Shear, Sliding
+from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
+from stiction.studies.generated_surfaces import Profiles
+from stiction.studies.surface_tables import Measured, Surfaces, pressed
 from stiction.studies.values import (
+    REQUIRED,
     ApproachesOrRange,
     ApproachRange,
-    Compass,
     Directions,
     Fraction,
+    Keys,
     Length,
     LoadRange,
     LoadsOrRange,
@@ -30,12 +33,14 @@ from stiction.studies.values import (
     Table,
     array_of,
     as_tuple,
+    chosen,
+    completed,
     degrees_of,
     fault_at,
 )
 
-COMPASS = tuple(30.0 * step for step in range(12))
-"""Directions of measured areas unless others are given, degrees."""
+COMPASS = tuple(30.0 * step for step in range(12))  # directions of measured areas unless others are given, degrees
+MOST_DIRECTIONS = 360  # largest number of directions of measured areas
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -106,169 +111,12 @@ def entry_of(law: Law | LawName) -> LawName | LawTable:
     return LAW_TABLES[law.name].model_validate(values)
 
 
-# ---- What all contacts have -----------------------------------------------------------------------------------------
+# ---- Contacts -------------------------------------------------------------------------------------------------------
 
 _Name = Annotated[str, Field(min_length=1, max_length=80)]
 _Ratio = Annotated[float, Field(gt=-1, le=0.5)]
 TwoNames = Annotated[tuple[_Name, _Name], as_tuple]
-TwoRatios = Annotated[tuple[_Ratio, _Ratio], as_tuple]
-"""Of the upper and the lower body."""
-
-
-class ContactTable(Table):
-    """How a pair is pressed together: elasticity, and where the upper body is about to move."""
-
-    effective_modulus: Modulus = Field(
-        default=quantity("10 GPa", "pressure"), description="E*, the elasticity of both bodies."
-    )
-
-    def rules(self) -> tuple[Sliding, ...]:
-        """Every sliding rule."""
-        raise NotImplementedError
-
-    def ways(self) -> tuple[Direction, ...]:
-        """Every direction of motion."""
-        raise NotImplementedError
-
-    def degrees(self) -> Floats:
-        """Every direction of motion, from +x towards +y."""
-        return np.array([degrees_of(way) for way in self.ways()])
-
-    def motions(self) -> dict[str, list[Any]]:
-        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
-        raise NotImplementedError
-
-
-class GeneratedContact(ContactTable):
-    """How a generated pair is pressed together: one or several rules and directions."""
-
-    materials: ClassVar[None] = None
-    poisson_ratio: ClassVar[None] = None
-
-    shear: Shear = Field(default="+x", description="Where the upper body is about to move along a profile.")
-    direction: Directions = Field(
-        default=None,
-        description="The same in place of `shear`; on surfaces also degrees from +x towards +y, or a list.",
-    )
-    sliding: Rules = Field(
-        default="opposing",
-        description="Which contacts rub: those that oppose the motion, as in the paper, or all; or a list of both.",
-    )
-
-    @model_validator(mode="after")
-    def _has_one_direction_of_motion(self) -> GeneratedContact:
-        if self.direction is not None and self.shear != "+x":
-            raise fault_at("direction", f'must not be given beside shear, got "{self.shear}" for that')
-        return self
-
-    def rules(self) -> tuple[Sliding, ...]:
-        """Every sliding rule."""
-        return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
-
-    def ways(self) -> tuple[Direction, ...]:
-        """Every direction, whichever key says it."""
-        given = self.shear if self.direction is None else self.direction
-        return given if isinstance(given, tuple) else (given,)
-
-    def motions(self) -> dict[str, list[Any]]:
-        """Sliding rules and directions (degrees) of which there is a list."""
-        lists: dict[str, list[Any]] = {}
-        if isinstance(self.sliding, tuple):
-            lists["sliding"] = list(self.sliding)
-        if isinstance(self.direction, tuple):
-            lists["direction"] = self.degrees().tolist()
-        return lists
-
-
-class MeasuredContact(ContactTable):
-    """How a measured pair is pressed together: to loads, under both sliding rules."""
-
-    sliding: ClassVar[tuple[Sliding, ...]] = ("all", "opposing")
-    onset: ClassVar[None] = None
-
-    load: LoadsOrRange = Field(
-        description="Elastic normal loads that the members are pressed to; loads around `friction.load` unless given."
-    )
-    materials: TwoNames | None = Field(
-        default=None, description="Names of what the upper and the lower body are made of; they change nothing."
-    )
-    poisson_ratio: TwoRatios | None = Field(
-        default=None, description="Of the upper and the lower body, for the onset of sliding; 0.3 of both unless given."
-    )
-
-    def rules(self) -> tuple[Sliding, ...]:
-        """Both rules: all contacts rub, as where mu0 was measured, or those that oppose the motion, as in the paper."""
-        return self.sliding
-
-    def motions(self) -> dict[str, list[Any]]:
-        """Both rules and all directions (degrees)."""
-        return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
-
-    @property
-    def step(self) -> Literal["load"]:
-        """What a pair is pressed to, one after the other."""
-        return "load"
-
-    def steps(self) -> Floats:
-        """All loads, mN."""
-        return array_of(self.load)
-
-
-class ByHalfSpace(ContactTable):
-    """Keys of the half-space."""
-
-    law: ClassVar[None] = None
-
-    mechanics: Literal["half-space"] = Field(default="half-space", description="The elastic half-space.")
-    boundary: Boundary = Field(
-        default="free", description="What lies beyond the edges: nothing, or the same surfaces again."
-    )
-    hardness: Modulus | None = Field(
-        default=None, description="The largest pressure of the half-space; none is elastic."
-    )
-    compliance_share: Fraction = Field(default=0.5, description="The lower body's fraction of the compliance.")
-
-    def solid(self) -> dict[str, Any]:
-        """What `half_space` takes besides bodies, loads and motion."""
-        return {
-            "effective_modulus": float(self.effective_modulus),
-            "boundary": self.boundary,
-            "compliance_share": self.compliance_share,
-            "hardness": None if self.hardness is None else float(self.hardness),
-        }
-
-
-class ByAsperities(ContactTable):
-    """Keys of asperities."""
-
-    hardness: ClassVar[None] = None
-
-    mechanics: Literal["asperities"] = Field(
-        default="asperities", description="Hertzian contacts that do not interact."
-    )
-    law: LawEntry = Field(
-        default="hertz-sphere",
-        description='What a contact carries; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
-    )
-    detection: Detection = Field(
-        default="cell", description="What counts as a contact: the paper's criterion, or minima of the gap."
-    )
-    curvature: Curvature = Field(
-        default="convex", description="Whether both bodies must be convex where they touch, or only relatively."
-    )
-
-    def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """What `press` takes, under one of the sliding rules, by default the first."""
-        return ContactModel(
-            effective_modulus=float(self.effective_modulus),
-            law=self.law if isinstance(self.law, str) else self.law.law(),
-            detection=self.detection,
-            curvature=self.curvature,
-            sliding=sliding or self.rules()[0],
-        )
-
-
-# ---- How they begin to slide ----------------------------------------------------------------------------------------
+TwoRatios = Annotated[tuple[_Ratio, _Ratio], as_tuple]  # upper and lower body
 
 
 class OnsetTable(Table):
@@ -285,18 +133,105 @@ class OnsetTable(Table):
         return self
 
 
-# ---- Generated surfaces ---------------------------------------------------------------------------------------------
+class ContactTable(Table):
+    """How a pair is pressed together; what a key is where it must not be given stands here, all defaults in `KEYS`."""
 
-
-class Asperities(GeneratedContact, ByAsperities):
-    """Contacts of asperities, pressed over approaches."""
-
-    case: ClassVar[str] = "contact of profiles by asperities"
-
-    approach: ApproachesOrRange = Field(
-        default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
-        description="How far the bodies are pressed together.",
+    effective_modulus: Modulus = Field(
+        default=quantity("10 GPa", "pressure"), description="E*, the elasticity of both bodies."
     )
+    shear: Shear = Field(default="+x", description="Where the upper body is about to move along a profile.")
+    direction: Directions = Field(
+        default=("+x", "-x"),
+        description="Where the upper body is about to move, in place of `shear`; of areas also degrees from +x towards "
+        "+y, or a list.",
+    )
+    sliding: Rules = Field(
+        default=("all", "opposing"),
+        description="Which contacts rub: those that oppose the motion, as in the paper, or all; or a list of both.",
+    )
+    load: LoadsOrRange | None = Field(
+        default=None,
+        description="Elastic normal loads to press the bodies to; of measured ones loads around `friction.load` unless "
+        "given.",
+    )
+    materials: TwoNames | None = Field(
+        default=None, description="Names of what the upper and the lower body are made of; they change nothing."
+    )
+    poisson_ratio: TwoRatios | None = Field(
+        default=None, description="Of the upper and the lower body, for the onset of sliding; 0.3 of both unless given."
+    )
+
+    @model_validator(mode="after")
+    def _has_one_direction_of_motion(self) -> Self:
+        if self.direction is not None and self.shear != "+x":
+            raise fault_at("direction", f'must not be given beside shear, got "{self.shear}" for that')
+        return self
+
+    @property
+    def step(self) -> Literal["approach", "load"]:
+        """What a pair is pressed to, one after the other."""
+        return "approach" if self.load is None else "load"
+
+    def steps(self) -> Floats:
+        """All approaches, µm, or loads, mN."""
+        return array_of(getattr(self, self.step))
+
+    def rules(self) -> tuple[Sliding, ...]:
+        """Every sliding rule."""
+        return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
+
+    def ways(self) -> tuple[Direction, ...]:
+        """Every direction of motion, whichever key says it."""
+        given = self.shear if self.direction is None else self.direction
+        return given if isinstance(given, tuple) else (given,)
+
+    def degrees(self) -> Floats:
+        """Every direction of motion, from +x towards +y."""
+        return np.array([degrees_of(way) for way in self.ways()])
+
+    def motions(self) -> dict[str, list[Any]]:
+        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
+        lists: dict[str, list[Any]] = {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
+        return {name: values for name, values in lists.items() if isinstance(getattr(self, name), tuple)}
+
+
+class HalfSpace(ContactTable):
+    """Contact by the elastic half-space."""
+
+    law: ClassVar[None] = None
+    onset: ClassVar[None] = None
+
+    mechanics: Literal["half-space"] = Field(default="half-space", description="The elastic half-space.")
+    boundary: Boundary = Field(description="What lies beyond the edges: nothing, or the same surfaces again.")
+    hardness: Modulus | None = Field(description="The largest pressure of the half-space; none is elastic.")
+    compliance_share: Fraction = Field(description="The lower body's fraction of the compliance.")
+
+    def solid(self) -> dict[str, Any]:
+        """What `half_space` takes besides bodies, loads and motion."""
+        return {
+            "effective_modulus": float(self.effective_modulus),
+            "boundary": self.boundary,
+            "compliance_share": self.compliance_share,
+            "hardness": None if self.hardness is None else float(self.hardness),
+        }
+
+
+class Asperities(ContactTable):
+    """Contacts of asperities, which do not feel each other."""
+
+    hardness: ClassVar[None] = None
+
+    mechanics: Literal["asperities"] = Field(
+        default="asperities", description="Hertzian contacts that do not interact."
+    )
+    law: LawEntry = Field(
+        description='What a contact carries; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.'
+    )
+    detection: Detection = Field(
+        description="What counts as a contact: the paper's criterion, or minima of the gap, which is all of areas."
+    )
+    curvature: Curvature = Field(description="Whether both bodies must be convex where they touch, or only relatively.")
+    approach: ApproachesOrRange | None = Field(default=None, description="How far the bodies are pressed together.")
     onset: OnsetTable | None = Field(
         default=None,
         description="Whether it is kept how each pair begins to slide, and at which strengths, as in `{ mu0 = 0.4 }`.",
@@ -308,113 +243,83 @@ class Asperities(GeneratedContact, ByAsperities):
             raise fault_at("onset", "must not be given with cylinders: a line load moves far points without limit")
         return self
 
-    @property
-    def step(self) -> Literal["approach"]:
-        """What a pair is pressed to, one after the other."""
-        return "approach"
-
-    def steps(self) -> Floats:
-        """All approaches, µm."""
-        return array_of(self.approach)
-
     def approaches(self) -> Floats:
-        """All approaches, µm."""
-        return array_of(self.approach)
+        """All approaches of generated surfaces, µm."""
+        return self.steps()
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """What `press` takes in all directions, under one of the sliding rules, by default the first."""
-        return replace(super().model(sliding), shear=self.shear, direction=self.direction)
+        """What `press` takes, under one of the sliding rules, by default the first; of loads without directions."""
+        moved: Any = {} if self.approach is None else {"shear": self.shear, "direction": self.direction}
+        return ContactModel(
+            effective_modulus=float(self.effective_modulus),
+            law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
+            curvature=self.curvature, sliding=sliding or self.rules()[0], **moved,
+        )  # fmt: skip
 
 
-class AsperitiesOnSurfaces(Asperities):
-    """The same on surfaces: contacts are minima of the gap, and whatever is relatively convex touches."""
+Contact = Asperities | HalfSpace  # the table `[contact]` of a study
 
-    case: ClassVar[str] = "contact of surfaces by asperities"
-
-    detection: Detection = Field(default="gap-minimum", description="What counts as a contact: minima of the gap.")
-    curvature: Curvature = Field(
-        default="signed", description="Whether both bodies must be convex where they touch, or only relatively."
-    )
+CONTACTS: dict[str, type[Contact]] = {"asperities": Asperities, "half-space": HalfSpace}
+"""Its cases by the key `mechanics`."""
 
 
-class HalfSpace(GeneratedContact, ByHalfSpace):
-    """Contact by the half-space, pressed over loads."""
+# ---- Where its keys may stand ---------------------------------------------------------------------------------------
 
-    case: ClassVar[str] = "contact by the half-space"
-    onset: ClassVar[None] = None
-
-    load: LoadsOrRange = Field(
-        default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
-        description="Elastic normal loads to press the bodies to.",
-    )
-
-    @property
-    def step(self) -> Literal["load"]:
-        """What a pair is pressed to, one after the other."""
-        return "load"
-
-    def steps(self) -> Floats:
-        """All loads, mN."""
-        return array_of(self.load)
-
-
-# ---- Measured surfaces ----------------------------------------------------------------------------------------------
-
-
-class _AroundTheCompass(MeasuredContact):
-    """Directions of measured areas."""
-
-    direction: Compass = Field(
-        default=COMPASS, description="Where the upper body is about to move, degrees from +x towards +y."
-    )
-
-    def ways(self) -> tuple[Direction, ...]:
-        """Every direction of motion."""
-        return self.direction
+KEYS: Keys = {
+    "law": {"asperities": "hertz-sphere"},
+    "detection": {
+        "asperities of generated lines": "cell", "asperities of measured lines": "gap-minimum",
+        "asperities of areas": "gap-minimum",
+    },
+    "curvature": {"asperities of lines": "convex", "asperities of areas": "signed"},
+    "boundary": {"the half-space": "free"},
+    "hardness": {"the half-space": None},
+    "compliance_share": {"the half-space": 0.5},
+    "shear": {"generated surfaces": "+x"},
+    "direction": {"generated surfaces": None, "measured areas": COMPASS},
+    "sliding": {"generated surfaces": "opposing"},
+    "approach": {
+        "asperities of generated surfaces":
+            ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
+    },
+    "onset": {"asperities of generated surfaces": None},
+    "load": {
+        "measured surfaces": REQUIRED,
+        "the half-space of generated surfaces":
+            LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
+    },
+    "materials": {"measured surfaces": None},
+    "poisson_ratio": {"measured surfaces": None},
+}  # fmt: skip
+"""Keys that not every table `[contact]` has, with their defaults."""
 
 
-class _AlongTheLine(MeasuredContact):
-    """Directions of measured lines."""
-
-    direction: ClassVar[None] = None
-
-    def ways(self) -> tuple[Direction, ...]:
-        """Both directions along a line."""
-        return ("+x", "-x")
+def contact_case(surfaces: type[Surfaces], given: Mapping[str, Any]) -> tuple[type[Contact], str]:
+    """The case of a table by its key `mechanics`, and its place, as in "asperities of generated lines"."""
+    bodies = pressed(surfaces)
+    mechanics = chosen("mechanics", given, CONTACTS, "half-space" if bodies == "measured areas" else "asperities")
+    return CONTACTS[mechanics], f"{'the ' * (mechanics == 'half-space')}{mechanics} of {bodies}"
 
 
-class AsperitiesOfAreas(_AroundTheCompass, ByAsperities):
-    """Contacts of asperities of measured areas, pressed over loads."""
-
-    case: ClassVar[str] = "contact of measured areas by asperities"
-
-    detection: Detection = Field(default="gap-minimum", description="What counts as a contact: minima of the gap.")
-    curvature: Curvature = Field(
-        default="signed", description="Whether both bodies must be convex where they touch, or only relatively."
-    )
-
-
-class HalfSpaceOfAreas(_AroundTheCompass, ByHalfSpace):
-    """Contact of measured areas by the half-space."""
-
-    case: ClassVar[str] = "contact of measured areas by the half-space"
-
-
-class AsperitiesOfLines(_AlongTheLine, ByAsperities):
-    """Contacts of asperities of measured lines, pressed over loads."""
-
-    case: ClassVar[str] = "contact of measured lines by asperities"
-
-    detection: Detection = Field(
-        default="gap-minimum", description="What counts as a contact: the paper's criterion, or minima of the gap."
-    )
-
-
-class HalfSpaceOfLines(_AlongTheLine, ByHalfSpace):
-    """Contact of measured lines by half-planes."""
-
-    case: ClassVar[str] = "contact of measured lines by the half-space"
-
-
-Contact = Asperities | HalfSpace | AsperitiesOfAreas | HalfSpaceOfAreas | AsperitiesOfLines | HalfSpaceOfLines
-"""The table `[contact]` of a study."""
+def read_contact(value: Mapping[str, Any], surfaces: Surfaces) -> Contact:
+    """A table that goes with the surfaces."""
+    case, place = contact_case(type(surfaces), value)
+    contact = case.model_validate(completed(KEYS, place, value))
+    direction = contact.direction
+    if place.endswith("measured areas"):
+        if direction is None or len(contact.ways()) > MOST_DIRECTIONS:
+            raise fault_at("direction", f"must be from 1 to {MOST_DIRECTIONS} directions, got {shortened(direction)}")
+        contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
+    if isinstance(surfaces, Profiles) and direction not in (None, "+x", "-x"):
+        raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {shortened(direction)}')
+    if isinstance(contact, Asperities) and surfaces.is_areal:
+        try:
+            contact.model().for_surfaces()
+        except ValueError as error:
+            key, _, why = str(error).partition(" ")
+            raise fault_at(key, why) from None
+    if isinstance(contact, HalfSpace) and contact.hardness is not None and not isinstance(surfaces, Measured):
+        area = float(surfaces.extent) * THICKNESS if isinstance(surfaces, Profiles) else math.prod(surfaces.extents())
+        if not contact.steps()[-1] < (most := float(contact.hardness) * area):
+            raise fault_at("load", f"must be below hardness times area, {most:g} mN")
+    return contact

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,11 +36,8 @@ def elasticity_of(
     named = "{upper_material} and {lower_material}"
     ways = {"{effective_modulus}": modulus, "{young}": young, named: upper or lower}
     chosen = [way for way, value in ways.items() if value is not None]
-    if young is not None and (upper or lower):
-        raise ArgumentError(
-            '{young} and {poisson} are of both bodies, as in "3 MPa,70 GPa" and "0.5,0.22", and must not be given '
-            "beside a material; stiction materials lists its numbers"
-        )
+    if young is not None and bool(upper) != bool(lower):
+        return _of_one_material(upper, lower, young, poisson)
     if len(chosen) != 1:
         raise ArgumentError(
             f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {named}"
@@ -69,35 +66,55 @@ def elasticity_of(
     return _of_two(of_upper, upper_ratio, of_lower, lower_ratio)
 
 
+def _of_one_material(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
+    """Elasticity of one body by its name and of the other by one modulus and one ratio."""
+    moduli = [float(each) for each in quantities_of("young", young, "pressure")]
+    ratios = [] if poisson is None else numbers_of("poisson", poisson)
+    if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
+        raise ArgumentError(
+            'beside one material {young} and {poisson} are of the other body, as in "3 MPa" and "0.5", one of each'
+        )
+    name = "upper_material" if upper else "lower_material"
+    known = _material(name, str(upper or lower))
+    bodies = [(_rounded(known.young_modulus), _rounded(known.poisson_ratio)), (moduli[0], ratios[0])]
+    (one, one_ratio), (other, other_ratio) = bodies if upper else bodies[::-1]
+    softer = known.hardness is not None and known.young_modulus <= moduli[0]
+    return replace(
+        _of_two(one, one_ratio, other, other_ratio),
+        hardness=_rounded(known.hardness) if softer else None,
+        source=f"{known.name}: E {bodies[0][0]:g} GPa, ν {bodies[0][1]:g}",
+        hardness_source=f"hardness {_rounded(known.hardness):g} GPa ({known.hardness.source})"
+        if softer else "the other body's hardness is not known",
+    )  # fmt: skip
+
+
 def _of_two(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
     """Elasticity of two bodies with Young's moduli (GPa) and Poisson's ratios."""
     modulus = float(effective_modulus(upper, upper_ratio, lower, lower_ratio))
     return Elasticity(
-        modulus,
-        compliance_share=modulus * (1 - lower_ratio**2) / lower,
-        poisson_ratio=upper_ratio if upper <= lower else lower_ratio,
-        poisson_ratios=(upper_ratio, lower_ratio),
-    )
+        modulus, compliance_share=modulus * (1 - lower_ratio**2) / lower,
+        poisson_ratio=upper_ratio if upper <= lower else lower_ratio, poisson_ratios=(upper_ratio, lower_ratio),
+    )  # fmt: skip
 
 
 def _of_materials(upper: str, lower: str) -> Elasticity:
-    """Elasticity of two bodies by the names of their materials, and the hardness of the softer one, in three digits."""
-    from stiction.mechanics.materials import compliance_fraction, softer_hardness
+    """Elasticity of two bodies by the names of their materials, and the hardness of the softer one if it yields."""
+    from stiction.mechanics.materials import compliance_fraction, softer_material
 
     above, below = _material("upper_material", upper), _material("lower_material", lower)
-    softer, hardness = min((above, below), key=lambda body: body.hardness), softer_hardness(above, below)
-    ends = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
-    modulus, most = _rounded(effective_modulus(above, below)), _rounded(hardness)
+    modulus = _rounded(effective_modulus(above, below))
+    softer = softer_material(above, below) or min((above, below), key=lambda body: body.young_modulus)
+    hardness, said = softer.hardness, f"{softer.name} does not yield"
+    if hardness is not None:
+        ends = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
+        said = f"hardness {_rounded(hardness):g} GPa{ends} ({hardness.source})"
     return Elasticity(
-        modulus,
-        compliance_share=_rounded(compliance_fraction(above, below)),
-        poisson_ratio=float(softer.poisson_ratio),
-        hardness=most,
-        source=f"{above.name} on {below.name}: E* {modulus:g} GPa",
-        hardness_source=f"hardness {most:g} GPa{ends} ({hardness.source})",
+        modulus, compliance_share=_rounded(compliance_fraction(above, below)),
+        poisson_ratio=float(softer.poisson_ratio), hardness=None if hardness is None else _rounded(hardness),
+        source=f"{above.name} on {below.name}: E* {modulus:g} GPa", hardness_source=said,
         materials=(above.name, below.name),
         poisson_ratios=(_rounded(above.poisson_ratio), _rounded(below.poisson_ratio)),
-    )
+    )  # fmt: skip
 
 
 def _material(argument: str, name: str) -> Any:

@@ -1,48 +1,20 @@
-"""Executors of tasks, results in the order of their arguments, and how the progress of a run is shown."""
+"""Executors of tasks, and how the progress of a run is shown."""
 
 from __future__ import annotations
 
-import collections
 import contextlib
-import itertools
 import os
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from stiction.studies.text import StudyError
 
-MOST_AHEAD = 16
-"""Tasks of `in_order` that wait on an executor at a time, because their arguments may be whole profiles."""
+LEAST_SHARED = 2**16
+"""Points of a problem whose transforms two threads share; those of smaller ones wait for each other too often."""
 
 BROKEN = "a worker has ended before its time; perhaps memory is limited here"
-
-_Argument = TypeVar("_Argument")
 _Result = TypeVar("_Result")
-
-
-def in_order(
-    function: Callable[[_Argument], _Result],
-    arguments: Iterable[_Argument],
-    *,
-    total: int,
-    what: str,
-    executor: Executor | None,
-    progress: bool,
-) -> Generator[_Result]:
-    """Compute a function of many arguments on an executor; its results come in the order of the arguments."""
-    with given_or_threads(executor) as pool, progress_bar(what, total, 0, progress) as advance:
-        rest = iter(arguments)
-        waiting = collections.deque(pool.submit(function, each) for each in itertools.islice(rest, MOST_AHEAD))
-        try:
-            while waiting:
-                result = waiting.popleft().result()
-                waiting.extend(pool.submit(function, each) for each in itertools.islice(rest, 1))
-                advance()
-                yield result
-        finally:
-            for future in waiting:
-                future.cancel()
 
 
 @contextlib.contextmanager
@@ -77,6 +49,26 @@ def threads(workers: int | None = None) -> Iterator[Executor]:
     pool.shutdown()
 
 
+def sharing(function: Callable[..., _Result], executor: Executor, tasks: int, points: int) -> Callable[..., _Result]:
+    """A function that is one of so many tasks of an executor and solves problems of so many points: who uses its cores.
+
+    Each thread of the executor does a task of its own. Where these are fewer than its threads and large, the threads
+    that are left share the transforms of each. Bits are the same.
+    """
+    workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
+    each = workers // max(tasks, 1)
+    if points < LEAST_SHARED or each < 2:
+        return function
+
+    def shared(*arguments: Any) -> _Result:
+        import scipy.fft
+
+        with scipy.fft.set_workers(each):
+            return function(*arguments)
+
+    return shared
+
+
 def available_cores() -> int:
     """Count the cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -101,14 +93,9 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
     )
 
     columns = (
-        TextColumn(what),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("elapsed"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
+        TextColumn(what), BarColumn(), MofNCompleteColumn(), TextColumn("elapsed"), TimeElapsedColumn(),
+        TextColumn("left"), TimeRemainingColumn(),
+    )  # fmt: skip
     is_notebook = Console().is_jupyter
     # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)

@@ -17,8 +17,7 @@ from stiction.studies.store import Stored, pieces
 if TYPE_CHECKING:
     import xarray
 
-MOST_IN_MEMORY = 2**27
-"""Bytes of a file that is made in memory first, because HDF5 may crash where a disk is full."""
+MOST_IN_MEMORY = 2**27  # bytes of a file that is made in memory first, because HDF5 may crash where a disk is full
 
 
 class ExportError(ValueError):

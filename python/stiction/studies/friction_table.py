@@ -9,30 +9,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction.mechanics import friction
+from stiction._units import exact
+from stiction.mechanics.friction import SIX, loads_of
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
-from stiction.studies.member_values import SIX, loads_of
-from stiction.studies.store import pieces
+from stiction.studies.maps import material_of
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
     import xarray
 
-TITLE = "stiction table"
-"""`title` attribute of a friction table."""
-
-FEWEST_PRESSURES = 3
-"""Fewest pressures that give a stiffness."""
+TITLE = "stiction table"  # `title` attribute of a friction table
+FEWEST_PRESSURES = 3  # fewest pressures that give a stiffness
 
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 """Degrees; the surfaces are isotropic, and a coefficient is that of all four together."""
 
-LIGHT = 0.1
-"""True share of the area up to which the laws are fitted."""
-
-STRAIGHT = 0.1
-"""Relative deviation above which a fitted law is doubted."""
+LIGHT = 0.1  # fraction of the area in contact up to which the laws are fitted
+STRAIGHT = 0.1  # relative deviation above which a fitted law is doubted
 
 
 def table_study(
@@ -88,32 +82,22 @@ def table_study(
     return Study.model_validate(
         {
             "surfaces": {
-                "kind": "surface",
-                "generator": "self-affine",
+                "kind": "surface", "generator": "self-affine",
                 "fractal_dimension": sorted(2 - float(each) for each in hurst_exponents),
-                "amplitude": [_exact(each, "um") for each in rms],
-                "amplitude_measure": "Sq",
-                "longest_wavelength": _exact(longest_wavelength, "um"),
-                "shortest_wavelength": _exact(shortest_wavelength, "um"),
-                "shape": [points, points],
-                "extent": [_exact(extent, "um")] * 2,
+                "amplitude": [exact(each, "um") for each in rms], "amplitude_measure": "Sq",
+                "longest_wavelength": exact(longest_wavelength, "um"),
+                "shortest_wavelength": exact(shortest_wavelength, "um"), "shape": [points, points],
+                "extent": [exact(extent, "um")] * 2,
             },
             "contact": {
-                "mechanics": "half-space",
-                "boundary": "periodic",
-                "effective_modulus": _exact(effective_modulus, "GPa"),
-                "direction": list(DIRECTIONS),
-                "sliding": ["opposing", "all"],
-                "load": [_exact(each * area, "mN") for each in sorted(pressures)],
+                "mechanics": "half-space", "boundary": "periodic", "effective_modulus": exact(effective_modulus, "GPa"),
+                "direction": list(DIRECTIONS), "sliding": ["opposing", "all"],
+                "load": [exact(each * area, "mN") for each in sorted(pressures)],
             },
-            "friction": {"mu0": list(mu0), "tau0": [_exact(each, "GPa") for each in tau0]},
+            "friction": {"mu0": list(mu0), "tau0": [exact(each, "GPa") for each in tau0]},
             "ensemble": {"repetitions": repetitions, "seed": seed},
         }
-    )
-
-
-def _exact(value: float, unit: str) -> str:
-    return f"{float(value)!r} {unit}"
+    )  # fmt: skip
 
 
 def friction_table(
@@ -166,116 +150,80 @@ def friction_table(
     study = study_of(dataset)
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("dataset must be of a study of surfaces by the half-space, with loads")
-    material = [
-        np.atleast_1d(friction.friction_parameter(name, given if given is not None else own))
-        for name, given, own in (
-            ("mu0", mu0, [float(each) for each in study.friction.mu0]),
-            ("tau0", tau0, [float(each) for each in study.friction.tau0]),
-        )
-    ]
+    material = material_of(dataset, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     pressure = dataset["load"].values / area
-    cells = (dataset.sizes["fractal_dimension"], dataset.sizes["amplitude"])
-    # Two passes over the pairs: intervals are of what each is beside the means, and laws of where these are light.
-    samples = {name: intervals.Sample((*cells, pressure.size)) for name in _OF_PAIRS}
-    loads = np.zeros(())
-    for piece in pieces(dataset, _NEEDED):
-        loads = loads + _loads(piece, *material).sum(axis=2)
-        for name, values in _of_pairs(piece, pressure, area).items():
-            samples[name].add(values)
-    means = {name: np.stack(sample.interval(), axis=-1) for name, sample in samples.items()}
-    light = _light(means["contact_area_fraction"][..., 0])
-    laws = {name: intervals.Sample(cells) for name in _LAWS}
-    solved = np.ones(cells, np.bool_)
-    coefficient = np.where(loads[0] > 0, _ratio(loads), np.nan)
-    left_out = intervals.Powers(coefficient.shape)
-    for piece in pieces(dataset, _NEEDED):
-        others = _ratio(loads[:, :, np.newaxis] - _loads(piece, *material))
-        left_out.add(np.moveaxis(others - coefficient[:, np.newaxis], 1, -1))
-        found = _fitted(pressure, light, _of_pairs(piece, pressure, area))
-        solved &= np.isfinite(found["stiffness_exponent"]).all(axis=0)
-        for name, values in found.items():
-            laws[name].add(values)
-    half = left_out.half_width() if dataset.sizes["repetition"] >= intervals.FEWEST_OF_SAMPLE else np.nan
-    ends = [coefficient, np.maximum(coefficient - half, 0.0), coefficient + half]
-    statistics = ("hurst_exponent", "rms", "pressure", "statistic")
+    pairs = _of_pairs(dataset, pressure, area)
+    means = {name: np.stack(intervals.of_sample(each), axis=-1) for name, each in pairs.items()}
+    light = means["contact_area_fraction"][..., 0] <= LIGHT
+    light[light.sum(axis=-1) < 2] = True
+    laws = _laws(pressure, light, pairs)
+    factor, stiffness, exponent = (each[..., :1] for each in laws.values())
+    fits = {
+        "area": (factor * pressure, "contact_area_fraction"),
+        "stiffness": (stiffness * pressure**exponent, "normal_stiffness"),
+    }
+    places = ("hurst_exponent", "rms")
     variables: dict[str, Any] = {
-        **{name: (statistics, means[name], attributes) for name, attributes in _OF_PAIRS.items()},
+        **{name: ((*places, "pressure", "statistic"), each, attributes_of(name)) for name, each in means.items()},
         "friction_coefficient": (
-            ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0", "statistic"),
-            np.stack(ends, axis=-1), attributes_of("friction_coefficient"),
+            ("sliding", *places, "pressure", "mu0", "tau0", "statistic"), _coefficient(dataset, *material),
+            attributes_of("friction_coefficient"),
         ),
+        **{name: ((*places, "statistic"), each, attributes_of(name)) for name, each in laws.items()},
     }  # fmt: skip
-    fitted = {name: np.stack(sample.interval(), axis=-1) for name, sample in laws.items()}
-    for name in ("stiffness_factor", "stiffness_exponent"):
-        fitted[name][~solved] = np.nan
-    variables |= _laws(pressure, light, means, fitted)
-    return xarray.Dataset(
-        variables,
-        {
-            "sliding": ("sliding", list(study.contact.rules()), attributes_of("sliding")),
-            "hurst_exponent": ("hurst_exponent", 2 - dataset["fractal_dimension"].values, {"units": "1"}),
-            "rms": ("rms", dataset["amplitude"].values, {"units": "um", "long_name": "Sq of each surface"}),
-            "pressure": ("pressure", pressure, {"units": "GPa", "long_name": "normal load over nominal area"}),
-            "mu0": ("mu0", material[0], attributes_of("mu0")),
-            "tau0": ("tau0", material[1], attributes_of("tau0")),
-            "statistic": ["mean", "lower", "upper"],
-        },
-        {"title": TITLE, "study": dataset.attrs["study"], "stiction_version": dataset.attrs["stiction_version"]},
-    ).sortby("hurst_exponent")  # fmt: skip
+    for name, (law, of) in fits.items():
+        off = np.where(light, np.abs(means[of][..., 0] / law - 1), 0.0).max(axis=-1)
+        variables[f"{name}_deviation"] = (places, off, attributes_of(f"{name}_deviation"))
+    at = {
+        "sliding": list(study.contact.rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
+        "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
+    }  # fmt: skip
+    coordinates = {name: (name, each, attributes_of(name)) for name, each in at.items()}
+    attributes = {"title": TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
+    table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
+    table["pressure"].attrs["long_name"] = "normal load over nominal area"
+    table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}
+    return table.sortby("hurst_exponent")
 
 
-_NEEDED = ("contact_area", "approach", *SIX)
-
-_OF_PAIRS = {
-    "contact_area_fraction": {"units": "1", "long_name": "true over nominal contact area"},
-    "normal_stiffness": {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"},
-    "approach": attributes_of("approach"),
-}
-"""What each pair has of its own."""
-
-_LAWS = ("area_factor", "stiffness_factor", "stiffness_exponent")
+_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
 def _of_pairs(data: xarray.Dataset, pressure: Floats, area: float) -> dict[str, Floats]:
     """Each (r, fractal dimension, amplitude, load)."""
-    order = ("repetition", "fractal_dimension", "amplitude", "load")
-    approach = data["approach"].transpose(*order).values
+    approach, touching = (data[name].transpose(*_ORDER).values for name in ("approach", "contact_area"))
     stiffness = np.full(approach.shape, np.nan)
     if pressure.size >= FEWEST_PRESSURES:
         # The approach is nearly straight over the logarithm of the load.
         stiffness = pressure / np.gradient(approach, np.log(pressure), axis=-1, edge_order=2)
-    fraction = data["contact_area"].transpose(*order).values / area
-    return {"contact_area_fraction": fraction, "normal_stiffness": stiffness, "approach": approach}
+    return {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
 
 
-def _loads(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
-    """Normal and tangential (2, sliding, r, fractal dimension, amplitude, load, mu0, tau0), means over directions."""
-    order = ("sliding", "repetition", "fractal_dimension", "amplitude", "load")
+def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
+    """(sliding, fractal dimension, amplitude, load, mu0, tau0, 3): ratios of means over pairs and directions."""
     sums = {}
     for name in SIX:
         part = data[name]
         part = part.mean("direction") if "direction" in part.dims else part
         part = part if "sliding" in part.dims else part.expand_dims(sliding=max(1, data.sizes.get("sliding", 1)))
-        sums[name] = part.transpose(*order).values
-    return np.stack(loads_of(sums, mu0, tau0))
-
-
-def _ratio(loads: Floats) -> Floats:
+        sums[name] = part.transpose("sliding", *_ORDER).values
+    loads = np.stack(loads_of(sums, mu0, tau0))
+    total = loads.sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(loads[1] / loads[0])
+        mean = np.where(total[0] > 0, total[1] / total[0], np.nan)
+        others = total[:, :, np.newaxis] - loads
+        moved = others[1] / others[0] - mean[:, np.newaxis]
+    left_out = intervals.Powers(mean.shape)
+    left_out.add(np.moveaxis(moved, 1, -1))
+    half = left_out.half_width() if data.sizes["repetition"] >= intervals.FEWEST_OF_SAMPLE else np.nan
+    return np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
 
 
-def _light(fraction: Floats) -> NDArray[np.bool_]:
-    """Pressures that laws are fitted to, of mean shares of the area over pressure."""
-    light = fraction <= LIGHT
-    light[light.sum(axis=-1) < 2] = True
-    return light
-
-
-def _fitted(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """A of A/A0 = a p, b and c of k/A0 = b p^c, of each pair (r, fractal dimension, amplitude), NaN if none."""
-    found = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in _LAWS}
+def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
+    """A of A/A0 = a p, b and c of k/A0 = b p^c: (fractal dimension, amplitude, 3), NaN if a pair has none."""
+    names = ("area_factor", "stiffness_factor", "stiffness_exponent")
+    found = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
     for cell in np.ndindex(*light.shape[:2]):
         place = (slice(None), *cell)
         p = pressure[light[cell]]
@@ -288,34 +236,7 @@ def _fitted(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]
             exponent = logarithms @ offset / (offset @ offset)
             found["stiffness_exponent"][place] = exponent
             found["stiffness_factor"][place] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
-    return found
-
-
-def _laws(
-    pressure: Floats, light: NDArray[np.bool_], means: dict[str, Floats], values: dict[str, Floats]
-) -> dict[str, Any]:
-    """The laws as variables, and how far the means are off them."""
-    of = {name: each[..., :1] for name, each in values.items()}
-    laws = {
-        "area": (of["area_factor"] * pressure, "contact_area_fraction"),
-        "stiffness": (of["stiffness_factor"] * pressure ** of["stiffness_exponent"], "normal_stiffness"),
-    }
-    off = {
-        f"{name}_deviation": np.where(light, np.abs(means[of_pairs][..., 0] / law - 1), 0.0).max(axis=-1)
-        for name, (law, of_pairs) in laws.items()
-    }
-    words = {
-        "area_factor": ("1/GPa", "a of A/A0 = a p"),
-        "stiffness_factor": ("GPa/um/GPa^c", "b of k/A0 = b p^c"),
-        "stiffness_exponent": ("1", "c of k/A0 = b p^c"),
-        "area_deviation": ("1", "largest relative difference from A/A0 = a p"),
-        "stiffness_deviation": ("1", "largest relative difference from k/A0 = b p^c"),
-    }
-    return {
-        name: (
-            ("hurst_exponent", "rms", "statistic") if array.ndim == 3 else ("hurst_exponent", "rms"),
-            array,
-            {"units": words[name][0], "long_name": words[name][1]},
-        )
-        for name, array in (values | off).items()
-    }
+    laws = {name: np.stack(intervals.of_sample(each), axis=-1) for name, each in found.items()}
+    for name in names[1:]:
+        laws[name][~np.isfinite(found["stiffness_exponent"]).all(axis=0)] = np.nan
+    return laws

@@ -39,8 +39,7 @@ ConventionOfEquation = Annotated[
 AreaExtent = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and along x.")]
 Shape = Annotated[tuple[Side, Side], as_tuple, Field(description="Rows and columns of a surface.")]
 AreaAmplitude = Annotated[
-    SurfaceAmplitude,
-    Field(description="Which height the amplitude is: total, mean (Sa) or root mean square (Sq)."),
+    SurfaceAmplitude, Field(description="Which height the amplitude is: total, mean (Sa) or root mean square (Sq).")
 ]
 
 MOST_HARMONICS = 1_000_000
@@ -99,11 +98,9 @@ class Profiles(FractalParameters):
     length_scale: LengthScale = quantity("1 um", "length")
     extent: Length = Field(default=quantity("40 um", "length"), description="Length of a profile.")
     points: int = Field(
-        default=150_000,
-        ge=FEWEST_POINTS,
-        le=MOST_POINTS,
+        default=150_000, ge=FEWEST_POINTS, le=MOST_POINTS,
         description="Points of a profile; the spacing is the extent over the points.",
-    )
+    )  # fmt: skip
     gamma: Gamma = 1.5
     directions: WaveDirections = 40
     frequencies: Frequencies = 40

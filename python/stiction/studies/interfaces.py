@@ -11,10 +11,10 @@ import io
 import math
 import tomllib
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from stiction._files import content, reason, replaced_file
 from stiction._text import named
 from stiction.studies.calibration import Fit, Interface
 from stiction.studies.known import Known, draws, known
+
+if TYPE_CHECKING:
+    from stiction.studies.study import Study
 
 HEAD = "# stiction interface"
 """First line of a file."""
@@ -151,11 +154,32 @@ def interface(name_or_path: str | Path) -> Interface:
             return read_interface(name_or_path)
         names = "; ".join(interfaces())
         raise ValueError(f"interface must be a file or one of {names}, got {str(name_or_path)!r}")
-    ranges: dict[str, Known] = {
-        "mu0": known("mu0", table["mu0"]),
-        "tau0": known("tau0", table["tau0"], "pressure"),
-    }
+    ranges: dict[str, Known] = {"mu0": known("mu0", table["mu0"]), "tau0": known("tau0", table["tau0"], "pressure")}
     values = draws(ranges)
     fit = _fit("all", values["mu0"], values["tau0"], np.full(values["mu0"].size, math.nan))
     about = {key: text for key, text in table.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
+
+
+def interface_of(study: Study) -> Interface | None:
+    """The strength by which a study was asked for; None where it was by none, or that is gone or another by now."""
+    text = study.known.interface
+    if text is None:
+        return None
+    try:
+        found = _kept(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
+    except (ValueError, OSError):
+        return None
+    mu0, tau0 = medians(found)
+    return found if study.friction.mu0 == (mu0,) and [float(each) for each in study.friction.tau0] == [tau0] else None
+
+
+@lru_cache(maxsize=8)
+def _kept(text: str, _changed: int) -> Interface:
+    return interface(text)
+
+
+def medians(found: Interface) -> tuple[float, float]:
+    """Medians of mu0 and of tau0 (GPa), in four digits."""
+    mu0, tau0 = (float(f"{np.median(each):.4g}") for each in (found.fits[0].mu0, found.fits[0].tau0))
+    return mu0, tau0

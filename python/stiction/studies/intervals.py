@@ -26,12 +26,10 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 # ---- Over repetitions ------------------------------------------------------------------------------------------------
 
-AROUND = 4
-"""Steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise."""
+AROUND = 4  # steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise
 
 
-IN_CACHE = 2**15
-"""Numbers that are worked on at a time: of more, each step would wait for memory."""
+IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step would wait for memory
 
 
 class AtLoads:
@@ -245,7 +243,6 @@ FEWEST_NEIGHBOURS = 8
 """Fewer cannot tell their mean from their correlation: even independent ones would have an interval as wide as they."""
 
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
-
 _MOST_STEPS = 50
 
 
@@ -313,8 +310,7 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
     return mean, max(mean - spread * below, float(values.min())), min(mean + spread * above, float(values.max()))
 
 
-_STRAIGHT = 1e-9
-"""Skewness below which a scale is straight to round-off."""
+_STRAIGHT = 1e-9  # skewness below which a scale is straight to round-off
 
 
 def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[float, float, float]:

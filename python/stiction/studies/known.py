@@ -7,17 +7,26 @@ uncertainty is normal and cut at 0; a range from 0 is uniform.
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field, ValidationInfo, field_validator
 
-from stiction._checks import Floats
+from stiction._checks import Floats, read_only
 from stiction._units import exactly, quantity, shortened
+from stiction.mechanics.materials import softer_material
+from stiction.studies.values import Table, as_tuple
+from stiction.surfaces.pairing import SIDES
+
+if TYPE_CHECKING:
+    from stiction.mechanics.materials import Material, MaterialValue
+    from stiction.studies.study import Study
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 
@@ -25,7 +34,19 @@ ENDS = 1.959963984540054
 """Standard deviations from the middle of a normal distribution to the ends of its 95 %."""
 
 DRAWS = 4096
-"""Points of a scrambled Sobol sequence that stand for what is known."""
+"""Draws that stand for what is known."""
+
+NO_NUMBER = re.compile(r"\.\.|±|\+/?-|\b(HV|HRC)\b")
+"""What a text has that is more than one number with a unit."""
+
+_ROCKWELL = {20: 238, 25: 266, 30: 302, 35: 345, 40: 392, 45: 446, 50: 513, 55: 595, 60: 697, 65: 832, 68: 940}
+"""Vickers hardness of steels of a Rockwell hardness C, ISO 18265 (2013), table A.1, and ASTM E140."""
+
+CONVERTED = 0.05
+"""Half of the relative range of a hardness that is converted from Rockwell's: 10 to 20 HV."""
+
+_VICKERS = 9.80665e-3 / 0.9272
+"""Mean pressure (GPa) under a pyramid of 1 HV: kgf per mm² of its ground plan, which is 0.9272 of its faces."""
 
 _RANGE = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _WITH_UNCERTAINTY = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
@@ -82,8 +103,13 @@ class Known:
         return np.asarray(np.maximum(self.value + deviation * ndtri(below + part * (1 - below)), 0.0))
 
 
-def known(name: str, given: Any, kind: Literal["", "pressure"] = "") -> Known:
+Kind = Literal["", "pressure", "hardness"]
+
+
+def known(name: str, given: Any, kind: Kind = "") -> Known:
     """Read a number, "0.2±0.02", "20..80 MPa" or "uniform 0.1..0.3"; numbers are in core units.
+
+    A hardness may be one of Vickers or of Rockwell's scale C as well, "150 HV" or "58..62 HRC".
 
     Raises
     ------
@@ -94,7 +120,7 @@ def known(name: str, given: Any, kind: Literal["", "pressure"] = "") -> Known:
         return given
     if not isinstance(given, str):
         value = _one(name, given, kind)
-        return Known(value, value, value, "exact", exactly(value, "GPa") if kind else f"{value:g}")
+        return Known(value, value, value, "exact", exactly(value, "GPa") if kind else repr(value))
     text = " ".join(given.split())
     if match := _RANGE.fullmatch(text):
         flat, first, last = match.groups()
@@ -117,11 +143,17 @@ def known(name: str, given: Any, kind: Literal["", "pressure"] = "") -> Known:
             raise ValueError(f"{name} must have an uncertainty above 0, got {shortened(text)}")
         return Known(value, value - ENDS * deviation, value + ENDS * deviation, "normal", text)
     value = _one(name, text, kind)
+    if text.endswith("HRC"):
+        return Known(value, value * (1 - CONVERTED), value * (1 + CONVERTED), "log-normal", text)
     return Known(value, value, value, "exact", text)
 
 
 def _one(name: str, given: Any, kind: str) -> float:
     """A number that is not negative, with a unit where it is of a kind and text."""
+    if kind == "hardness":
+        if isinstance(given, str) and (scale := _UNIT.search(given)) and scale[0] in ("HV", "HRC"):
+            return _pressure_of(name, _one(name, given[: scale.start()], ""), scale[0])
+        kind = "pressure"
     try:
         value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
     except (TypeError, ValueError) as error:
@@ -132,21 +164,161 @@ def _one(name: str, given: Any, kind: str) -> float:
     return value
 
 
+def _pressure_of(name: str, number: float, scale: str) -> float:
+    """Mean pressure (GPa) under the indenter of a hardness by a scale."""
+    if scale == "HRC":
+        if not min(_ROCKWELL) <= number <= max(_ROCKWELL):
+            raise ValueError(f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {number:g} HRC")
+        number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
+    return number * _VICKERS
+
+
 def _with_units(first: str, last: str) -> tuple[str, str]:
     """Two texts, of which one unit may be for both."""
     unit = _UNIT.search(last)
     return (first if unit is None or _UNIT.search(first) else f"{first} {unit[0]}"), last
 
 
+@functools.lru_cache(maxsize=8)
 def sobol(dimensions: int, count: int = DRAWS, *, seed: int = 0) -> Floats:
     """(count, dimensions) points of a scrambled Sobol sequence inside the unit cube; `count` is a power of two."""
     from scipy.stats import qmc
 
     points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
-    return np.asarray(np.clip(points, 1e-9, 1 - 1e-9))
+    return read_only(np.clip(points, 1e-9, 1 - 1e-9))
+
+
+@functools.lru_cache(maxsize=8)
+def strata(dimensions: int) -> Floats:
+    """(DRAWS, dimensions) points of a Latin hypercube inside the unit cube: each column has one in every stratum."""
+    rows = np.tile((np.arange(DRAWS) + 0.5) / DRAWS, (dimensions, 1))
+    return read_only(np.random.default_rng(2016).permuted(rows, axis=1).T.copy())
 
 
 def draws(inputs: Mapping[str, Known]) -> dict[str, Floats]:
     """(DRAWS,) values of each input."""
-    points = sobol(len(inputs))
+    points = strata(len(inputs))
     return {name: each.quantile(points[:, place]) for place, (name, each) in enumerate(inputs.items())}
+
+
+# ---- What a study knows of its inputs -------------------------------------------------------------------------------
+
+_Text = Annotated[str, Field(min_length=1, max_length=80)]
+_Texts = Annotated[tuple[_Text, ...], as_tuple, Field(min_length=1, max_length=2)]
+
+
+class KnownTable(Table):
+    """What is known of inputs that are no single numbers; the study computes at their middle."""
+
+    mu0: _Text | None = Field(default=None, description="Molecular friction coefficient, a range or value ± deviation.")
+    tau0: _Text | None = Field(default=None, description="Adhesive shear strength.")
+    hardness: _Text | None = Field(default=None, description="Of the softer body.")
+    effective_modulus: _Text | None = Field(default=None, description="E*.")
+    young: _Texts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
+    poisson: _Texts | None = Field(default=None, description="Poisson's ratio of the upper and the lower body.")
+    interface: str | None = Field(
+        default=None, min_length=1, max_length=4096,
+        description="Name or file of a strength, which is μ0 and τ0 jointly; without the file their ranges count.",
+    )  # fmt: skip
+
+    @field_validator("*")
+    @classmethod
+    def _says_what_is_known(cls, value: Any, info: ValidationInfo) -> Any:
+        kind: Kind = {"hardness": "hardness", "mu0": "", "poisson": ""}.get(str(info.field_name), "pressure")  # type: ignore[assignment]
+        texts = (value,) if isinstance(value, str) else value or ()
+        for text in texts if info.field_name != "interface" else ():
+            try:
+                known("", text, kind)
+            except ValueError as error:
+                raise ValueError(str(error).strip()) from None
+        return value
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input of a study with its name in words."""
+
+    words: str
+    known: Known
+
+
+def inputs_of(study: Study) -> dict[str, Input]:
+    """What is known of the inputs of a study of measured bodies, those that are no exact numbers, by their names.
+
+    The names are mu0, tau0, hardness, effective_modulus, and of either body young_upper, poisson_upper and so on; of
+    equal materials those of the lower body are left out. Materials by name bring their ranges.
+    """
+    if not study.is_measured:
+        return {}
+    table, contact = study.known, study.contact
+    bodies = materials_of(study)
+    found: dict[str, Input] = {}
+    for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure"), ("effective_modulus", "E*", "pressure")):
+        if (text := getattr(table, name)) is not None:
+            found[name] = Input(words, known(name, text, kind))  # type: ignore[arg-type]
+    if contact.hardness is not None:
+        softer = softer_material(*bodies)
+        words = f"the hardness of the {softer.name}" if softer else "the hardness"
+        if table.hardness is not None:
+            found["hardness"] = Input(words, known("hardness", table.hardness, "hardness"))
+        elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < ROUNDED:
+            found["hardness"] = Input(words, _of_material(softer.hardness, "log-normal"))
+    for index, each in enumerate(_bodies(study)):
+        for name, value in each.items():
+            words = f"{_MODULI[name]} of the {bodies[index].name if bodies else f'{SIDES[index]} body'}"
+            if index == 0 or not (bodies and bodies[0] == bodies[1]):
+                found[f"{name}_{SIDES[index]}"] = Input(words, value)
+    return {name: each for name, each in found.items() if not each.known.is_exact}
+
+
+_MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
+
+
+def _bodies(study: Study) -> list[dict[str, Known]]:
+    """Young's modulus and Poisson's ratio of the upper and the lower body; none where only E* is known."""
+    table, materials = study.known, materials_of(study)
+    if table.young is not None and table.poisson is not None:
+        given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
+        return [{"young": known("young", e, "pressure"), "poisson": known("poisson", nu)} for e, nu in given]
+    return [
+        {"young": _of_material(each.young_modulus, "log-normal"), "poisson": _of_material(each.poisson_ratio, "normal")}
+        for each in materials
+    ]
+
+
+ROUNDED = 0.006
+"""Relative difference between a number and itself in three digits, at most."""
+
+
+def materials_of(study: Study) -> tuple[Material, ...]:
+    """The materials of both bodies by whose names a study was made; none of names that somebody gave himself."""
+    from stiction.mechanics.materials import material
+
+    try:
+        return tuple(material(name) for name in study.contact.materials or ())
+    except ValueError:
+        return ()
+
+
+def _of_material(value: MaterialValue, distribution: Distribution) -> Known:
+    """The range of a property of a material."""
+    low, high = float(value.low), float(value.high)
+    return Known(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
+
+
+def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
+    """E* over that of the study, of draws of its inputs by their names."""
+    if "effective_modulus" in drawn:
+        return drawn["effective_modulus"] / float(study.contact.effective_modulus)
+    bodies, materials = _bodies(study), materials_of(study)
+    ones = [SIDES[0]] * 2 if materials and materials[0] == materials[1] else SIDES
+    middle = [_compliance(body["young"].value, body["poisson"].value) for body in bodies]
+    now = [
+        _compliance(*(drawn.get(f"{name}_{side}", body[name].value) for name in _MODULI))
+        for side, body in zip(ones, bodies, strict=False)
+    ]
+    return sum(middle) / sum(now) if bodies else 1.0
+
+
+def _compliance(young: Any, poisson: Any) -> Any:
+    return (1 - poisson**2) / young

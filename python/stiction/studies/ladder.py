@@ -7,18 +7,11 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array
 
-AROUND = 30.0
-"""How far a curve of lines by asperities goes to both sides of the loads that are asked for."""
-
+AROUND = 30.0  # how far a curve of lines by asperities goes to both sides of the loads that are asked for
 LOAD_STEPS = 25
-
-AROUND_HALF_SPACE = 10.0
-"""As `AROUND`, of half-planes, where each load takes a solution."""
-
+AROUND_HALF_SPACE = 10.0  # as `AROUND`, of half-planes, where each load takes a solution
 HALF_SPACE_STEPS = 7
-
-AROUND_AREAS = 10**0.5
-"""Ratio of the loads that are asked for to the one below and the one above them, of areas."""
+AROUND_AREAS = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
 
 
 def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_STEPS) -> Floats:

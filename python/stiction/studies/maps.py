@@ -33,19 +33,12 @@ if TYPE_CHECKING:
 AT_ONCE = 2**20
 """Numbers of curves of a fractal dimension and amplitude that are in memory at a time, however many mu0 and tau0."""
 
-CELLS = ("fractal_dimension", "amplitude", "cut_off")
-"""Dimensions of results that come before their members."""
-
-MOTIONS = ("sliding", "direction")
-"""Dimensions of results for several sliding rules and directions."""
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
+MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
 
 
 def friction_map(
-    dataset: Result,
-    loads: ArrayLike,
-    *,
-    mu0: ArrayLike | None = None,
-    tau0: ArrayLike | None = None,
+    dataset: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Friction coefficient of the ensemble, mean(F_T) / mean(F_N), at given normal loads.
 
@@ -86,11 +79,7 @@ def friction_map(
 
 
 def area_map(
-    dataset: Result,
-    loads: ArrayLike,
-    *,
-    mu0: ArrayLike | None = None,
-    tau0: ArrayLike | None = None,
+    dataset: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Mean true contact area of the ensemble (µm²) at given normal loads; otherwise as `friction_map`.
 
@@ -105,11 +94,7 @@ def area_map(
 
 
 def stiffness_map(
-    dataset: Result,
-    loads: ArrayLike,
-    *,
-    mu0: ArrayLike | None = None,
-    tau0: ArrayLike | None = None,
+    dataset: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Normal stiffness of the ensemble, d mean(F_N) / dδ (mN/µm), at given normal loads; otherwise as `friction_map`.
 
@@ -191,13 +176,9 @@ def solved_pieces(
 
 
 def ensemble_map(
-    result: Result,
-    loads: ArrayLike,
-    mu0: ArrayLike | None,
-    tau0: ArrayLike | None,
-    what: str,
+    result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
-) -> xarray.Dataset:
+) -> xarray.Dataset:  # fmt: skip
     """One quantity of the ensemble, `what`, at given normal loads, as `friction_map` returns it.
 
     Beside friction, area and stiffness that may be one of `ONSET`: creep and what slips are means that weigh members by
@@ -294,7 +275,7 @@ class _Asked:
         """Normal loads and values of every mu0 and tau0, one after the other, and of some members: (c, k, r)."""
         pair, other = (each.each(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
-        normal = friction.normal_load(pair, *material)
+        normal = friction.load_of("normal", pair, *material)
         values = np.broadcast_to(_values(other, self.what, *material), normal.shape)
         return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
 
@@ -346,9 +327,9 @@ def _status_of(pair: Sums, normal: Floats, at: intervals.AtLoads) -> NDArray[Any
     )
 
 
-_LOADS = ("contact_count", "normal_elastic", "normal_frictional", "normal_adhesive")
+_LOADS = ("contact_count", *friction.SIX[:3])
 _NEEDED = {
-    "friction_coefficient": (*_LOADS, "tangential_elastic", "tangential_frictional", "tangential_adhesive"),
+    "friction_coefficient": ("contact_count", *friction.SIX),
     "contact_area": (*_LOADS, "contact_area"),
     "normal_stiffness": _LOADS,
     **{name: (*_LOADS, name) for name in ONSET},
@@ -356,8 +337,7 @@ _NEEDED = {
 """Sums that a quantity is made of."""
 
 
-_WEIGHED = ONSET[1:]
-"""What each member has its own of, so that their mean weighs them by load."""
+_WEIGHED = ONSET[1:]  # what each member has its own of, so that their mean weighs them by load
 
 
 def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -399,8 +379,7 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
     if what in ("contact_area", "tangential_stiffness"):
         return sums.contact_area
-    load = friction.tangential_load if what == "friction_coefficient" else friction.normal_load
-    return load(sums, mu0, tau0)
+    return friction.load_of("tangential" if what == "friction_coefficient" else "normal", sums, mu0, tau0)
 
 
 def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:

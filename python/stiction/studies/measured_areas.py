@@ -1,4 +1,4 @@
-"""The table `[surfaces]` of two measured maps that are pressed as areas, and the members that it makes."""
+"""The tables `[surfaces]` of areas: of two measured maps, or with the spectra of two files; and their members."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from stiction.studies.measured_files import Body, Facts, MeasuredBodies, Member
+from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import IsotropicPairs, MapPairs
-from stiction.surfaces.preparation import SurfaceTrend, levelled, rotated, turned_over
-from stiction.surfaces.spectral_pairs import SpectrumPairs
+from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, levelled, rotated, turned_over
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.spectral_pairs import SpectrumPairs, spectrum_of
 from stiction.surfaces.surface import Surface
 
 
@@ -27,11 +29,9 @@ class MeasuredAreas(MeasuredBodies):
     )
     rotate: float = Field(default=0.0, ge=-360, le=360, description="Degrees by which the upper map is turned.")
     surrogates: int = Field(
-        default=0,
-        ge=0,
-        le=1_000_000,
+        default=0, ge=0, le=1_000_000,
         description="How many members, the first ones, are pairs of surrogates: other surfaces of the same spectra.",
-    )
+    )  # fmt: skip
 
     positions: tuple[tuple[int, int], ...] | None = Field(
         default=None, description="Rows and columns by which the upper of two prepared maps lies beyond the lower one."
@@ -55,6 +55,39 @@ class MeasuredAreas(MeasuredBodies):
             else pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate)
         )
         return Areas(pairs, scans, self.surrogates)
+
+
+class MeasuredSurrogates(MeasuredBodies):
+    """Other areas of the spectra of two maps, of two profiles, or where one file is a spectrum that several scans have.
+
+    But for two maps, they are alike in all directions.
+    """
+
+    case: ClassVar[str] = "surrogates of measured files"
+    pressed: ClassVar[str] = "Surfaces with the spectra of both"
+
+    press: Literal["surrogates"] = Field(default="surrogates", description="Other areas of the same spectra.")
+    level: Literal["plane", "quadratic", "mean"] = Field(
+        default="plane", description="What is taken off each file; a plane of a profile is a line."
+    )
+
+    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas:
+        """Pairs of random surfaces with given spectra."""
+        one, other = scans
+        if isinstance(one, JoinedSpectrum) or isinstance(other, JoinedSpectrum):
+            finest = float(self.cells()["cut_off"][0])
+            return Areas(
+                SpectrumPairs(spectrum_of(one), spectrum_of(other), self.level, seed, wavelength, finest), scans
+            )
+        upper, lower = self.filtered(scans, wavelength)
+        if isinstance(upper, Surface) and isinstance(lower, Surface):
+            return Areas(pairs_of_maps(upper, lower, self.level, seed), scans)
+        if not (isinstance(upper, Profile) and isinstance(lower, Profile)):
+            raise ValueError('surfaces.press: "surrogates" are of two maps or of two profiles, not of one of each')
+        if self.prepared:
+            return Areas(IsotropicPairs(upper, lower, self.level, seed), scans)
+        trend: ProfileTrend = "line" if self.level == "plane" else self.level
+        return Areas(IsotropicPairs(turned_over(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
 
 
 def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:

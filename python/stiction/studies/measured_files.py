@@ -15,7 +15,7 @@ from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction._text import named
 from stiction._units import Quantity, quantity, shortened
-from stiction.studies.values import CutOffs, Table, array_of, as_written, read_length, written
+from stiction.studies.values import CutOffs, Length, Table, array_of, as_written, read_length, written
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.foreign import taken_from
 from stiction.surfaces.joined import JoinedSpectrum
@@ -28,12 +28,8 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, lengths
 
 Column = int | str
-
-Body = Profile | Surface | JoinedSpectrum
-"""What a file may hold."""
-
-LONGEST_PATH = 4096
-"""Characters."""
+Body = Profile | Surface | JoinedSpectrum  # what a file may hold
+LONGEST_PATH = 4096  # characters
 
 
 def _unit(value: object) -> str:
@@ -97,6 +93,9 @@ class MeasuredFile(Table):
     )
     missing: Literal["error", "interpolate"] = Field(
         default="error", description="What to do about points without a height."
+    )
+    tip: Length | None = Field(
+        default=None, description="Radius of the stylus or probe; it says which waves are its own."
     )
     body: InMemory | None = Field(default=None, repr=False, description="The body itself, in Python.")
 
@@ -203,13 +202,9 @@ def _body(file: MeasuredFile) -> Body:
                 raise ValueError(f"{named(file.file)}: is a spectrum, which has no {name} to be given")
         return read_spectrum(file.file)
     return read_measurement(
-        file.file,
-        unit=file.unit,
-        spacing=written(file.spacing),
-        missing=file.missing,
-        channel=file.channel,
+        file.file, unit=file.unit, spacing=written(file.spacing), missing=file.missing, channel=file.channel,
         columns=file.columns,
-    )
+    )  # fmt: skip
 
 
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
@@ -290,8 +285,7 @@ class MeasuredBodies(Table):
     )
 
     vouched: Literal[True] | None = Field(
-        default=None,
-        description="Said of bodies whose waves are all the surface's, whatever the spectrum looks like.",
+        default=None, description="Said of bodies whose waves are all the surface's, whatever the spectrum looks like."
     )
 
     def cells(self) -> dict[str, Floats]:

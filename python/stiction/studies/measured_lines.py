@@ -16,8 +16,7 @@ from stiction.surfaces.preparation import ProfileTrend
 from stiction.surfaces.profile import Along
 from stiction.surfaces.surface import Surface
 
-MOST_OFFSETS = 100_000
-"""Largest number of positions on a pair of lines."""
+MOST_OFFSETS = 100_000  # largest number of positions on a pair of lines
 
 
 class MeasuredLines(MeasuredBodies):
@@ -33,11 +32,9 @@ class MeasuredLines(MeasuredBodies):
     )
     along: Along = Field(default="x", description="Whether lines of maps are rows or columns.")
     offsets: int = Field(
-        default=1,
-        ge=1,
-        le=MOST_OFFSETS,
+        default=1, ge=1, le=MOST_OFFSETS,
         description="Positions on each pair of lines; of two profiles without surrogates every member is a position.",
-    )
+    )  # fmt: skip
     travel: LengthOrZero | None = Field(
         default=None,
         description="The largest offset; by default half of the length of one pair, and none of several pairs.",

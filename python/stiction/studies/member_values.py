@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -9,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, loads_of, ratio_of
 from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.crossing import Crossing
@@ -23,25 +25,13 @@ if TYPE_CHECKING:
     from stiction.studies.maps import Result
 
 Reading = Literal["mean", "elastic", "normal"]
-
 Kind = Literal["shifts", "surrogates"]
-
-SIX = (
-    "normal_elastic", "normal_frictional", "normal_adhesive", "tangential_elastic", "tangential_frictional",
-    "tangential_adhesive",
-)  # fmt: skip
-"""The sums that normal and tangential load are made of for every mu0 and tau0."""
 
 
 def member_values(
-    result: Result,
-    loads: ArrayLike,
-    *,
-    mu0: ArrayLike | None = None,
-    tau0: ArrayLike | None = None,
-    reading: Reading = "elastic",
-    of: Kind | None = None,
-) -> xarray.Dataset:
+    result: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    reading: Reading = "elastic", of: Kind | None = None,
+) -> xarray.Dataset:  # fmt: skip
     """What each member has at given loads of its own, before any mean is taken.
 
     Parameters
@@ -57,17 +47,36 @@ def member_values(
         friction_coefficient, normal_load and tangential_load (mN), and status; the other quantities over cells,
         repetition and load (and fraction_below), read off at the elastic load.
     """
-    import xarray
-
     if reading == "mean":
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     material = material_of(head_of(result), mu0, tau0)
-    parts = [
-        piece_at(piece, values, *material, reading, ratio=step_of(piece) == "load")
-        for piece in pieces(result)
-        if piece.sizes["repetition"]
-    ]
+    return _of_all(
+        result, of, lambda piece: piece_at(piece, values, *material, reading, ratio=step_of(piece) == "load")
+    )
+
+
+def six_at(result: Result, load: float, *, of: Kind | None = None) -> xarray.Dataset:
+    """The six sums of each member at a load (mN) of its own, over cells, repetition, sliding and direction."""
+    import xarray
+
+    def six(piece: xarray.Dataset) -> xarray.Dataset:
+        sums, off = _curves(piece, np.array([load]), ratio=step_of(piece) == "load")
+        dims = (*cells_of(piece), "repetition", *MOTIONS)
+        values = np.broadcast_arrays(*(off.at(each)[..., 0] for each in sums.values()))
+        kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims}}
+        return xarray.Dataset(
+            {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece) | kept
+        )
+
+    return _of_all(result, of, six)
+
+
+def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]) -> xarray.Dataset:
+    """All members of a kind, read piece by piece."""
+    import xarray
+
+    parts = [read(piece) for piece in pieces(result) if piece.sizes["repetition"]]
     whole = parts[0] if len(parts) == 1 else xarray.concat(
         parts, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip
@@ -95,14 +104,9 @@ def piece_at(
 
     cells, step = cells_of(piece), step_of(piece)
     lead = (*cells, "repetition")
-    there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
-    elastic = _over(there["normal_elastic"], (*lead, step))
-    curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    off = Off.of(curve, loads, ratio=ratio)
+    there = piece.variables
+    sums, off = _curves(piece, loads, ratio=ratio)
     motions = [name for name in MOTIONS if name in piece.dims]
-    sums = {
-        name: _over(there[name], (*lead, "sliding", "direction", step), missing=True) for name in SIX
-    }  # fmt: skip
     six = {name: off.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
         normal, tangential = loads_of(six, mu0, tau0)
@@ -140,10 +144,7 @@ def piece_at(
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
-    for name in MOTIONS:
-        if name not in motions:
-            coordinates[name] = ((name,), *_motion_of(piece, name))
-    coordinates |= {
+    coordinates |= _motions_of(piece) | {
         "load": ("load", loads, {"units": "mN", "long_name": "normal load"}),
         "mu0": ("mu0", mu0, attributes_of("mu0")),
         "tau0": ("tau0", tau0, attributes_of("tau0")),
@@ -151,8 +152,18 @@ def piece_at(
     return xarray.Dataset(_with_derived(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
 
 
-_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "approach")
+def _curves(piece: xarray.Dataset, loads: Floats, *, ratio: bool) -> tuple[dict[str, Floats], Crossing]:
+    """The six sums of members over sliding, direction and step, and where their elastic load reaches loads."""
+    step = step_of(piece)
+    lead = (*cells_of(piece), "repetition")
+    there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
+    elastic = _over(there["normal_elastic"], (*lead, step))
+    curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
+    sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in SIX}
+    return sums, Crossing.of(curve, loads, ratio=ratio).without_gaps(curve, loads)
 
+
+_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "approach")
 _VALIDITY_LOADS = ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count", "load_overlapping")
 
 
@@ -160,11 +171,13 @@ _PROPORTIONAL = ("tangential_stiffness", "contact_count", "contact_area", "norma
 """What grows about as the load does."""
 
 
-def _motion_of(piece: xarray.Dataset, name: str) -> tuple[list[Any], dict[str, str]]:
-    """The one sliding rule or direction of a result without a list."""
-    contact = study_of(piece).contact
-    value: Any = contact.rules()[0] if name == "sliding" else float(contact.degrees()[0])
-    return [value], attributes_of(name)
+def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
+    """Coordinates of sliding rules or directions of which a result has but one."""
+    one: dict[str, Callable[[], Any]] = {
+        "sliding": lambda: study_of(piece).contact.rules(),
+        "direction": lambda: study_of(piece).contact.degrees(),
+    }
+    return {name: ((name,), list(one[name]()[:1]), attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
 def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
@@ -175,15 +188,10 @@ def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any
         found["contact_area_fraction"] = variables["contact_area"][1] / float(nominal_area)
     with np.errstate(divide="ignore", invalid="ignore"):
         found["mean_pressure"] = elastic / variables["contact_area"][1]
-        for name, load in (
-            ("share_beyond_hertz", "load_beyond_hertz"), ("share_below_grid", "load_below_grid"),
-            ("relative_overlap", "overlap_load"), ("share_overlapping", "load_overlapping"),
-        ):  # fmt: skip
-            if load in variables:
-                found[name] = variables[load][1] / elastic
-        if "crossed_count" in variables:
-            crossed = variables["crossed_count"][1]
-            found["share_crossed"] = crossed / (crossed + variables["contact_count"][1])
+    sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
+    for name in ("share_beyond_hertz", "share_below_grid", "relative_overlap", "share_overlapping", "share_crossed"):
+        if RATIOS[name][0] in sums:
+            found[name] = ratio_of(name, sums)
     kept = {name: each for name, each in variables.items() if name not in (*_VALIDITY_LOADS, "normal_elastic")}
     return kept | {name: (dims, values, attributes_of(name)) for name, values in found.items()}
 
@@ -197,69 +205,6 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
     return np.asarray(values[tuple(slice(None) if dim in own else np.newaxis for dim in dims)])
 
 
-class Off:
-    """Where curves (..., k) first reach loads (l,), and what other curves are there."""
-
-    def __init__(self, crossing: Crossing, lead: tuple[int, ...], scale: tuple[Floats, Floats] | None) -> None:
-        self._crossing, self._lead, self._scale = crossing, lead, scale
-        self.reached, self.below = (each.reshape(*lead, -1) for each in (crossing.reached, crossing.below))
-
-    @classmethod
-    def of(cls, curve: Floats, loads: Floats, *, ratio: bool) -> Off:
-        """By straight lines; with `ratio` by straight lines of value/load over the logarithm of the load."""
-        lead, flat = curve.shape[:-1], curve.reshape(-1, curve.shape[-1])
-        if not ratio:
-            return cls(Crossing.of(flat, loads), lead, None)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return cls(Crossing.of(np.log(flat), np.log(loads)), lead, (curve, loads))
-
-    def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """(..., more, l): values (..., more, k) where the loads are reached, NaN where they are not.
-
-        Sums grow with the load, so of these the ratio to it is what is nearly straight; of fractions and lengths it is
-        the values themselves.
-        """
-        more = values.shape[len(self._lead) : -1]
-        index = self._broadcast(self._crossing.index, more)
-        fraction = self._broadcast(self._crossing.fraction, more)
-        curve = None
-        if sums and self._scale is not None:
-            curve = self._scale[0].reshape(*self._lead, *(1,) * len(more), -1)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                values = values / curve
-        shape = (*np.broadcast_shapes(values.shape[:-1], index.shape[:-1]), index.shape[-1])
-        index = np.broadcast_to(index, shape)
-        values = np.broadcast_to(values, (*shape[:-1], values.shape[-1]))
-        after = np.take_along_axis(values, index, axis=-1)
-        before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # At a step itself the step before it does not matter, even where it is missing.
-        there = np.where(fraction == 1, after, before + fraction * (after - before))
-        if sums and self._scale is not None:
-            there = there * self._scale[1]
-        return np.where(self._broadcast(self._crossing.reached, more), there, np.nan)
-
-    def slope(self, values: Floats, over: Floats) -> Floats:
-        """(..., l): steps of values over those of others, (..., k) each, between which the loads are reached."""
-        index = np.maximum(self._crossing.index.reshape(*self._lead, -1), 1)
-        rise, run = (
-            np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
-            for each in (values, over)
-        )
-        return np.asarray(rise / run)
-
-    def _broadcast(self, array: NDArray[Any], more: tuple[int, ...]) -> NDArray[Any]:
-        return array.reshape(*self._lead, *(1,) * len(more), -1)
-
-
-def loads_of(six: dict[str, Floats], mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Normal and tangential load (..., mu0, tau0)."""
-    rub, stick = mu0[:, np.newaxis], tau0[np.newaxis]
-    each = {name: values[..., np.newaxis, np.newaxis] for name, values in six.items()}
-    normal = each["normal_elastic"] + rub * each["normal_frictional"] + stick * each["normal_adhesive"]
-    tangential = each["tangential_elastic"] + rub * each["tangential_frictional"] + stick * each["tangential_adhesive"]
-    return np.asarray(normal), np.asarray(tangential)
-
-
 def _at_normal_load(
     sums: dict[str, Floats], loads: Floats, mu0: Floats, tau0: Floats, *, ratio: bool
 ) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
@@ -267,7 +212,8 @@ def _at_normal_load(
     normal, tangential = (np.moveaxis(each, -3, -1) for each in loads_of(sums, mu0, tau0))
     normal = np.broadcast_to(normal, tangential.shape)
     with np.errstate(invalid="ignore"):
-        off = Off.of(np.where(normal > 0, normal, np.nan) if ratio else normal, loads, ratio=ratio)
+        carried = np.where(normal > 0, normal, np.nan) if ratio else normal
+    off = Crossing.of(carried, loads, ratio=ratio).without_gaps(normal, loads)
     reached, below = (np.moveaxis(each, -1, -3) for each in (off.reached, off.below))
     return (
         np.moveaxis(off.at(normal), -1, -3), np.moveaxis(off.at(tangential), -1, -3), reached, below,
@@ -292,3 +238,23 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
         replace = (status != friction.STATUS_OK) & (why != friction.STATUS_OK)
         status[replace] = why[replace]
     return status
+
+
+def by_slopes(
+    dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
+) -> dict[str, Any]:
+    """`gentle_friction` as a variable, of gradients of a gap (...) and its slopes along directions (..., direction)."""
+    known = (gradient[..., np.newaxis] > 0) & (slope > 0)
+    steep, along = (np.where(known, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
+    found = [
+        gentle_friction(
+            mu0[:, np.newaxis], tau0, rms_gradient=steep, rms_slope=along, effective_modulus=modulus, sliding=rule
+        )
+        for rule in rules
+    ]
+    values = np.where(known[..., np.newaxis, :, np.newaxis, np.newaxis], np.stack(found, axis=-4), np.nan)
+    return {
+        "gentle_friction": (
+            [*dims, "sliding", "direction", "mu0", "tau0"], values, attributes_of("gentle_friction")
+        )
+    }  # fmt: skip

@@ -5,7 +5,9 @@ A member is a generated repetition, a line at an offset, two maps at a relative 
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -15,9 +17,9 @@ import numpy as np
 from stiction._checks import Floats, read_only
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_files import Member, Members
-from stiction.studies.measured_surfaces import Measured
 from stiction.studies.result import About, areas, measured, profiles
 from stiction.studies.study import Study
+from stiction.studies.surface_tables import Measured
 from stiction.surfaces.fractal import (
     BandLimit,
     Convention,
@@ -53,16 +55,11 @@ class ProfileGenerator:
         """That of a study."""
         surfaces = profiles(study)
         return cls(
-            seed=study.ensemble.seed,
-            directions=surfaces.directions,
-            frequencies=surfaces.frequencies,
-            length_scale=float(surfaces.length_scale),
-            gamma=surfaces.gamma,
-            extent=float(surfaces.extent),
-            points=surfaces.points,
-            convention=surfaces.convention,
+            seed=study.ensemble.seed, directions=surfaces.directions, frequencies=surfaces.frequencies,
+            length_scale=float(surfaces.length_scale), gamma=surfaces.gamma, extent=float(surfaces.extent),
+            points=surfaces.points, convention=surfaces.convention,
             band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-        )
+        )  # fmt: skip
 
     @property
     def spacing(self) -> float:
@@ -81,15 +78,9 @@ class ProfileGenerator:
         Returns the mean, lowest and highest of each, (k, 3), µm.
         """
         return fill_family(
-            heights,
-            self.phases(repetition, side),
-            dimensions,
-            length_scale=self.length_scale,
-            gamma=self.gamma,
-            extent=self.extent,
-            convention=self.convention,
-            band_limit=self.band_limit,
-        )
+            heights, self.phases(repetition, side), dimensions, length_scale=self.length_scale, gamma=self.gamma,
+            extent=self.extent, convention=self.convention, band_limit=self.band_limit,
+        )  # fmt: skip
 
     def heights(self, dimension: float, repetition: int, side: Side) -> Floats:
         """Unscaled heights (points,) of one body at a fractal dimension."""
@@ -126,33 +117,20 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
         return self_affine_surface(
-            study.ensemble.seed,
-            hurst_exponent=hurst_exponent(dimension, convention="classical"),
-            rms=1.0,
-            shape=surfaces.shape,
-            spacing=surfaces.spacings(),
+            study.ensemble.seed, hurst_exponent=hurst_exponent(dimension, convention="classical"), rms=1.0,
+            shape=surfaces.shape, spacing=surfaces.spacings(),
             longest_wavelength=None if longest is None else float(longest),
-            shortest_wavelength=None if shortest is None else float(shortest),
-            repetition=repetition,
-            side=side,
-        )
+            shortest_wavelength=None if shortest is None else float(shortest), repetition=repetition, side=side,
+        )  # fmt: skip
     phases = random_phases(
-        study.ensemble.seed,
-        repetition=repetition,
-        side=side,
-        directions=surfaces.directions,
+        study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
         frequencies=surfaces.frequencies,
-    )
+    )  # fmt: skip
     return weierstrass_mandelbrot_surface(
-        phases,
-        dimension,
-        shape=surfaces.shape,
-        extent=surfaces.extents(),
-        length_scale=float(surfaces.length_scale),
-        gamma=surfaces.gamma,
-        convention=surfaces.convention,
+        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), length_scale=float(surfaces.length_scale),
+        gamma=surfaces.gamma, convention=surfaces.convention,
         band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-    )
+    )  # fmt: skip
 
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
@@ -195,7 +173,7 @@ def pair_of(
     """
     if study.is_measured:
         raise ValueError("pair_of is for studies of generated bodies; the members of measured ones have no dimension")
-    if study.surfaces.kind == "surface":
+    if study.is_areal:
         one, other = (
             scaled_surface(study, unscaled_surface(study, repetition, side, fractal_dimension), amplitude)
             for side in SIDES
@@ -252,6 +230,20 @@ class Bodies:
         for side, spacing, extent in zip(SIDES, facts.scanned_spacing, facts.scanned_extent, strict=True):
             attributes |= {f"{side}_spacing_um": spacing, f"{side}_extent_um": extent}
         return About(nominal_area=float(facts.area), attributes=attributes)
+
+
+POINTS_OF_SCAN = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan
+
+
+def points_of_member(study: Study) -> int:
+    """How many points of a grid the bodies of a member have; where files are gone, as many as of a common scan."""
+    if study.surfaces.kind == "profile":
+        return profiles(study).points
+    if not study.is_measured:
+        return math.prod(areas(study).shape)
+    with contextlib.suppress(ValueError, OSError):
+        return int(np.prod(about(study).attributes["shape"]))
+    return POINTS_OF_SCAN[study.is_areal]
 
 
 def bodies_of(study: Study) -> Bodies:

@@ -21,15 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.studies.members import about
-from stiction.studies.result import (
-    OF_MEMBERS,
-    TITLE,
-    About,
-    Arrays,
-    coordinates_of,
-    dataset_of,
-    variables_of,
-)
+from stiction.studies.result import OF_MEMBERS, TITLE, About, Arrays, coordinates_of, dataset_of, variables_of
 from stiction.studies.study import Study, study_from_text
 
 if TYPE_CHECKING:
@@ -106,12 +98,9 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write(
-    dataset: xarray.Dataset,
-    file: Path | io.BytesIO,
-    *,
-    growing: str | None = None,
+    dataset: xarray.Dataset, file: Path | io.BytesIO, *, growing: str | None = None,
     chunks: Mapping[str, tuple[int, ...]] | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """Write a dataset to a netCDF file, of which no number means that one is missing.
 
     This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one. A

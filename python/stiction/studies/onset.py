@@ -10,50 +10,37 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction._checks import Floats
+from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
+from stiction.mechanics.quantities import QUANTITIES, attributes_of
 from stiction.studies.at_load import OverMembers
-from stiction.studies.members import bodies_of
-from stiction.studies.one_load import OneLoad
+from stiction.studies.contact_picture import MOST_PICTURED
+from stiction.studies.executors import sharing
+from stiction.studies.members import bodies_of, points_of_member
+from stiction.studies.pressing import OneLoad
 from stiction.studies.result import measured
-from stiction.studies.slip_map import slip_map
 from stiction.studies.store import read_beside
 from stiction.studies.study import Study
-from stiction.studies.tables import MeasuredFriction
+from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.mechanics.onset import Onset
+    from stiction.studies.pressing import OneLoad
     from stiction.studies.store import Stored
 
-FILE = "onset.nc"
-"""Name of the file in the folder of a result."""
-
-TABLE = "onset.csv"
-"""The curve as a table: the backbone of a Masing model."""
-
-MEMBERS, FEW = 16, 4
-"""Whose onset is computed, unless another number is asked for; of areas by the half-space a few."""
+FILE = "onset.nc"  # name of the file in the folder of a result
+TABLE = "onset.csv"  # the curve as a table: the backbone of a Masing model
+MEMBERS, FEW = 16, 4  # whose onset is computed, unless another number is asked for; of areas by the half-space a few
 
 FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
-"""Of the sliding load."""
+"""Fractions of the sliding load at which the curve is."""
 
-POISSON_RATIO = 0.3
-"""Of both bodies, where nothing is known of them."""
-
-_CURVES = {
-    "tangential_load": ("mN", "tangential load"),
-    "displacement": ("um", "displacement of the upper body since the tangential load was 0"),
-    "slipped_area": ("1", "fraction of the true contact area that slips"),
-    "slipped_load": ("1", "fraction of the normal load on what slips"),
-    "energy_lost": ("mN um", "energy that a cycle between plus and minus this load takes"),
-}
-
-_NUMBERS = {
-    "sliding_load": ("mN", "tangential load at which all slips"),
-    "displacement_at_sliding": ("um", "creep before sliding"),
-    "stiffness": ("mN/um", "tangential stiffness at rest"),
-}
-
+POISSON_RATIO = 0.3  # of both bodies, where nothing is known of them
+_CURVES = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
+_NUMBERS = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTICS = ["mean", "lower", "upper"]
 
 
@@ -64,14 +51,13 @@ def onset_of_result(
 
     So many of its members, the first ones, are computed: 16 by default, 4 of areas by the half-space. The dataset has
     over fraction (of the sliding load) and statistic (mean, lower, upper) tangential_load, displacement, slipped_area,
-    slipped_load and energy_lost, over statistic sliding_load, displacement_at_sliding and stiffness, and of areas the
-    map of what slips first of the first member, see `slip_map`. Its attributes say load, mu0, tau0 and how many members
-    there are, and have the parameters of the Iwan and LuGre models of the mean curve. None of generated bodies, where
-    nothing holds the bodies, and where no member has an answer.
+    slipped_load and energy_lost, over statistic sliding_load, displacement_at_sliding, stiffness and, of normal loads,
+    unloading_stiffness, and of areas the map of what slips first of the first member, see `slip_map`. Its attributes
+    say load, mu0, tau0 and how many members there are, and have the parameters of the Iwan and LuGre models of the mean
+    curve. None of generated bodies, where nothing holds the bodies, and where no member has an answer.
     """
     if not study.is_measured:
         return None
-    assert isinstance(study.friction, MeasuredFriction)
     mu0, tau0 = float(study.friction.mu0[0]), float(study.friction.tau0[0])
     if mu0 == tau0 == 0:
         return None
@@ -82,7 +68,8 @@ def onset_of_result(
     few = surfaces.is_areal and study.by_half_space
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
-    of_member = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
+    of_member: Any = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
+    of_member = sharing(of_member, executor, len(indices), points_of_member(study))
     found = [each for each in executor.map(of_member, indices) if each]
     if not found:
         return None
@@ -102,8 +89,9 @@ def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: 
     except (RuntimeError, ValueError):  # no solution, or a law that has no onset
         return None
     found: dict[str, Any] = {
-        name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS) if name != "energy_lost"
+        name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS[:-1]) if name != "energy_lost"
     }  # fmt: skip
+    found["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
     return found | {
         "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
         "map": slip_map(pressed, onset),
@@ -118,12 +106,13 @@ def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str
 
     members = OverMembers.of(study, {name: [each[name] for each in found] for name in ("line", "x", "y")})
     variables: dict[str, Any] = {}
-    for name, (unit, words) in (_CURVES | _NUMBERS).items():
+    for name in (*_CURVES, *_NUMBERS):
         dims = ("fraction", "statistic") if name in _CURVES else ("statistic",)
         values = members.mean(np.array([each[name] for each in found]))
         if name.startswith("slipped"):
             values = np.where(np.isnan(values), values, np.clip(values, 0.0, 1.0))
-        variables[name] = (dims, values, {"units": unit, "long_name": words})
+        variables[name] = (dims, values, attributes_of(name))
+    variables["tangential_load"][2]["long_name"] = "tangential load"  # of the whole way to sliding
     coordinates: dict[str, Any] = {
         "fraction": ("fraction", list(FRACTIONS), {"units": "1", "long_name": "tangential over sliding load"}),
         "statistic": _STATISTICS,
@@ -162,15 +151,15 @@ def _models(onset: xarray.Dataset) -> dict[str, float]:
 
 
 def onset_beside(result: Stored) -> xarray.Dataset | None:
-    """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0.
+    """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0 with all numbers.
 
     Raises a `StoreError` if it is damaged.
     """
-    friction = result.study.friction
-    if not isinstance(friction, MeasuredFriction):
+    if not result.study.is_measured:
         return None
-    onset = read_beside(Path(result.path) / FILE, ("fraction", "statistic", *_NUMBERS, *_CURVES))
-    if onset is None or onset["fraction"].values.tolist() != list(FRACTIONS):
+    friction = result.study.friction
+    onset = read_beside(Path(result.path) / FILE, ("fraction", "statistic", *_NUMBERS[:-1], *_CURVES))
+    if onset is None or _NUMBERS[-1] not in onset or onset["fraction"].values.tolist() != list(FRACTIONS):
         return None
     of = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
     return onset if of == [float(each[0]) for each in (friction.load, friction.mu0, friction.tau0)] else None
@@ -181,9 +170,61 @@ def backbone(onset: xarray.Dataset) -> str:
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
-    for name, (unit, _) in _CURVES.items():
+    for name in _CURVES:
+        unit = QUANTITIES[name].unit
         title = name.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
         for statistic, more in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
             columns[title + more] = [0.0, *onset[name].sel(statistic=statistic).values]
     text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
     return text
+
+
+# ---- What slips first -----------------------------------------------------------------------------------------------
+
+
+Variables = dict[str, tuple[Any, ...]]
+_LENGTH = {"units": "um"}
+
+
+def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
+    """Variables of a dataset: which fraction of the sliding load makes each point slip, and the heights below.
+
+    Of the half-space ``slip`` over slip_y and slip_x, NaN where nothing touches; of asperities, which all slip at their
+    edges from the start, ``contact_slip`` at which each slides as a whole, with contact_x, contact_y and contact_area.
+    Of maps with more than 512 rows or columns the first of some neighbours is kept. Nothing of profiles.
+    """
+    lower = pressed.lower
+    if not isinstance(lower, Surface):
+        return {}
+    (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
+    step = -(-max(rows, columns) // MOST_PICTURED)
+    found: Variables = {
+        "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH),
+        "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH),
+        "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH),
+    }
+    fraction = onset.slip_load() / onset.sliding_load
+    if isinstance(pressed.curve, HalfSpaceCurve):
+        words = {"units": "1", "long_name": "tangential over sliding load at which a point slips"}
+        first = _first_of_blocks(fraction.reshape(rows, columns), step)
+        return found | {"slip": (("slip_y", "slip_x"), first.astype(np.float32), words)}
+    table = pressed.table()
+    of_contacts = {
+        "slip": (fraction, "1", "tangential over sliding load at which a contact slides as a whole"),
+        "x": (table.x, "um", "middle of a contact along x"),
+        "y": (table.y, "um", "middle of a contact along y"),
+        "area": (table.area, "um^2", "area of a contact"),
+    }
+    return found | {
+        f"contact_{name}": ("contact", values, {"units": unit, "long_name": words})
+        for name, (values, unit, words) in of_contacts.items()
+    }
+
+
+def _first_of_blocks(values: Floats, step: int) -> Floats:
+    """The least number of each block of some rows and columns; NaN where there is none."""
+    rows, columns = (-(-size // step) * step for size in values.shape)
+    whole = np.full((rows, columns), np.inf)
+    whole[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
+    least = whole.reshape(rows // step, step, columns // step, step).min(axis=(1, 3))
+    return np.where(np.isinf(least), np.nan, least)

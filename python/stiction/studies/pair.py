@@ -10,24 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from stiction._arguments import (
-    at_least_0,
-    listed,
-    load_of,
-    numbers_of,
-    quantities_of,
-    quantity_of,
-)
+from stiction._arguments import at_least_0, listed, load_of, numbers_of, quantities_of, quantity_of
 from stiction._checks import Floats, whole_number
 from stiction._errors import ArgumentError
 from stiction._units import Quantity, exact, exactly, quantity
 from stiction.mechanics.law import NAMED, JacksonGreen
+from stiction.studies.calibration import Interface, highest_density
 from stiction.studies.elasticity import Elasticity, elasticity_of
+from stiction.studies.interfaces import interface, interfaces, medians
+from stiction.studies.known import NO_NUMBER, Kind, Known, known
 from stiction.studies.ladder import ladder
 from stiction.studies.measured_files import Body, MeasuredFile
-from stiction.studies.measured_surfaces import Measured
 from stiction.studies.members import about
 from stiction.studies.study import Study
+from stiction.studies.surface_tables import Measured
 from stiction.studies.text import validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES
@@ -35,24 +31,12 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import UNKNOWN, instrument_limit
 from stiction.surfaces.surface import Surface
 
-OFFSETS = 64
-"""Positions of one pair of profiles by default: some seconds of computing, and enough for an interval."""
-
-SHIFTS = 16
-"""Relative positions of two maps by default."""
-
-SURROGATES = 16
-"""Pairs of surrogates of profiles, which have no areas of their own, by default."""
-
-SEED = 2016
-"""Start of the random numbers of surrogates by default."""
-
-LAW = "hertz-sphere"
-"""Contact law of asperities by default."""
-
-HARDNESS = 2.84
-"""Hardness over yield strength, of the law of Jackson and Green at small contact radii."""
-
+OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
+SHIFTS = 16  # relative positions of two maps by default
+SURROGATES = 16  # pairs of surrogates of profiles, which have no areas of their own, by default
+SEED = 2016  # start of the random numbers of surrogates by default
+LAW = "hertz-sphere"  # contact law of asperities by default
+HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 MECHANICS = ("half-space", "asperities")
 
 SPHERES = (
@@ -78,8 +62,9 @@ class Pair:
     upper: Any  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned: the slider
     lower: Any  # what it is carried over
     load: Several
-    mu0: Several
-    tau0: Several = 0.0
+    mu0: Several = None
+    tau0: Several = None  # 0
+    interface: Any = None  # name or file of both
     direction: Several = None
     effective_modulus: Any = None
     young: Several = None
@@ -109,6 +94,7 @@ class Pair:
     missing: str | None = None
     channel: Several = None
     columns: Several = None
+    tip: Several = None
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
@@ -120,6 +106,8 @@ class Pair:
                     whole_number("", value, least=least)
                 except ValueError as error:
                     raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+        if self.mu0 is None and self.interface is None:
+            raise ArgumentError("give {mu0}, or the {interface} that has it")
         for names, applies, why in _APPLY:
             for name in names:
                 value = getattr(self, name)
@@ -138,14 +126,17 @@ class Pair:
     def _file(self, side: str, index: int) -> MeasuredFile:
         """One body; what says how files are read is for both, or for one after the other."""
         body, names = getattr(self, side), ("unit", "spacing", "channel", "columns")
+        table: dict[str, Any] = {"file": str(body), "missing": self.missing or "error"}
+        if self.tip is not None and np.size(self.tip):  # of the command none is an empty list
+            radii = quantities_of("tip", self.tip, "length")
+            table["tip"] = radii[index % len(radii)]
         if not isinstance(body, (str, Path)):
             for name in (*names, "missing"):
                 if getattr(self, name) is not None:
                     raise ArgumentError(
                         f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
                     )
-            return MeasuredFile.holding(body, side)
-        table: dict[str, Any] = {"file": str(body), "missing": self.missing or "error"}
+            return MeasuredFile.holding(body, side).model_copy(update={"tip": table.get("tip")})
         for name in names:
             values = getattr(self, name)
             several = list(values) if isinstance(values, (list, tuple)) else [values]
@@ -210,8 +201,68 @@ class Pair:
 
     @cached_property
     def elasticity(self) -> Elasticity:
-        """What both bodies are made of."""
-        return elasticity_of(self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material)
+        """What both bodies are made of, at the middle of what is known."""
+        modulus, young, poisson = (self._middle(name) for name in ("effective_modulus", "young", "poisson"))
+        return elasticity_of(modulus, young, poisson, self.upper_material, self.lower_material)
+
+    @cached_property
+    def known(self) -> dict[str, list[Known]]:
+        """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
+        found: dict[str, list[Known]] = {}
+        for name, kind in _KINDS.items():
+            texts = [each for each in listed(getattr(self, name)) if each is not None]
+            if not any(isinstance(each, str) and NO_NUMBER.search(each) for each in texts):
+                continue
+            if len(texts) > (2 if name in ("young", "poisson") else 1):
+                raise ArgumentError(f"{{{name}}} must be one value where it is a range, got {{got}}", got=repr(texts))
+            try:
+                found[name] = [known("", each, kind) for each in texts]
+            except ValueError as error:
+                raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+        return found
+
+    @cached_property
+    def strength(self) -> Interface | None:
+        """mu0 and tau0 jointly, where an interface is given."""
+        if self.interface is None:
+            return None
+        if not isinstance(self.interface, (str, Path)):
+            raise ArgumentError("{interface} must be a name or a file that write_interface wrote")
+        try:
+            return interface(self.interface)
+        except ValueError as error:
+            raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
+
+    def _middle(self, name: str) -> Any:
+        """An argument as it was given, or the middle of what is known, in four digits."""
+        if name in ("mu0", "tau0") and self.strength is not None:
+            return medians(self.strength)[name == "tau0"]
+        if name == "tau0" and self.tau0 is None:
+            return 0.0
+        if name not in self.known:
+            return getattr(self, name)
+        middle = [float(f"{each.value:.4g}") for each in self.known[name]]
+        return middle if len(middle) > 1 else middle[0]
+
+    @property
+    def _known_table(self) -> dict[str, Any]:
+        """What a study says of what is known; moduli with Poisson's ratios, of either of which it is the range."""
+        names = set(self.known) | ({"hardness"} if self.hardness is not None else set())
+        if names & {"young", "poisson"} and self.young is not None and self.poisson is not None:
+            names |= {"young", "poisson"}
+        table: dict[str, Any] = {}
+        for name in sorted(names):
+            kind = _KINDS[name]
+            own = self.known.get(name) or [known("", each, kind) for each in listed(getattr(self, name))]
+            table[name] = [each.text for each in own] if name in ("young", "poisson") else own[0].text
+        if self.strength is not None:
+            name = str(self.interface)
+            table["interface"] = name if name in interfaces() else str(Path(name).resolve())
+            fit = self.strength.fits[0]
+            for name, values, unit in (("mu0", fit.mu0, ""), ("tau0", 1e3 * fit.tau0, " MPa")):
+                low, high = (f"{end:.4g}" for end in highest_density(values, 0.0)[1:])
+                table |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
+        return table
 
     @cached_property
     def loads(self) -> list[Quantity]:
@@ -254,7 +305,8 @@ class Pair:
         """What is worth knowing of materials, and of profiles whose lay is not said."""
         known, remarks = self.elasticity, []
         if known.source and self.hardness is None:
-            remarks.append(f"{known.source}, {known.hardness_source}; --hardness says what was measured")
+            advice = "; --hardness says what was measured" if known.hardness is not None else ""
+            remarks.append(f"{known.source}, {known.hardness_source}{advice}")
         elif known.source:
             remarks.append(f"{known.source}; the hardness is that of --hardness")
         if self.are_profiles and self.lay is None and self.press == "lines":
@@ -265,11 +317,12 @@ class Pair:
         return remarks
 
     def _study(self, contact: dict[str, Any]) -> Study:
-        strengths = at_least_0("tau0", quantities_of("tau0", self.tau0, "pressure"), self.tau0)
-        coefficients = at_least_0("mu0", numbers_of("mu0", self.mu0), self.mu0)
+        strengths = at_least_0("tau0", quantities_of("tau0", self._middle("tau0"), "pressure"), self.tau0)
+        coefficients = at_least_0("mu0", numbers_of("mu0", self._middle("mu0")), self.mu0)
         friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
         data = {
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
+            "known": self._known_table,
         }  # fmt: skip
         return validated(Study, data, "pair").with_known_files()
 
@@ -295,9 +348,11 @@ class Pair:
 
     def _both_readings(self) -> dict[str, Any]:
         """The scans as they are and without waves of unknown origin, where these have much of the slope."""
-        bodies = [body for body in self.bodies if isinstance(body, (Profile, Surface)) and np.ptp(body.heights) > 0]
-        limits = [limit for limit in map(instrument_limit, bodies) if limit.slope_share > UNKNOWN]
-        longest = max((limit.noise for limit in limits), default=0.0)
+        scans = zip(self.bodies, self.files, strict=True)
+        scanned = [(body, file.tip) for body, file in scans if isinstance(body, (Profile, Surface))]
+        bodies = [body for body, _ in scanned]
+        limits = [instrument_limit(body, tip_radius=tip) for body, tip in scanned if np.ptp(body.heights) > 0]
+        longest = max((limit.wavelength for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
         if not 0 < longest < min(float(np.min(body.extent)) for body in bodies) / 4:
             return {}
         return {"cut_off": ["0 um", exactly(longest, "um")]}
@@ -360,7 +415,9 @@ class Pair:
         if self.hardness is None:
             known = self.elasticity.hardness
             return None if known is None else quantity(exactly(known, "GPa"), "pressure")
-        hardness = quantity_of("hardness", self.hardness, "pressure")
+        if self.elasticity.materials and self.elasticity.hardness is None:
+            raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
+        hardness = quantity_of("hardness", self._middle("hardness"), "pressure")
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.hardness))
         return hardness
@@ -430,8 +487,7 @@ def given_study(
     return validated(Study, data, "bodies in memory")
 
 
-ARGUMENTS = tuple(each.name for each in fields(Pair))
-"""Names of what may be asked of a pair."""
+ARGUMENTS = tuple(each.name for each in fields(Pair))  # names of what may be asked of a pair
 
 
 def _rising(values: list[Quantity]) -> list[Quantity]:
@@ -439,6 +495,12 @@ def _rising(values: list[Quantity]) -> list[Quantity]:
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]
 
+
+_KINDS: dict[str, Kind] = {
+    "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "pressure", "young": "pressure",
+    "poisson": "",
+}  # fmt: skip
+"""Inputs that may be ranges, and what they are."""
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "mechanics": MECHANICS,
@@ -465,6 +527,7 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
      "is for {mechanics} asperities"),
     (("law",), lambda asked: asked.lay != "grooves" or asked.contact_law == "hertz-cylinder",
      "must not be given beside {lay} grooves, which presses cylinders"),
+    (("mu0", "tau0"), lambda asked: asked.interface is None, "must not be given beside {interface}, which has both"),
     (("yield_strength",), lambda asked: asked.contact_law == JacksonGreen.name, "is for {law} jackson-green"),
     (("yield_strength",), lambda asked: asked.hardness is None or "half-space" in asked.by,
      "must not be given beside {hardness}, which says it"),

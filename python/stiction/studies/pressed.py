@@ -13,7 +13,7 @@ import numpy as np
 import stiction._core as _core
 from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.quantities import DIRECTED, ONSET
@@ -22,18 +22,18 @@ from stiction.studies.members import (
     FAMILY_MEMORY,
     ProfileGenerator,
     bodies_of,
+    points_of_member,
     scaled_surface,
     unscaled_surface,
 )
-from stiction.studies.pressing import Pressing, nothing, solved
-from stiction.studies.result import Arrays, areas, generated, names_of, profiles, variables_of
+from stiction.studies.pressing import Pressing, nothing
+from stiction.studies.result import Arrays, generated, names_of, profiles, variables_of
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, scaled_profile
 from stiction.surfaces.surface import Surface
 
-CACHE_LINE = 64
-"""Bytes."""
+CACHE_LINE = 64  # bytes
 
 
 def member_sums(study: Study, index: int) -> Arrays:
@@ -59,31 +59,33 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     }
 
 
-HALF = 0.5
-"""Of the sliding load, at which a result says what slips."""
+HALF = 0.5  # of the sliding load, at which a result says what slips
 
-COSTS = {"onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "half-space": 1e-6, "line": 2e-4}
-"""Seconds of one core, roughly: of an onset of sliding, of a point of a generated and pressed profile, of a point of an
-area pressed as asperities, of a point and load of a half-space, and of a load on a line. They decide how many members
-are a block."""
+COSTS = {
+    "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
+    "half-space": 1e-3, "half-plane": 8e-4,
+}  # fmt: skip
+"""Seconds of one core, roughly: of an onset of sliding; of a point of a generated profile and of a generated area; of
+a point of a measured area, and of a load on that and on a measured line, all as asperities; and of a load on a
+half-space and a half-plane besides its solution. They decide how many members are a block."""
+
+SOLUTION = {False: 6e-8, True: 1.3e-8}
+"""Seconds of one core of a solution of lines and areas over points^(5/4): a finer grid takes more iterations."""
 
 
 def cost_of_member(study: Study) -> float:
     """A rough estimate of the seconds that a member takes on one core, whatever the number of members."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
-    if study.is_measured:
-        if not study.is_areal:
-            each = loads * (COSTS["line"] if study.contact.mechanics == "asperities" else 30 * COSTS["line"])
-        else:
-            each = COSTS["half-space"] * 400**2 * loads if study.by_half_space else 0.3
-        return cells * each
-    on_profiles = study.surfaces.kind == "profile"
-    points = profiles(study).points if on_profiles else math.prod(areas(study).shape)
+    points, areal = points_of_member(study), study.is_areal
     if study.by_half_space:
-        return cells * points * loads * COSTS["half-space"]
-    onsets = cells * loads * COSTS["onset"] if set(ONSET) & set(study.sums()) else 0.0
-    return cells * points * COSTS["profile" if on_profiles else "asperities"] + onsets + 1e-4
+        return (
+            cells * loads * (COSTS["half-space" if areal else "half-plane"] + SOLUTION[areal] * math.pow(points, 1.25))
+        )
+    if study.is_measured:
+        return cells * (COSTS["area"] * loads + COSTS["point"] * points if areal else COSTS["line"] * loads)
+    onsets = cells * loads * COSTS["onset"] if study.contact.onset else 0.0
+    return cells * points * COSTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
 
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -91,12 +93,11 @@ def cost_of_member(study: Study) -> float:
 
 def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
     """Parts of a repetition with their places among the cells."""
-    together = study.surfaces.kind == "profile" and study.contact.mechanics == "asperities"
-    if together and not set(ONSET) & set(study.sums()):
+    if not (study.is_areal or study.by_half_space or study.contact.onset):
         for place, uppers, lowers, scratch in _families(study, repetition):
             yield place, pressed_families(study, uppers, lowers, scratch)
         return
-    pairs = _profiles(study, repetition) if study.surfaces.kind == "profile" else _surfaces(study, repetition)
+    pairs = (_surfaces if study.is_areal else _profiles)(study, repetition)
     for cell, upper, lower in pairs:
         yield cell, pressed(study, upper, lower)
 
@@ -107,10 +108,10 @@ def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) ->
     A load that the half-space has no solution of is NaN, with no contacts.
     """
     names, contact = study.sums(), study.contact
-    if contact.mechanics == "asperities":
+    if not study.by_half_space:
         curves: list[Any] = list(_asperity_curves(study, upper, lower))
         table = _table([name for name in names if name not in ONSET], curves)
-        return table | _onset(study, curves[0]) if set(ONSET) & set(names) else table
+        return table | _onset(study, curves[0]) if contact.onset else table
     steps = _steps(contact)
     result: Arrays = {}
     for at, curve in solved(functools.partial(_half_space, study, upper, lower), steps):
@@ -162,15 +163,10 @@ def pressed_families(
     surfaces, models, steps = profiles(study), _models(study.contact), _steps(study.contact)
     amplitudes = surfaces.amplitudes()
     columns = _core.press_families(
-        *upper,
-        *lower,
-        spacing=float(surfaces.extent) / surfaces.points,
-        amplitudes=amplitudes,
-        measure=surfaces.amplitude_measure,
-        approaches=steps,
-        models=[model.for_profiles().core() for model in models],
+        *upper, *lower, spacing=float(surfaces.extent) / surfaces.points, amplitudes=amplitudes,
+        measure=surfaces.amplitude_measure, approaches=steps, models=[model.for_profiles().core() for model in models],
         scratch=scratch,
-    )
+    )  # fmt: skip
     shape = len(upper[0]), amplitudes.size, len(models), steps.size
     tables = {name: columns[name].reshape(shape) for name in study.sums()}
     return {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()}
@@ -241,11 +237,9 @@ def _families(
         family = dimensions[first : first + members]
         uppers, lowers = memory[: family.size], memory[members : members + family.size]
         yield (
-            slice(first, first + family.size),
-            (uppers, generator.fill(uppers, family, repetition, "upper")),
-            (lowers, generator.fill(lowers, family, repetition, "lower")),
-            memory[-2:],
-        )
+            slice(first, first + family.size), (uppers, generator.fill(uppers, family, repetition, "upper")),
+            (lowers, generator.fill(lowers, family, repetition, "lower")), memory[-2:],
+        )  # fmt: skip
 
 
 _kept = threading.local()

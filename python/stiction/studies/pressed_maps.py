@@ -13,15 +13,14 @@ from stiction._checks import Floats, choice, number, part_of_one, whole_number
 from stiction._units import exact
 from stiction.mechanics import friction
 from stiction.mechanics.alike import warn_of_one_body
-from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.friction import SIX
 from stiction.mechanics.model import Sliding, modulus_for
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
 from stiction.studies.contact_tables import COMPASS
-from stiction.studies.measured_areas import MeasuredAreas
+from stiction.studies.measured_areas import MeasuredAreas, MeasuredSurrogates
 from stiction.studies.measured_files import MeasuredFile
-from stiction.studies.measured_surrogates import MeasuredSurrogates
-from stiction.studies.member_values import SIX, piece_at
+from stiction.studies.member_values import by_slopes, piece_at
 from stiction.studies.members import about, bodies_of
 from stiction.studies.pair import SEED, SHIFTS, SURROGATES, given_study
 from stiction.studies.pressing import Mechanics, checked_loads
@@ -35,9 +34,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray
 
-RULES: tuple[Sliding, Sliding] = ("opposing", "all")
-"""Sliding rules, in the order of the dimension."""
-
+RULES: tuple[Sliding, Sliding] = ("opposing", "all")  # sliding rules, in the order of the dimension
 _DIMS = ("sliding", "direction", "repetition", "fraction_below", "load", "mu0", "tau0")
 
 
@@ -150,7 +147,9 @@ def pressed_maps(
         if hardness is not None:
             contact["hardness"] = exact(number("hardness", hardness, unit="GPa", above=0), "GPa")
     steps = checked_loads(loads)
-    material = _material("mu0", mu0), _material("tau0", tau0)
+    material = tuple(
+        np.atleast_1d(friction.listed_parameter(name, each)) for name, each in (("mu0", mu0), ("tau0", tau0))
+    )
     friction.check_shear_strength(material[1], modulus)
     surfaces, count, made = _surfaces(upper, lower, shifts, surrogates, level)
     study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, least=0))
@@ -166,9 +165,8 @@ def pressed_maps(
         "of_profiles": int(isinstance(upper, Profile)), "compliance_share": share,
         **({} if hardness is None else {"hardness_GPa": hardness}), **facts,
     }  # fmt: skip
-    sums = sums.assign_coords(
-        {name: sums[name].fillna(0.0) for name in ("x", "y")}
-    )  # of surrogates, which are not moved
+    # Surrogates are not moved.
+    sums = sums.assign_coords({name: sums[name].fillna(0.0) for name in ("x", "y")})
     sums.attrs = attributes
     return _with_friction(sums, *material)
 
@@ -184,13 +182,6 @@ def _angles(directions: Sequence[float]) -> list[float]:
     if not angles.size or np.unique(angles).size < angles.size:
         raise ValueError(f"directions must be one or several different angles, got {directions!r}")
     return [float(angle) for angle in angles]
-
-
-def _material(name: str, given: ArrayLike) -> Floats:
-    values = np.atleast_1d(friction.friction_parameter(name, given))
-    if values.ndim > 1 or not values.size:
-        raise ValueError(f"{name} must be a number or a list of numbers, got {given!r}")
-    return values
 
 
 def _surfaces(
@@ -231,23 +222,10 @@ def _with_friction(sums: xarray.Dataset, mu0: Floats, tau0: Floats) -> xarray.Da
     if "unanswered_count" in sums:
         unanswered = sums["unanswered_count"] / sums["grid_minimum_count"]
         result["share_unanswered"] = unanswered.assign_attrs(attributes_of("share_unanswered"))
-    gap = sums["rms_gradient"].values[:, np.newaxis], sums["rms_slope"].transpose("repetition", "direction").values
-    known = (gap[0] > 0) & (gap[1] > 0)
-    # (sliding, repetition, direction, mu0, tau0)
-    gradient, slope = (np.where(known, each, 1.0)[..., np.newaxis, np.newaxis] for each in gap)
-    gentle = [
-        gentle_friction(
-            mu0[:, np.newaxis], tau0, rms_gradient=gradient, rms_slope=slope,
-            effective_modulus=float(sums["effective_modulus"]), sliding=sliding,
-        )
-        for sliding in RULES
-    ]  # fmt: skip
-    result["gentle_friction"] = (
-        ("sliding", "repetition", "direction", "mu0", "tau0"),
-        np.where(known[..., np.newaxis, np.newaxis], gentle, np.nan),
-        attributes_of("gentle_friction"),
-    )
-    whole = result.assign({name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX})
+    slopes = sums["rms_slope"].transpose("repetition", "direction").values
+    modulus = float(sums["effective_modulus"])
+    gentle = by_slopes(["repetition"], sums["rms_gradient"].values, slopes, RULES, mu0, tau0, modulus)
+    whole = result.assign({name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX} | gentle)
     return whole.transpose(*_DIMS, missing_dims="ignore")
 
 

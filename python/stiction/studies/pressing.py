@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -16,21 +15,22 @@ from stiction._units import in_core_units
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
-from stiction.mechanics.half_space import Boundary, HalfSpaceCurve, half_space
-from stiction.mechanics.load_curve import press
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
+from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import Bodies, crossing
-from stiction.mechanics.model import ContactModel, Sliding
+from stiction.mechanics.model import ContactModel, Shear, Sliding
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, DISTRIBUTIONS, SUMS
 from stiction.studies.contact_statistics import (
     QUANTILES,
     STATISTICS,
     Slopes,
+    Table,
     asperities_of,
     on_steepest,
     patches_of,
     pressed_on_steepest,
 )
-from stiction.studies.contact_tables import ByAsperities
+from stiction.studies.contact_tables import Asperities, HalfSpace
 from stiction.studies.result import Arrays
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
@@ -41,6 +41,9 @@ Mechanics = Literal["half-space", "asperities"]
 
 STIFFNESS_STEP = 0.02
 """The fraction of the approach on both sides of it over which the stiffness of asperities is taken."""
+
+JUST_BEFORE = 1e-11
+"""Fraction of an approach by which the one before a jump of the load is smaller: beyond the tolerance of `crossing`."""
 
 
 def checked_loads(loads: ArrayLike) -> Floats:
@@ -55,45 +58,35 @@ def checked_loads(loads: ArrayLike) -> Floats:
 class Pressing:
     """How a pair of bodies is pressed to elastic loads, by whichever mechanics."""
 
-    mechanics: Mechanics
     loads: Floats  # mN
     angles: Floats  # degrees
     rules: tuple[Sliding, ...]
-    model: ContactModel  # modulus, and of asperities law, detection and curvature
-    compliance_share: float = 0.5  # this and what follows: of the half-space
-    hardness: float | None = None
-    boundary: Boundary = "free"
+    how: ContactModel | dict[str, Any]  # of asperities, or what `half_space` takes
 
     @classmethod
     def of(cls, study: Study) -> Pressing:
         """That of a study of measured bodies."""
         contact = study.contact
-        common: dict[str, Any] = {
-            "mechanics": contact.mechanics, "loads": contact.steps(), "angles": contact.degrees(),
-            "rules": contact.rules(),
-        }  # fmt: skip
-        if isinstance(contact, ByAsperities):
-            return cls(**common, model=contact.model())
-        solid = contact.solid()
-        return cls(**common, model=ContactModel(effective_modulus=solid.pop("effective_modulus")), **solid)
+        how = contact.model() if isinstance(contact, Asperities) else contact.solid()
+        return cls(contact.steps(), contact.degrees(), contact.rules(), how)
 
     def pressed(self, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
         """Sums and statistics by name: (rules, directions, loads) of what depends on the motion, else (loads,)."""
         values = _Values(self, (upper, lower))
-        (_by_half_space if self.mechanics == "half-space" else _by_asperities)(self, upper, lower, values)
+        (_by_half_space if isinstance(self.how, dict) else _by_asperities)(self, upper, lower, values)
         gradient, slope = values.slopes.of_gap(self.angles)
         return values.arrays | {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
 
     def directed(self, upper: Profile | Surface) -> list[ContactModel]:
         """Models of every direction together, or of profiles one for each."""
+        assert isinstance(self.how, ContactModel)
         if isinstance(upper, Surface):
-            return [replace(self.model, direction=self.angles.tolist(), shear="+x").for_surfaces()]
-        return [
-            replace(
-                self.model, shear="+x" if math.cos(math.radians(angle)) > 0 else "-x", direction=None
-            ).for_profiles()
-            for angle in self.angles
-        ]
+            return [replace(self.how, direction=self.angles.tolist(), shear="+x").for_surfaces()]
+        return [replace(self.how, shear=way, direction=None).for_profiles() for way in self.ways()]
+
+    def ways(self) -> list[Shear]:
+        """Directions on profiles."""
+        return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in self.angles]
 
 
 class _Values:
@@ -129,23 +122,18 @@ def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
         values.of(name)
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = pressing.angles.tolist() if areal else "+x"
-    solve = functools.partial(
-        half_space, upper, lower, effective_modulus=float(pressing.model.effective_modulus),
-        compliance_share=pressing.compliance_share, hardness=pressing.hardness, boundary=pressing.boundary,
-        direction=first, sliding=pressing.rules[0],
-    )  # fmt: skip
+    assert isinstance(pressing.how, dict)
+    solve = functools.partial(half_space, upper, lower, **pressing.how, direction=first, sliding=pressing.rules[0])
     for at, curve in solved(solve, pressing.loads):
+        ways = [curve] if areal else [curve.with_direction(way) for way in pressing.ways()]
         for rule, sliding in enumerate(pressing.rules):
-            by_rule = curve if rule == 0 else curve.with_sliding(sliding)
+            by_rule = [way if rule == 0 else way.with_sliding(sliding) for way in ways]
             for name in _OF_HALF_SPACE:
                 if name not in DIRECTED:
                     values.of(name)[at] = getattr(curve, name)
-                elif areal:
-                    values.of(name)[rule][:, at] = getattr(by_rule, name)
                 else:
-                    for way, angle in enumerate(pressing.angles):
-                        towards = by_rule.with_direction("+x" if math.cos(math.radians(angle)) > 0 else "-x")
-                        values.of(name)[rule, way, at] = getattr(towards, name)
+                    along = [getattr(way, name) for way in by_rule]
+                    values.of(name)[rule][:, at] = along[0] if areal else along
         values.of("status")[at] = STATUSES.index("ok")
         values.of("normal_stiffness")[at] = curve.stiffness
         values.of("error")[at] = curve.error
@@ -164,33 +152,42 @@ _OF_HALF_SPACE = (
 
 
 def _by_asperities(pressing: Pressing, upper: Any, lower: Any, values: _Values) -> None:
-    """Hertz contacts that do not feel each other, at the approaches that carry the elastic loads."""
+    """Hertz contacts that do not feel each other, at the approaches that carry the elastic loads.
+
+    Where the load jumps with the approach, as it does by cells, sums are in proportion between before and behind it.
+    """
     models = pressing.directed(upper)
     one = models[0] if isinstance(upper, Profile) else replace(models[0], direction=0.0)
     # Without friction F_N is the elastic load.
     approach, status = crossing(Bodies(upper, lower), pressing.loads, mu0=0.0, tau0=0.0, model=one)
     values.of("status")[:] = [STATUSES.index(each) for each in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
-    fractions = [1 - STIFFNESS_STEP, 1, 1 + STIFFNESS_STEP]
+    # Contacts by minima of the gap begin without a load, so that nothing jumps.
+    fractions = [1 - STIFFNESS_STEP, 1 - JUST_BEFORE * (one.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
-    low, at, high = place.reshape(len(fractions), ok.size)
+    low, before, at, high = place.reshape(len(fractions), ok.size)
     if not ok.size:
         steps = np.zeros(1)  # for the names of the sums
-    found = None
-    if one.detection == "gap-minimum":
-        found = candidates(upper, lower, deepest=float(steps[-1]), curvature=one.curvature)
-    bodies = (upper, lower) if found is None else (found,)
+    bodies = found_once(upper, lower, float(steps[-1]), one)
     pressed: Any = functools.partial(press, *bodies)
     listed: Any = functools.partial(contacts, *bodies)
+
+    def read(name: str, curve: Any) -> Floats:
+        normal, sums = curve.normal_elastic, getattr(curve, name)
+        jump, rise = normal[at] - normal[before], pressing.loads[ok] - normal[before]
+        share = np.clip(np.divide(rise, jump, out=np.ones(ok.size), where=jump > 0), 0, 1)
+        there = sums[..., before] + share * (sums[..., at] - sums[..., before])
+        return np.asarray(np.rint(there) if name.endswith("_count") else there)
+
     for rule, sliding in enumerate(pressing.rules):
         curves: list[Any] = [pressed(steps, model=replace(model, sliding=sliding)) for model in models]
         for name in _SUMS_OF_CURVES & {each for each in vars(curves[0]) if not each.startswith("_")}:
             if name in DIRECTED:
                 for way, curve in enumerate(curves if len(curves) > 1 else [curves[0]]):
                     target = values.of(name)[rule] if isinstance(upper, Surface) else values.of(name)[rule, way]
-                    target[..., ok] = getattr(curve, name)[..., at]
+                    target[..., ok] = read(name, curve)
             else:
-                values.of(name)[ok] = getattr(curves[0], name)[at]
+                values.of(name)[ok] = read(name, curves[0])
     values.of("approach")[ok] = approach[ok]
     if not ok.size:
         return
@@ -210,15 +207,58 @@ def nothing(shape: tuple[int, ...], name: str) -> NDArray[Any]:
     return np.zeros(shape, np.int64) if name.endswith("_count") else np.full(shape, np.nan)
 
 
-def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """The curves of a half-space and which loads are theirs; a load without a solution is in none."""
-    try:
-        return [(np.arange(loads.size), solve(loads))]
-    except RuntimeError:
-        curves = []
-        for index in range(loads.size):
+def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
+    """What `press` takes: candidates up to an approach (µm) where contacts are minima of the gap, else both bodies."""
+    if model.detection != "gap-minimum":
+        return upper, lower
+    return (candidates(upper, lower, deepest=deepest, curvature=model.curvature),)
+
+
+# ---- At one load ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class OneLoad:
+    """A pair under one elastic load."""
+
+    upper: Any
+    lower: Any
+    curve: HalfSpaceCurve | LoadCurve  # of this load alone, pushed along +x
+    model: ContactModel | None = None  # how asperities were pressed
+
+    @classmethod
+    def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> OneLoad | None:
+        """The pair pressed as its study says, to a load (mN); None where it has no answer."""
+        upper, lower = pair
+        contact = study.contact
+        if isinstance(contact, HalfSpace):
             try:
-                curves.append((np.array([index]), solve(loads[index : index + 1])))
+                curve = half_space(upper, lower, [load], **contact.solid(), sliding="all")
             except RuntimeError:
-                continue
-        return curves
+                return None
+            return cls(upper, lower, curve)
+        model = replace(contact.model(), shear="+x", direction=None, sliding="all")
+        model = model.for_profiles() if isinstance(upper, Profile) else replace(model, direction=0.0).for_surfaces()
+        approach, status = crossing(Bodies(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
+        if status[0] != STATUS_OK:
+            return None
+        bodies: Any = found_once(upper, lower, float(approach[0]), model)
+        pushed: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
+        return cls(upper, lower, pushed, model=model)
+
+    def table(self) -> Table:
+        """The contacts, one row each."""
+        if isinstance(self.curve, HalfSpaceCurve):
+            return patches_of(self.curve.at(0))
+        spacing = (self.lower.spacing,) if isinstance(self.lower, Profile) else self.lower.spacing
+        extent = (self.lower.extent,) if isinstance(self.lower, Profile) else self.lower.extent
+        assert self.model is not None
+        touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
+        return asperities_of(touching, spacing, extent)
+
+    def pressure(self) -> Floats | None:
+        """GPa, over the grid of a half-space; None of asperities."""
+        if not isinstance(self.curve, HalfSpaceCurve):
+            return None
+        pressed = self.curve.at(0)
+        return pressed.on_grid(pressed.values)

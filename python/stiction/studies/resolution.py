@@ -12,7 +12,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._units import exactly
-from stiction.mechanics.continuation import (
+from stiction.mechanics.brackets import (
     FINER,
     continued,
     elastic_area,
@@ -25,10 +25,8 @@ from stiction.studies.at_load import at_load
 from stiction.studies.contact_statistics import slopes_of
 from stiction.studies.members import about, bodies_of
 from stiction.studies.result import measured
-from stiction.studies.same_study import computed_otherwise
 from stiction.studies.store import STUDY, StoreError, open_stored
-from stiction.studies.study import Study
-from stiction.studies.tables import MeasuredFriction
+from stiction.studies.study import Study, computed_otherwise
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
@@ -39,23 +37,12 @@ if TYPE_CHECKING:
 
     from stiction.studies.store import Stored
 
-FOLDER = "resolution"
-"""In the folder of a result: that of the same pair over cut-offs."""
-
-MEMBERS = 4
-"""Of areas; the first ones of the result, so that what changes with the cut-off is not chance."""
-
-LINES = 16
-"""Of lines."""
-
-DOUBLES = 4
-"""Times that the shortest cut-off, of two points, is doubled at most."""
-
-ROUNDED = 5e-4
-"""Relative change of a number by rounding it to four digits, at most."""
-
-LONGEST = 1 / 30
-"""Longest cut-off over the shortest side of the scans: longer waves are too few."""
+FOLDER = "resolution"  # in the folder of a result: that of the same pair over cut-offs
+MEMBERS = 4  # of areas; the first ones of the result, so that what changes with the cut-off is not chance
+LINES = 16  # of lines
+DOUBLES = 4  # times that the shortest cut-off, of two points, is doubled at most
+ROUNDED = 5e-4  # relative change of a number by rounding it to four digits, at most
+LONGEST = 1 / 30  # longest cut-off over the shortest side of the scans: longer waves are too few
 
 
 def resolution_study(study: Study) -> Study | None:
@@ -67,7 +54,6 @@ def resolution_study(study: Study) -> Study | None:
     """
     if not study.is_measured or not study.by_half_space:
         return None
-    assert isinstance(study.friction, MeasuredFriction)
     own = study.surfaces.cells()["cut_off"].tolist()
     facts = about(study).attributes
     step = max(float(np.max(facts[f"{side}_spacing_um"])) for side in ("upper", "lower"))
@@ -97,7 +83,6 @@ def resolution_at(result: Stored) -> xarray.Dataset | None:
     study = result.study
     if not study.is_measured:
         return None
-    assert isinstance(study.friction, MeasuredFriction)
     loads = [float(load) for load in study.friction.load]
     if study.surfaces.cells()["cut_off"].size > 1:
         return at_load(result, loads)
@@ -179,9 +164,7 @@ def _seen(study: Study) -> Seen:
     steps = [spacing, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return Seen(
-        shortest=max(2 * max(steps), wavelength),
-        longest=side,
-        gradient=math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes_of(gap))),
-        roughness=roughness,
+        shortest=max(2 * max(steps), wavelength), longest=side,
+        gradient=math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes_of(gap))), roughness=roughness,
         estimate=gap_exponent(gap, periodic=False),
-    )
+    )  # fmt: skip

@@ -19,23 +19,15 @@ from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, attributes_of
 from stiction.studies.contact_statistics import QUANTILES, STATISTICS
-from stiction.studies.generated_surfaces import (
-    Generated,
-    Profiles,
-    SelfAffineSurfaces,
-    WeierstrassMandelbrotSurfaces,
-)
-from stiction.studies.measured_surfaces import Measured
+from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.study import Study
+from stiction.studies.surface_tables import Measured
 
 if TYPE_CHECKING:
     import xarray
 
-TITLE = "stiction study"
-"""Of every result."""
-
-MOST_IN_PIECE = 2**26
-"""Bytes of a result that are in memory at a time, where it is read piece by piece."""
+TITLE = "stiction study"  # of every result
+MOST_IN_PIECE = 2**26  # bytes of a result that are in memory at a time, where it is read piece by piece
 
 OF_MEMBERS: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
@@ -170,11 +162,9 @@ def stacked(study: Study, members: Sequence[Arrays]) -> Arrays:
 
 
 def dataset_of(
-    study: Study,
-    repetitions: Sequence[int] | NDArray[np.intp],
-    arrays: Mapping[str, NDArray[Any]],
+    study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     about: About | None = None,
-) -> xarray.Dataset:
+) -> xarray.Dataset:  # fmt: skip
     """The dataset of some repetitions, from arrays as `stacked` makes them, of the shapes that the study says."""
     import xarray
 

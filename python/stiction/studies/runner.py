@@ -19,8 +19,8 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import half_written
 from stiction._text import bytes_text, duration_text, named
-from stiction.studies.executors import BROKEN, given_or_threads, progress_bar
-from stiction.studies.members import about
+from stiction.studies.executors import BROKEN, given_or_threads, progress_bar, sharing
+from stiction.studies.members import about, points_of_member
 from stiction.studies.pressed import cost_of_member, member_sums
 from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, stacked
 from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, put
@@ -34,29 +34,14 @@ BLOCK_TIME = 1.5
 """Seconds of work in a block, of which a kill loses those in hand, and of which writing the file is a few per cent."""
 
 MOST_MEMBERS = 4096
-MOST_BYTES = 2**24
-"""Largest block."""
-
-FEWEST_BLOCKS = 16
-"""Blocks of a study that has so many members: workers should not wait long for the last one."""
-
-LEAST_TIME = 0.06
-"""Seconds of work below which a block is not worth its file, which takes two milliseconds."""
-
-MOST_SUBMITTED = 1000
-"""Tasks that wait on an executor at a time, if their results are small."""
-
-FEWEST_SUBMITTED = 256
-"""Tasks that wait at a time in any case, so that the workers of a large machine all have one."""
-
-MOST_WAITING = 2**28
-"""Bytes of results that may wait here to be written."""
-
-PATIENCE = 3.0
-"""Seconds that an interrupted run waits for the blocks in hand."""
-
-MOST_IN_MEMORY = 2**34
-"""Bytes of a result that is not stored."""
+MOST_BYTES = 2**24  # largest block
+FEWEST_BLOCKS = 16  # blocks of a study that has so many members: workers should not wait long for the last one
+LEAST_TIME = 0.06  # seconds of work below which a block is not worth its file, which takes two milliseconds
+MOST_SUBMITTED = 1000  # tasks that wait on an executor at a time, if their results are small
+FEWEST_SUBMITTED = 256  # tasks that wait at a time in any case, so that the workers of a large machine all have one
+MOST_WAITING = 2**28  # bytes of results that may wait here to be written
+PATIENCE = 3.0  # seconds that an interrupted run waits for the blocks in hand
+MOST_IN_MEMORY = 2**34  # bytes of a result that is not stored
 
 
 def block_size(study: Study) -> int:
@@ -72,11 +57,7 @@ def block_size(study: Study) -> int:
 
 
 def run(
-    study: Study,
-    *,
-    executor: Executor | None = None,
-    store: str | Path | None = None,
-    progress: bool = False,
+    study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> xarray.Dataset:
     """Run a study.
 
@@ -128,14 +109,9 @@ def run(
 
 
 def fill(
-    study: Study,
-    folder: str | Path,
-    *,
-    part: tuple[int, int] | None = None,
-    executor: Executor | None = None,
-    progress: bool = False,
-    say: Callable[[str], None] | None = None,
-) -> int:
+    study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
+    progress: bool = False, say: Callable[[str], None] | None = None,
+) -> int:  # fmt: skip
     """Compute what a folder lacks of a study, or of a part of it: of (3, 16) every 16th block from the third on.
 
     Processes with different parts share a folder, on any file system that all of them see. What they leave is computed
@@ -159,13 +135,9 @@ def prepared(study: Study, folder: str | Path, part: tuple[int, int] | None = No
 
 
 def filled(
-    stored: Stored,
-    *,
-    part: tuple[int, int] | None = None,
-    executor: Executor | None = None,
-    progress: bool = False,
+    stored: Stored, *, part: tuple[int, int] | None = None, executor: Executor | None = None, progress: bool = False,
     say: Callable[[str], None] | None = None,
-) -> Stored:
+) -> Stored:  # fmt: skip
     """The folder when it holds all members of its study, or of a part of it; errors as of `fill`."""
     missing = _Missing(stored, part)
     with contextlib.ExitStack() as stack:
@@ -209,10 +181,10 @@ def _token(path: Path) -> Iterator[Folder]:
     folder = Folder(path.resolve(), half_written())
     token = folder.path / BLOCKS / folder.token
     try:
-        token.touch(exist_ok=False)
-    except OSError as error:
-        raise StoreError(f"{named(path)}: cannot be written: {error.strerror}") from None
-    try:
+        try:
+            token.touch(exist_ok=False)
+        except OSError as error:
+            raise StoreError(f"{named(path)}: cannot be written: {error.strerror}") from None
         yield folder
     finally:
         with contextlib.suppress(OSError):
@@ -309,19 +281,16 @@ class _Missing:
 
 
 def _compute(
-    missing: _Missing,
-    pool: Executor,
-    most: int,
-    take: Callable[[range, Any], None],
-    task: Callable[..., Any],
+    missing: _Missing, pool: Executor, most: int, take: Callable[[range, Any], None], task: Callable[..., Any],
     *arguments: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Compute blocks by a task that takes its members last, and have each taken as soon as it is done.
 
     At most so many are submitted at a time. Errors and interruptions cancel those that have not begun, and those in
     hand are taken if they end soon.
     """
     rest = iter(missing)
+    task = sharing(task, pool, sum(1 for _ in missing), points_of_member(arguments[1]))
     waiting: dict[Future[Any], range] = {}
     # Not concurrent.futures.wait, which locks every one of them each time, and leaves some locked if it is interrupted.
     done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()

@@ -14,11 +14,11 @@ import os
 import re
 import warnings
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,14 @@ from stiction._core import __version__
 from stiction._files import NotReadableError, content, reason
 from stiction._text import named, printable
 from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, piece_of, variables_of
-from stiction.studies.same_study import Difference, computed_otherwise, listed
-from stiction.studies.study import LONGEST_FILE, Study, study_from_text
+from stiction.studies.study import (
+    LONGEST_FILE,
+    Difference,
+    Study,
+    computed_otherwise,
+    differences_text,
+    study_from_text,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -42,15 +48,11 @@ BLOCKS = "blocks"
 MARK = "# Written by stiction"
 """How a study begins that stands in a folder because a command wrote it there."""
 
-MOST_MEMORY = 2**31
-"""Bytes of a result that is read into memory at once."""
-
-MOST_BESIDE = 2**26
-"""Bytes of a file that lies beside a result."""
-
+MOST_MEMORY = 2**31  # bytes of a result that is read into memory at once
+MOST_BESIDE = 2**26  # bytes of a file that lies beside a result
 _NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
-
 _ATTEMPTS = 3
+_Read = TypeVar("_Read")
 
 
 class StoreError(ValueError):
@@ -133,6 +135,17 @@ class Stored:
         """Bytes of the result in memory."""
         return self.count * bytes_of_member(self.study)
 
+    def once(self, read: Callable[[Stored], _Read]) -> _Read:
+        """What a function reads of the result and its folder, read once, whoever asks."""
+        if read not in self._kept:
+            self._kept[read] = read(self)
+        return self._kept[read]  # type: ignore[no-any-return]
+
+    @cached_property
+    def _kept(self) -> dict[Callable[[Stored], Any], Any]:
+        """Values of `once`."""
+        return {}
+
     def again(self) -> Stored:
         """The same folder with the blocks that it holds now."""
         return Stored(self.path, self.study, _listed(self.path))
@@ -196,7 +209,9 @@ class Stored:
                 low, high = max(first, begin) - begin + one, min(last, end) - begin + one
                 members = self.begun if block is self._used[0][0] else self._read(block)
                 if differ := computed_otherwise(members.study, self.study):
-                    raise _damaged(self.path, block, f"is of another study than {STUDY}: {listed(differ[:1])}")
+                    raise _damaged(
+                        self.path, block, f"is of another study than {STUDY}: {differences_text(differ[:1])}"
+                    )
                 of_bodies = of_bodies or members.about
                 for name, values in arrays.items():
                     lead = (slice(None),) * (0 if name in OF_MEMBERS else axis)
@@ -437,7 +452,9 @@ def _says(path: Path, study: Study) -> bool:
 
 
 def _another_study(path: Path, differ: list[Difference]) -> StoreError:
-    return StoreError(f"{named(path)}: holds another study; choose another place, or remove it\n{listed(differ)}")
+    return StoreError(
+        f"{named(path)}: holds another study; choose another place, or remove it\n{differences_text(differ)}"
+    )
 
 
 def put(path: Path, first: int, written: bytes, count: int) -> None:

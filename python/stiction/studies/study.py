@@ -6,54 +6,102 @@ import math
 from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exactly, quantity, shortened
-from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
-from stiction.studies.contact_tables import Asperities, ByAsperities, Contact, HalfSpace
+from stiction.studies.contact_tables import KEYS, Contact, contact_case, read_contact
 from stiction.studies.generated_surfaces import Profiles
+from stiction.studies.known import KnownTable
 from stiction.studies.ladder import ladder
-from stiction.studies.measured_surfaces import Measured
-from stiction.studies.tables import (
-    Ensemble,
-    Figures,
-    Friction,
-    MeasuredFriction,
-    Surfaces,
-    contact_case,
-    read_contact,
-    read_friction,
-    read_surfaces,
-    surfaces_case,
-)
+from stiction.studies.surface_tables import Measured, Surfaces, pressed, read_surfaces, surfaces_case
 from stiction.studies.text import StudyError, as_toml, toml, validated
-from stiction.studies.values import Table
+from stiction.studies.values import (
+    REQUIRED,
+    Coefficients,
+    Keys,
+    LoadsOfInterest,
+    Strengths,
+    Table,
+    as_tuple,
+    completed,
+    defaults,
+    fault_at,
+)
 
 if TYPE_CHECKING:
     import xarray
 
-MOST_MEMORY = 16 * 2**30
-"""Largest number of bytes of a repetition of a result."""
+MOST_MEMORY = 16 * 2**30  # largest number of bytes of a repetition of a result
+LONGEST_FILE = 1_000_000  # largest number of bytes of a study file; a study is a page
+MOST_ANSWERS = 1000  # largest number of loads times mu0 times tau0 of measured surfaces
 
-LONGEST_FILE = 1_000_000
-"""Largest number of bytes of a study file; a study is a page."""
-
-MOST_ANSWERS = 1000
-"""Largest number of loads times mu0 times tau0 of measured surfaces."""
-
-_CASE_KEYS = {"surfaces": ("kind", "generator", "press"), "contact": ("mechanics",)}
-"""Keys that say which case a table is of."""
+_CASE_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
+"""Tables and their keys that say which case a table is of."""
 
 _FIRST = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
+    "boundary", "hardness", "compliance_share",
 )  # fmt: skip
 """Keys that stand first in their tables."""
+
+
+class Friction(Table):
+    """What figures of generated surfaces show, and what is asked for of measured ones."""
+
+    mu0: Coefficients = Field(description="Molecular friction coefficients.")
+    tau0: Strengths = Field(description="Adhesive shear strengths.")
+    load: LoadsOfInterest = Field(
+        default=(), description="Normal loads that are asked for; `contact.load` is the curve around them."
+    )
+
+
+FRICTION_KEYS: Keys = {
+    "mu0": {"generated surfaces": (0.1, 0.4, 1.0), "measured surfaces": REQUIRED},
+    "tau0": {
+        "generated surfaces": tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200")),
+        "measured surfaces": (quantity("0 MPa", "pressure"),),
+    },
+    "load": {"measured surfaces": REQUIRED},
+}
+"""Where the keys of a table `[friction]` may stand, with their defaults."""
+
+
+class Ensemble(Table):
+    """How many members, and where their random numbers start."""
+
+    repetitions: int = Field(
+        default=100, ge=1, le=100_000_000,
+        description="Pairs for each fractal dimension and amplitude, or of measured surfaces relative positions.",
+    )  # fmt: skip
+    seed: int = Field(
+        default=2016, ge=0, lt=2**63,
+        description="Where the random numbers start; the same seed gives the same surfaces.",
+    )  # fmt: skip
+
+
+FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
+
+
+def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"must name each figure once, but {name!r} is there {names.count(name)} times")
+    return names
+
+
+class Figures(Table):
+    """What is drawn of the result of generated surfaces."""
+
+    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_distinct)] = Field(
+        default=("friction", "area"), description="Which figures `run` and `plot` draw."
+    )
 
 
 def _empty() -> Any:
@@ -77,10 +125,11 @@ class Study(Table):
     """
 
     surfaces: Surfaces = Profiles()
-    contact: Contact = Field(default_factory=_empty)
-    friction: Friction | MeasuredFriction = Field(default_factory=_empty)
+    contact: Contact = Field(default_factory=_empty, discriminator="mechanics")
+    friction: Friction = Field(default_factory=_empty)
     ensemble: Ensemble = Ensemble()
     figures: Figures = Figures()
+    known: KnownTable = KnownTable()
 
     @model_validator(mode="before")
     @classmethod
@@ -93,7 +142,7 @@ class Study(Table):
         if not tables or surfaces.get("kind") != "measured" or "load" in contact or "load" not in friction:
             return given
         try:
-            mechanics = contact_case(surfaces_case(surfaces), contact).model_fields["mechanics"].default
+            mechanics = contact_case(surfaces_case(surfaces), contact)[0].model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             around = ladder(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # said of the key that is wrong
@@ -105,59 +154,32 @@ class Study(Table):
     def _read_surfaces(cls, value: object) -> Surfaces:
         return read_surfaces(value)
 
-    @field_validator("contact", mode="before")
+    @field_validator("contact", "friction", mode="before")
     @classmethod
-    def _read_contact(cls, value: object, info: ValidationInfo) -> Contact:
-        """The contact that goes with the surfaces; where these are wrong, nothing is said of it."""
-        return read_contact(value, info.data["surfaces"]) if "surfaces" in info.data else Asperities()
-
-    @field_validator("friction", mode="before")
-    @classmethod
-    def _read_friction(cls, value: object, info: ValidationInfo) -> Friction | MeasuredFriction:
-        return read_friction(value, info.data["surfaces"]) if "surfaces" in info.data else Friction()
+    def _read_others(cls, value: object, info: ValidationInfo) -> Any:
+        """The table that goes with the surfaces; where these are wrong, nothing is said of it."""
+        surfaces = info.data.get("surfaces")
+        if surfaces is None:
+            surfaces, value = Profiles(), {}
+        if not isinstance(value, Mapping):
+            raise ValueError(f"must be a table, got {shortened(value)}")
+        if info.field_name == "contact":
+            return read_contact(value, surfaces)
+        if value.get("load") == []:
+            raise fault_at("load", "must have at least one load, got []")
+        return completed(FRICTION_KEYS, pressed(type(surfaces)), value)
 
     @model_validator(mode="after")
     def _goes_together(self) -> Study:
-        contact, surfaces = self.contact, self.surfaces
-        if isinstance(surfaces, Measured):
-            self._check_measured()
-            return self
-        if surfaces.kind == "profile":
-            given = contact.direction
-            if not (given is None or given in ("+x", "-x")):
-                words = shortened(list(given) if isinstance(given, tuple) else given)
-                raise ValueError(f'contact.direction: must be "+x" or "-x" on profiles, got {words}')
-            area = float(surfaces.extent) * THICKNESS
-        else:
-            if drawn := [name for name in self.figures.draw if name in ("profiles", "length-scales")]:
+        draw, friction, steps = self.figures.draw, self.friction, self.contact.steps()
+        if not self.is_measured:
+            if self.is_areal and (drawn := [name for name in draw if name in ("profiles", "length-scales")]):
                 raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')
-            self._check_areal_contact()
-            area = math.prod(surfaces.extents())
-        if "onset" in self.figures.draw and not set(ONSET) & set(self.sums()):
-            raise ValueError('figures.draw: "onset" needs contact.onset, which says at which strengths')
-        if isinstance(contact, HalfSpace) and contact.hardness is not None:
-            most = float(contact.hardness) * area
-            if not contact.steps()[-1] < most:
-                raise ValueError(f"contact.load: must be below hardness times area, {most:g} mN")
-        return self
-
-    def _check_areal_contact(self) -> None:
-        if isinstance(self.contact, ByAsperities):
-            try:
-                self.contact.model().for_surfaces()
-            except ValueError as error:
-                raise ValueError(f"contact.{error}") from None
-
-    def _check_measured(self) -> None:
-        """Loads that are asked for lie on the curve, and there are not too many answers."""
-        assert isinstance(self.surfaces, Measured)
-        if self.surfaces.is_areal:
-            self._check_areal_contact()
-        friction = self.friction
-        assert isinstance(friction, MeasuredFriction)
+            if "onset" in draw and self.contact.onset is None:
+                raise ValueError('figures.draw: "onset" needs contact.onset, which says at which strengths')
+            return self
         if self.figures != Figures():
             raise ValueError("figures.draw: belongs to generated surfaces; of measured ones all figures are drawn")
-        steps = self.contact.steps()
         if not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
                 f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; without "
@@ -166,6 +188,7 @@ class Study(Table):
         answers = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if answers > MOST_ANSWERS:
             raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MOST_ANSWERS}, got {answers}")
+        return self
 
     @model_validator(mode="after")
     def _fits(self) -> Study:
@@ -202,12 +225,11 @@ class Study(Table):
 
     def sums(self) -> tuple[str, ...]:
         """Names of what a result of the study has of each member at each approach or load."""
-        if self.contact.mechanics == "half-space":
+        if self.by_half_space:
             return HALF_SPACE_SUMS
-        lines = not self.surfaces.is_areal
         approach = ("approach",) if self.step == "load" else ()
         onset = ONSET if self.contact.onset is not None else ()
-        return SUMS + (() if lines else AREAL_SUMS) + approach + onset
+        return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
         """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
@@ -288,6 +310,8 @@ class Study(Table):
         """The whole study as TOML, with every key that it has; `Study.from_toml` reads it back equal."""
         tables = []
         for name, table in self._written().items():
+            if not table:
+                continue
             lines = [f"{key} = {as_toml(value)}" for key, value in table.items()]
             tables.append("\n".join([f"[{name}]", *lines]) + "\n")
         return "\n".join(tables)
@@ -295,38 +319,46 @@ class Study(Table):
     def _before(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """What changes are made to: all keys, carried over where the changes make a table another case."""
         data = self._written()
-        chosen = {
-            section: {key: changes.get(f"{section}.{key}", data[section].get(key)) for key in keys}
-            for section, keys in _CASE_KEYS.items()
-        }
-        chosen = {section: {key: v for key, v in keys.items() if v is not None} for section, keys in chosen.items()}
+        given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _CASE_KEYS}
+        given = {key: value for key, value in given.items() if value is not None}
         try:
-            surfaces = surfaces_case(chosen["surfaces"])
-            cases = {"surfaces": surfaces, "contact": contact_case(surfaces, chosen["contact"])}
+            surfaces = surfaces_case(given)
+            contact, place = contact_case(surfaces, given)
         except PydanticCustomError:  # said of the key that is wrong
             return data
-        return data | {section: self._carried_over(section, case) for section, case in cases.items()}
+        usual = _defaults(type(self.surfaces))
+        own = {key: value for key, value in self.surfaces if value != usual[key]}
+        data["surfaces"] = written_table(surfaces.model_construct(**own))
+        usual = _defaults(type(self.contact)) | defaults(KEYS, self._place)
+        own = {key: value for key, value in self.contact if value != usual[key]}
+        own = {key: value for key, value in (defaults(KEYS, place) | own).items() if value is not REQUIRED}
+        data["contact"] = written_table(contact.model_construct(**own), KEYS, place)
+        return data
 
-    def _carried_over(self, section: str, case: type[Table]) -> dict[str, Any]:
-        """A table of another case: its defaults, and what of the old one differs from its own and belongs."""
-        old = getattr(self, section)
-        if type(old) is case:
-            return self._written()[section]
-        own = {key: value for key, value in old if value != type(old).model_fields[key].default}
-        return written_table(case.model_construct(**{key: own[key] for key in own if key in case.model_fields}))
+    @property
+    def _place(self) -> str:
+        """What its contact is of, as in "asperities of generated lines"."""
+        return contact_case(type(self.surfaces), {"mechanics": self.contact.mechanics})[1]
 
     def _written(self) -> dict[str, dict[str, Any]]:
         """Every key of each table that is given."""
-        names = [
-            name for name in type(self).model_fields if name != "figures" or not isinstance(self.surfaces, Measured)
-        ]
-        return {name: written_table(getattr(self, name)) for name in names}
+        keys = {"contact": KEYS, "friction": FRICTION_KEYS}
+        names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
+        return {name: written_table(getattr(self, name), keys.get(name, {}), self._place) for name in names}
 
 
-def written_table(table: Table) -> dict[str, Any]:
-    """The keys of a table that are given, what it is a table of first."""
-    data = table.model_dump(exclude_none=True)
-    return {key: data[key] for key in sorted(data, key=lambda key: _FIRST.index(key) if key in _FIRST else len(_FIRST))}
+def _defaults(table: type[Table]) -> dict[str, Any]:
+    return {key: field.default for key, field in table.model_fields.items()}
+
+
+def written_table(table: Table, keys: Keys = MappingProxyType({}), place: str = "") -> dict[str, Any]:
+    """The keys of a table that are given and may stand in its place, what it is a table of first."""
+    others = keys.keys() - defaults(keys, place).keys()
+    data = {key: value for key, value in table.model_dump(exclude_none=True).items() if key not in others}
+    order = {key: index - len(_FIRST) for index, key in enumerate(_FIRST)}
+    if "measured" in place and "direction" in data:
+        order["direction"] = 1  # last, as results have it
+    return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
 
 _LIBRARY = resources.files("stiction.studies") / "library"
@@ -368,12 +400,38 @@ def step_of(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def differences(one: Study, other: Study) -> list[tuple[str, str, str]]:
-    """Every value that differs, in the order of a study file: its dotted key, and what it is in either, as TOML."""
+Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
+MOST_LISTED = 4  # differences that a message lists
+
+
+def differences(one: Study, other: Study) -> list[Difference]:
+    """Every value that differs, in the order of a study file."""
     return list(_differences(one, other, ""))
 
 
-def _differences(one: Table, other: Table, prefix: str) -> Iterator[tuple[str, str, str]]:
+def computed_otherwise(one: Study, other: Study) -> list[Difference]:
+    """What makes the members of two studies differ.
+
+    What friction and figures are asked for is applied to the sums afterwards. Measured files are known by their
+    checksums, wherever they lie.
+    """
+    return [
+        each
+        for each in differences(one, other)
+        if (each[0].startswith(("surfaces.", "contact.")) or each[0] == "ensemble.seed")
+        and not each[0].endswith((".upper.file", ".lower.file"))
+    ]
+
+
+def differences_text(differ: list[Difference]) -> str:
+    """Differences for a message, a line for each of the first few."""
+    lines = [f"{key} = {shortened(there)} there, {shortened(here)} here" for key, there, here in differ[:MOST_LISTED]]
+    if len(differ) > MOST_LISTED:
+        lines.append(f"... and {len(differ) - MOST_LISTED} more")
+    return "\n".join(lines)
+
+
+def _differences(one: Table, other: Table, prefix: str) -> Iterator[Difference]:
     texts = one.model_dump(), other.model_dump()
     for name in dict.fromkeys((*type(one).model_fields, *type(other).model_fields)):
         values = getattr(one, name, None), getattr(other, name, None)

@@ -91,6 +91,8 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> str:
         message = "must be a table"
     if fault["type"] == "tuple_type":
         message = "must be a list"
+    if fault["type"] == "string_unicode":
+        message = "must be text in UTF-8, as the study that keeps it is (rename a file that is not)"
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
         message = f"{message[0].lower()}{message[1:]}, got {shortened(fault['input'])}"
     return f"{key}: {message}" if key else message

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Unpack, get_args
 
 import numpy as np
@@ -15,7 +14,7 @@ from stiction._checks import Floats, choice, float_array, part_of_one
 from stiction._core import __version__
 from stiction._units import exact
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUSES, Validity
+from stiction.mechanics.friction import RATIOS, SIX, STATUSES, load_of, loads_of, ratio_of
 from stiction.mechanics.model import (
     THICKNESS,
     ContactKeywords,
@@ -28,12 +27,12 @@ from stiction.mechanics.model import (
     shows_model,
 )
 from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, SUMS, VALIDITY, attributes_of
-from stiction.studies import intervals
+from stiction.studies.at_load import OverMembers
 from stiction.studies.contact_tables import entry_of
+from stiction.studies.crossing import Crossing
 from stiction.studies.measured_areas import MeasuredAreas, overlap
 from stiction.studies.measured_files import MeasuredFile
 from stiction.studies.measured_lines import MeasuredLines
-from stiction.studies.member_values import SIX, Off, loads_of
 from stiction.studies.pair import given_study
 from stiction.studies.pressing import Load, Mechanics, checked_loads
 from stiction.studies.runner import run
@@ -48,9 +47,7 @@ AROUND = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8
 """Elastic loads over a normal load that are pressed to find it, close together where friction on slopes adds little."""
 
 SHEARS: tuple[Shear, ...] = get_args(Shear)
-
-DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-"""Degrees, of surfaces, if none are asked for."""
+DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees, of surfaces, if none are asked for
 
 QUANTITIES = (
     "friction_coefficient", "tangential_load", "contact_area", "contact_count", "normal_stiffness", "approach",
@@ -121,8 +118,9 @@ def traverse(
         motion), the figures of `Validity`, and status, over shear, line, offset (µm) and load (mN), and over mu0 and
         tau0 (GPa) if lists of them are given. The status is "ok", "no-contact", "self-locked", "not-reached" or
         "below-range" (more than the load is carried at an approach of 0); all else is NaN unless it is "ok". At a
-        normal load values are between those of two elastic loads, which is right to 2e-3; where F_N jumps over a load,
-        as contacts by cells let it, they are those behind the jump.
+        normal load values are between those of two elastic loads, which is right to 2e-3. Where the load jumps with the
+        approach, as contacts by cells let it, values are in proportion between both sides of the jump; at a normal load
+        most are then right to 2e-3, but single ones are not, where the elastic load falls before it jumps.
         Of half-planes the coefficient is F_T/F_N at this pressing; approach, normal_stiffness and the figures of
         `Validity` are NaN, for a free half-plane has no approach; the status is "not-solved" where a solution did not
         reach its tolerance. Of surfaces over direction (degrees), offset and load: also lateral_load (mN) and the
@@ -154,7 +152,7 @@ def traverse(
         raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
     positions = (_on_maps if areal else _on_lines)(upper, lower, offsets, contact, mechanics)
     model, wanted = positions.model, checked_loads(loads)
-    material = _listed("mu0", mu0), _listed("tau0", tau0)
+    material = friction.listed_parameter("mu0", mu0), friction.listed_parameter("tau0", tau0)
     friction.check_shear_strength(material[1], model.effective_modulus)
     table: dict[str, Any] = {"mechanics": mechanics, "effective_modulus": exact(model.effective_modulus, "GPa")}
     attributes: dict[str, Any]
@@ -172,7 +170,7 @@ def traverse(
     study = given_study(positions.surfaces, table, steps, repetitions=int(np.prod(list(positions.sizes.values()))))
     result = run(study, executor=executor, progress=progress).isel(cut_off=0, drop=True)
     result = result.transpose("direction", "repetition", "sliding", "load", ...)
-    found = _Read(result, model.sliding, wanted, [np.atleast_1d(each) for each in material], by_normal).values()
+    found = _read(result, model.sliding, wanted, [np.atleast_1d(each) for each in material], by_normal=by_normal)
     return _dataset(positions, wanted, material, found).assign_attrs(
         mechanics=mechanics, **attributes, sliding=model.sliding, upper=result.attrs["upper"],
         lower=result.attrs["lower"], stiction_version=__version__,
@@ -261,13 +259,6 @@ def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
     return profiles
 
 
-def _listed(name: str, given: ArrayLike) -> Floats:
-    values = friction.friction_parameter(name, given)
-    if values.ndim > 1 or not values.size:
-        raise ValueError(f"{name} must be a number or a list of numbers, got {values!r}")
-    return values
-
-
 def _places_on_lines(offsets: ArrayLike, uppers: list[Profile], lowers: list[Profile]) -> NDArray[np.intp]:
     """Offsets in whole spacings, at which every slider is over its lower profile."""
     spacing = uppers[0].spacing
@@ -316,94 +307,60 @@ def _places_on_maps(offsets: ArrayLike, upper: Surface, lower: Surface) -> NDArr
 # ---- At the loads of each position ----------------------------------------------------------------------------------
 
 
-class _Read:
-    """Each quantity of a result at given loads, (motions, positions, loads, mu0, tau0)."""
+def _read(
+    result: xarray.Dataset, sliding: Sliding, loads: Floats, material: Sequence[Floats], *, by_normal: bool
+) -> dict[str, NDArray[Any]]:
+    """Each quantity of a result and its status at given loads, (motions, positions, loads, mu0, tau0)."""
+    mu0, tau0 = material
+    has = result.data_vars
 
-    def __init__(
-        self, result: xarray.Dataset, sliding: Sliding, loads: Floats, material: Sequence[Floats], by_normal: bool
-    ) -> None:
-        self._result, self._sliding, self._loads = result, sliding, loads
-        self._motions = result.sizes["direction"]
-        self._mu0, self._tau0 = material
-        self.normal, self.tangential = (
-            np.moveaxis(each, 2, -1) for each in loads_of({name: self._sum(name) for name in SIX}, *material)
-        )
-        # (motions, positions, mu0, tau0, steps)
-        self.normal = np.broadcast_to(self.normal, self.tangential.shape)
-        with np.errstate(invalid="ignore"):
-            carried = np.where(self.normal > 0, self.normal, np.nan)
-        self._off = Off.of(carried, loads, ratio=True) if by_normal else None
-
-    def _sum(self, name: str, sliding: Sliding | None = None) -> Floats:
-        """A variable of the result over motions, positions and steps."""
-        values = self._result[name]
-        if "sliding" in values.dims:
-            values = values.sel(sliding=sliding or self._sliding)
+    def steps_of(name: str, rule: Sliding = sliding) -> Floats:
+        """A variable over motions, positions and steps."""
+        values = result[name].sel(sliding=rule) if "sliding" in result[name].dims else result[name]
         array = values.values.astype(np.float64)
-        return array if "direction" in values.dims else np.broadcast_to(array, (self._motions, *array.shape))
+        if "direction" in values.dims:
+            return array
+        return np.broadcast_to(array, (result.sizes["direction"], *array.shape))
 
-    def _at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """What a quantity (motions, positions, [mu0, tau0,] steps) is at the loads."""
+    both = loads_of({name: steps_of(name) for name in SIX}, mu0, tau0)
+    normal, tangential = (np.moveaxis(each, 2, -1) for each in both)  # (motions, positions, mu0, tau0, steps)
+    with np.errstate(invalid="ignore"):
+        off = Crossing.of(np.where(normal > 0, normal, np.nan), loads, ratio=True) if by_normal else None
+
+    def at(values: Floats, *, sums: bool = True) -> Floats:
+        """A quantity (motions, positions, [mu0, tau0,] steps) at the loads."""
         if values.ndim == 3:
-            values = np.broadcast_to(values[:, :, np.newaxis, np.newaxis], self.normal.shape)
-        at = values if self._off is None else self._off.at(values, sums=sums)
-        return np.moveaxis(at, -1, 2)
+            values = np.broadcast_to(values[:, :, np.newaxis, np.newaxis], normal.shape)
+        return np.moveaxis(values if off is None else off.at(values, sums=sums), -1, 2)
 
-    def values(self) -> dict[str, NDArray[Any]]:
-        """Every quantity and the status."""
-        normal, tangential = self._at(self.normal), self._at(self.tangential)
-        status = self._status(normal)
-        has = self._result.data_vars
-        elastic = self._at(self._sum("normal_elastic"))
-        found = {
-            "tangential_load": tangential,
-            "contact_area": self._at(self._sum("contact_area")),
-            "contact_count": self._at(self._sum("contact_count")),
-        }
-        with np.errstate(invalid="ignore", divide="ignore"):
-            found["share_opposing"] = self._at(self._sum("tangential_frictional", "opposing")) / elastic
+    sums = {name: at(steps_of(name)) for name in (*SUMS, *AREAL_SUMS) if name in has and name not in SIX[1:]}
+    elastic, carried = sums["normal_elastic"], at(normal)
+    why = np.array(STATUSES)[result["status"].values[:, np.searchsorted(result["load"].values, loads)]]
+    why = why[..., np.newaxis, np.newaxis]
+    if off is None:
+        touched, locked = sums["contact_count"] != 0, np.isfinite(carried)
+        status = friction.status_of(touched=touched, reached=carried > 0, locked=locked)
+    else:
+        reached, below = (np.moveaxis(each, -1, 2) for each in (off.reached, off.below))
+        last = np.where(np.isfinite(normal), normal, -np.inf).max(axis=-1)
+        locked = np.isfinite(normal).any(axis=-1) & (last <= 0)
+        status = friction.status_of(touched=True, reached=reached, locked=locked[:, :, np.newaxis], below=below)
+    status = np.where((status != friction.STATUS_OK) & (why != friction.STATUS_OK), why, status)
+    found = {name: sums[name] for name in ("contact_area", "contact_count")} | {"tangential_load": at(tangential)}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found["friction_coefficient"] = found["tangential_load"] / carried
+        found["share_opposing"] = at(steps_of("tangential_frictional", "opposing")) / elastic
         if "overlap_load" in has:
-            found["approach"] = self._at(self._sum("approach"), sums=False)
-            found["normal_stiffness"] = self._stiffness()
-            sums = {name: self._at(self._sum(name)) for name in (*SUMS, *AREAL_SUMS) if name in has}
-            found |= vars(Validity.of(SimpleNamespace(**sums)))  # type: ignore[arg-type]
+            found["approach"] = at(steps_of("approach"), sums=False)
+            found["normal_stiffness"] = at(steps_of("normal_stiffness"))
+            if off is not None:  # and what friction adds between two steps
+                before = np.broadcast_to(steps_of("normal_elastic")[:, :, np.newaxis, np.newaxis], normal.shape)
+                found["normal_stiffness"] *= np.moveaxis(off.slope(normal, before), -1, 2)
         if "lateral_elastic" in has:
-            parts = [self._at(self._sum(f"lateral_{part}")) for part in ("elastic", "frictional", "adhesive")]
-            found["lateral_load"] = parts[0] + self._mu0[:, np.newaxis] * parts[1] + self._tau0 * parts[2]
-            with np.errstate(invalid="ignore", divide="ignore"):
-                found["share_overlapping"] = sums["load_overlapping"] / elastic
-                found["share_at_edge"] = sums["load_at_edge"] / elastic
-                found["share_unanswered"] = sums["unanswered_count"] / sums["grid_minimum_count"]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            found["friction_coefficient"] = tangential / normal
-        return {name: np.where(status == friction.STATUS_OK, each, np.nan) for name, each in found.items()} | {
-            "status": status
-        }
-
-    def _stiffness(self) -> Floats:
-        """dF_N/dδ: that of the elastic load, and what friction adds to it between two steps."""
-        stiffness = self._at(self._sum("normal_stiffness"))
-        if self._off is None:
-            return stiffness
-        elastic = np.broadcast_to(self._sum("normal_elastic")[:, :, np.newaxis, np.newaxis], self.normal.shape)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return stiffness * np.moveaxis(self._off.slope(self.normal, elastic), -1, 2)
-
-    def _status(self, normal: Floats) -> NDArray[Any]:
-        codes = self._result["status"].values
-        steps = self._result["load"].values
-        place = np.searchsorted(steps, self._loads)
-        why = np.array(STATUSES)[codes[:, place]][..., np.newaxis, np.newaxis]
-        if self._off is None:
-            counts = self._at(self._sum("contact_count"))
-            status = friction.status_of(touched=counts != 0, reached=normal > 0, locked=np.isfinite(normal))
-        else:
-            reached, below = (np.moveaxis(each, -1, 2) for each in (self._off.reached, self._off.below))
-            last = np.where(np.isfinite(self.normal), self.normal, -np.inf)
-            locked = np.isfinite(self.normal).any(axis=-1) & (last.max(axis=-1) <= 0)
-            status = friction.status_of(touched=True, reached=reached, locked=locked[:, :, np.newaxis], below=below)
-        told = (status != friction.STATUS_OK) & (why != friction.STATUS_OK)
-        return np.asarray(np.where(told, why, status))
+            found["lateral_load"] = load_of("lateral", sums, mu0[:, np.newaxis], tau0)
+    found |= {name: ratio_of(name, sums) for name, (part, _) in RATIOS.items() if part in sums}
+    known = {name: np.where(status == friction.STATUS_OK, each, np.nan) for name, each in found.items()}
+    return known | {"status": status}
 
 
 def _dataset(
@@ -472,24 +429,18 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     others = tuple(name for name in ("mu0", "tau0") if name in result.dims)
     if "direction" in result.dims:
         raise ValueError("result must be a traverse of profiles, got one of surfaces")
-    data = result.transpose("shear", "load", *others, "line", "offset")
-    shape = tuple(data.sizes[name] for name in ("shear", "load", *others))
+    over = ("shear", "load", *others)
+    data = result.transpose("line", "offset", *over)
     ok = data["status"].values == friction.STATUS_OK
-    lines = np.repeat(np.arange(data.sizes["line"]), data.sizes["offset"])
-    means = {}
+    lines, offsets, *_ = ok.shape
+    members = OverMembers(np.arange(lines * offsets), np.repeat(np.arange(lines), offsets))
+    means: dict[str, Any] = {}
     for name in QUANTITIES:
-        values = data[name].values
-        statistics = np.full((*shape, 3), np.nan)
-        for at in np.ndindex(shape):
-            known = ok[at].ravel()
-            statistics[at] = intervals.of_positions(values[at].ravel()[known], lines[known])
-        means[name] = (("shear", "load", *others, "statistic"), statistics, dict(data[name].attrs))
+        known = np.where(ok, data[name].values, np.nan).reshape(-1, *ok.shape[2:])
+        means[name] = ((*over, "statistic"), members.mean(known), dict(data[name].attrs))
     counts = {
-        "ok": (
-            ("shear", "load", *others), ok.sum(axis=(-2, -1)),
-            {"units": "1", "long_name": "positions that have an answer"},
-        ),
-        "positions": ((), ok.shape[-2] * ok.shape[-1], {"units": "1", "long_name": "positions"}),
-    }  # fmt: skip
+        "ok": (over, ok.sum(axis=(0, 1)), {"units": "1", "long_name": "positions that have an answer"}),
+        "positions": ((), lines * offsets, {"units": "1", "long_name": "positions"}),
+    }
     kept = {name: each.variable for name, each in data.coords.items() if name not in ("line", "offset")}
     return xarray.Dataset(means | counts, kept | {"statistic": ["mean", "lower", "upper"]}, dict(result.attrs))

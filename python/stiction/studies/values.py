@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -26,11 +26,8 @@ from stiction._units import Quantity, quantity, shortened
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS
 
-MOST_VALUES = 10_000
-"""Largest number of values of one parameter of a study."""
-
-MOST_MATERIALS = 100
-"""Largest number of mu0, of tau0 and of cut-off wavelengths."""
+MOST_VALUES = 10_000  # largest number of values of one parameter of a study
+MOST_MATERIALS = 100  # largest number of mu0, of tau0 and of cut-off wavelengths
 
 
 def read_length(text: object) -> Quantity:
@@ -89,51 +86,37 @@ Loads = Annotated[tuple[Force, ...], *_values]
 Strengths = Annotated[tuple[Strength, ...], *_few_values]
 Coefficients = Annotated[tuple[Coefficient, ...], *_few_values]
 CutOffs = Annotated[tuple[LengthOrZero, ...], *_few_values]
-LoadsOfInterest = Annotated[tuple[Force, ...], *_few_values]
+LoadsOfInterest = Annotated[tuple[Force, ...], as_tuple, Field(max_length=MOST_MATERIALS), AfterValidator(_increasing)]
 
 
-def _several(values: tuple[Any, ...], name: str, same: Any) -> tuple[Any, ...]:
-    if not 1 <= len(values) <= MOST_VALUES:
-        raise ValueError(f"must have from 1 to {MOST_VALUES} {name}s, got {len(values)}")
-    if len({same(value) for value in values}) < len(values):
-        raise ValueError(f"must have each {name} once, got {shortened(list(values))}")
-    return values
+def _one_or_several(name: str, one: Callable[[object], Any], same: Callable[[Any], Any]) -> PlainValidator:
+    """A value, or a tuple of several of which no two are the same."""
+
+    def values(value: object) -> Any:
+        if not isinstance(value, (list, tuple)):
+            return one(value)
+        if not 1 <= len(value) <= MOST_VALUES:
+            raise ValueError(f"must have from 1 to {MOST_VALUES} {name}s, got {len(value)}")
+        several = tuple(map(one, value))
+        if len(set(map(same, several))) < len(several):
+            raise ValueError(f"must have each {name} once, got {shortened(list(several))}")
+        return several
+
+    return PlainValidator(values)
+
+
+MOST_DEGREES = 360  # largest direction, to either side
 
 
 def _read_direction(value: object) -> Any:
-    """One direction, or a tuple of some."""
-
-    def one(item: object) -> str | float:
-        if isinstance(item, str) and item in ("+x", "-x"):
-            return item
-        if isinstance(item, (int, float)) and not isinstance(item, bool) and abs(item) <= MOST_DEGREES:
-            return float(item)
-        raise ValueError(
-            f'must be "+x", "-x" or degrees from {-MOST_DEGREES} to {MOST_DEGREES}, or a list of these, '
-            f"got {shortened(item)}"
-        )
-
-    if not isinstance(value, (list, tuple)):
-        return None if value is None else one(value)
-    return _several(tuple(one(item) for item in value), "direction", degrees_of)
-
-
-def _read_compass(value: object) -> tuple[float, ...]:
-    """Directions of measured areas, in degrees from 0 to below 360; one of them is a list of one."""
-    directions = _read_direction(value)
-    if directions is None:
-        raise ValueError("must be degrees or a list of degrees, got none")
-    listed = directions if isinstance(directions, tuple) else (directions,)
-    if len(listed) > MOST_DIRECTIONS:
-        raise ValueError(f"must have at most {MOST_DIRECTIONS} directions, got {len(listed)}")
-    return tuple(degrees_of(direction) for direction in listed)
-
-
-MOST_DEGREES = 360
-"""Largest direction, to either side."""
-
-MOST_DIRECTIONS = 360
-"""Largest number of directions of measured areas."""
+    if isinstance(value, str) and value in ("+x", "-x"):
+        return value
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MOST_DEGREES:
+        return float(value)
+    raise ValueError(
+        f'must be "+x", "-x" or degrees from {-MOST_DEGREES} to {MOST_DEGREES}, or a list of these, '
+        f"got {shortened(value)}"
+    )
 
 
 def degrees_of(direction: Direction) -> float:
@@ -142,21 +125,15 @@ def degrees_of(direction: Direction) -> float:
 
 
 def _read_sliding(value: object) -> Any:
-    """One sliding rule, or a tuple of some."""
-
-    def one(item: object) -> str:
-        if item not in ("opposing", "all"):
-            raise ValueError(f'must be "opposing" or "all", or a list of both, got {shortened(item)}')
-        return str(item)
-
-    if not isinstance(value, (list, tuple)):
-        return one(value)
-    return _several(tuple(one(item) for item in value), "rule", str)
+    if value not in ("opposing", "all"):
+        raise ValueError(f'must be "opposing" or "all", or a list of both, got {shortened(value)}')
+    return value
 
 
-Directions = Annotated[Direction | tuple[Direction, ...] | None, PlainValidator(_read_direction)]
-Compass = Annotated[tuple[float, ...], PlainValidator(_read_compass)]
-Rules = Annotated[Sliding | tuple[Sliding, ...], PlainValidator(_read_sliding)]
+Directions = (
+    Annotated[Direction | tuple[Direction, ...], _one_or_several("direction", _read_direction, degrees_of)] | None
+)
+Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_several("rule", _read_sliding, str)]
 
 
 class Table(BaseModel):
@@ -170,49 +147,58 @@ def fault_at(key: str, message: str) -> PydanticCustomError:
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
-def _check_range(bounds: Any) -> None:
-    if bounds.count == 1 and bounds.start != bounds.stop:
-        raise ValueError("a range of count 1 must stop where it starts")
-    if bounds.count > 1 and not bounds.stop > bounds.start:
-        raise ValueError(f"must stop above its start, got {written(bounds.start)} to {written(bounds.stop)}")
+def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any], usual: str = "") -> str:
+    """The name of a case that a key says, by default the first."""
+    value = given.get(key, usual or next(iter(cases)))
+    if not isinstance(value, str) or value not in cases:
+        names = '" or "'.join(cases)
+        raise fault_at(key, f'must be "{names}", got {shortened(value)}')
+    return value
 
 
-class DimensionRange(Table):
-    """Equally spaced fractal dimensions, both ends included."""
-
-    start: Dimension
-    stop: Dimension
-    count: int = Field(ge=1, le=MOST_VALUES)
-
-    @model_validator(mode="after")
-    def _is_a_range(self) -> DimensionRange:
-        _check_range(self)
-        return self
-
-    def values(self) -> Floats:
-        """(count,) array."""
-        return np.linspace(self.start, self.stop, self.count)
-
-
-class _Steps(Table):
-    """Both ends included, in equal steps (linear) or ratios (geometric)."""
+class _Range(Table):
+    """Both ends included, in equal steps."""
 
     start: Any
     stop: Any
     count: int = Field(ge=1, le=MOST_VALUES)
-    spacing: Literal["linear", "geometric"] = "geometric"
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
-        _check_range(self)
+        if self.count == 1 and self.start != self.stop:
+            raise ValueError("a range of count 1 must stop where it starts")
+        if self.count > 1 and not self.stop > self.start:
+            raise ValueError(f"must stop above its start, got {written(self.start)} to {written(self.stop)}")
+        return self
+
+    def values(self) -> Floats:
+        """(count,) array, of quantities in core units."""
+        return np.linspace(float(self.start), float(self.stop), self.count)
+
+
+class DimensionRange(_Range):
+    """Fractal dimensions."""
+
+    start: Dimension
+    stop: Dimension
+
+
+class _Steps(_Range):
+    """The same in equal steps (linear) or ratios (geometric)."""
+
+    spacing: Literal["linear", "geometric"] = "geometric"
+
+    @model_validator(mode="after")
+    def _has_ratios(self) -> Self:
         if self.spacing == "geometric" and float(self.start) == 0:
             raise ValueError("a geometric range cannot start at 0")
         return self
 
     def values(self) -> Floats:
         """(count,) array, µm or mN."""
-        space = np.geomspace if self.spacing == "geometric" else np.linspace
-        return np.asarray(space(float(self.start), float(self.stop), self.count), dtype=np.float64)
+        if self.spacing == "linear":
+            return super().values()
+        return np.geomspace(float(self.start), float(self.stop), self.count)
 
 
 class ApproachRange(_Steps):
@@ -249,6 +235,37 @@ ApproachesOrRange = Annotated[Annotated[ApproachRange, Tag(RANGE)] | Annotated[A
 LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE)] | Annotated[Loads, Tag(LIST)], _range_or_list]
 
 
-def array_of(values: DimensionRange | ApproachRange | LoadRange | tuple[float, ...]) -> Floats:
+def array_of(values: _Range | tuple[float, ...]) -> Floats:
     """All values of a range or a list."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
+
+
+# ---- Keys that not all tables of a name have ------------------------------------------------------------------------
+
+Keys = Mapping[str, Mapping[str, Any]]
+"""Where each key may stand, as in "asperities of generated surfaces", and its default there."""
+
+REQUIRED = object()  # default of a key that must be given
+
+
+def defaults(keys: Keys, where: str) -> dict[str, Any]:
+    """The keys that may stand in tables of, for example, "asperities of generated lines", and their defaults."""
+    words = {*where.split(), "surfaces"}
+    return {
+        key: default
+        for key, places in keys.items()
+        for place, default in places.items()
+        if words.issuperset(place.split())
+    }
+
+
+def completed(keys: Keys, where: str, given: Mapping[Any, Any]) -> dict[Any, Any]:
+    """A table with the defaults of what is left out; it is a fault if a key belongs elsewhere or must be given."""
+    usual = defaults(keys, where)
+    table = {**usual, **given}
+    for key in keys:
+        if key in given and key not in usual:
+            raise fault_at(key, f"belongs to {' and '.join(keys[key])}, not to {where}")
+        if table.get(key) is REQUIRED:
+            raise fault_at(key, f"must be given for {where}")
+    return table

@@ -12,14 +12,9 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_UP
 from stiction.surfaces.surface import Surface
 
-LONGEST = 1 / 3
-"""Longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few."""
-
-_REACH = 1.6
-"""Wavelengths to each side over which weights are summed; beyond, they are below 1e-15 of the largest."""
-
-_FEWEST_WEIGHTS = 64
-"""Weights to each side; for wavelengths of two or three points they fall slowly, here to 1e-5."""
+LONGEST = 1 / 3  # longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few
+_REACH = 1.6  # wavelengths to each side over which weights are summed; beyond, they are below 1e-15 of the largest
+_FEWEST_WEIGHTS = 64  # weights to each side; for wavelengths of two or three points they fall slowly, here to 1e-5
 
 
 @overload

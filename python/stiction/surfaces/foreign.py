@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-EQUAL_STEPS = 1e-6
-"""Of a step: coordinates whose steps differ by more are not on a uniform grid."""
+EQUAL_STEPS = 1e-6  # of a step: coordinates whose steps differ by more are not on a uniform grid
 
 
 class Taken(NamedTuple):

@@ -16,17 +16,11 @@ from stiction.surfaces.surface import Surface, lengths, rows_and_columns
 
 Convention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
-
 SIDE_KEY = {"lower": 0, "upper": 1}
 
 
 def random_phases(
-    seed: int,
-    *,
-    repetition: int = 0,
-    side: Side = "lower",
-    directions: int = 40,
-    frequencies: int = 40,
+    seed: int, *, repetition: int = 0, side: Side = "lower", directions: int = 40, frequencies: int = 40
 ) -> Floats:
     """Independent phases, uniform on [0, 2π), of one surface.
 
@@ -137,29 +131,16 @@ def weierstrass_mandelbrot_family(
     points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
     family = np.empty((np.size(fractal_dimensions), points))
     fill_family(
-        family,
-        phases,
-        fractal_dimensions,
-        length_scale=length_scale,
-        gamma=gamma,
-        extent=extent,
-        convention=convention,
-        band_limit=band_limit,
-    )
+        family, phases, fractal_dimensions, length_scale=length_scale, gamma=gamma, extent=extent,
+        convention=convention, band_limit=band_limit,
+    )  # fmt: skip
     return family
 
 
 def fill_family(
-    family: Floats,
-    phases: ArrayLike,
-    fractal_dimensions: ArrayLike,
-    *,
-    length_scale: float,
-    gamma: float,
-    extent: float,
-    convention: Convention,
-    band_limit: BandLimit | None,
-) -> Floats:
+    family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
+    extent: float, convention: Convention, band_limit: BandLimit | None,
+) -> Floats:  # fmt: skip
     """`weierstrass_mandelbrot_family` in memory that is there already, which new memory of this size is slower than.
 
     Returns the mean, lowest and highest of each, (k, 3), µm.
@@ -178,14 +159,9 @@ def fill_family(
         for dimension in dimensions
     ]
     return stiction._core.harmonic_profiles(
-        phase_array,
-        np.array(weights).reshape(len(weights), phase_array.shape[1]),
-        family,
-        spacing=extent / family.shape[1],
-        length_scale=length_scale,
-        gamma=gamma,
-        band_limited=band_limit == "nyquist",
-    )
+        phase_array, np.array(weights).reshape(len(weights), phase_array.shape[1]), family,
+        spacing=extent / family.shape[1], length_scale=length_scale, gamma=gamma, band_limited=band_limit == "nyquist",
+    )  # fmt: skip
 
 
 def weierstrass_mandelbrot(
@@ -209,15 +185,9 @@ def weierstrass_mandelbrot(
     (1000, 40.0)
     """
     family = weierstrass_mandelbrot_family(
-        phases,
-        [number("fractal_dimension", fractal_dimension)],
-        length_scale=length_scale,
-        gamma=gamma,
-        extent=extent,
-        points=points,
-        convention=convention,
-        band_limit=band_limit,
-    )
+        phases, [number("fractal_dimension", fractal_dimension)], length_scale=length_scale, gamma=gamma, extent=extent,
+        points=points, convention=convention, band_limit=band_limit,
+    )  # fmt: skip
     return Profile(read_only(family[0]), spacing=float(extent) / points)
 
 
@@ -284,15 +254,9 @@ def weierstrass_mandelbrot_surface(
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
     stiction._core.harmonic_surface(
-        phase_array,
-        weights,
-        heights,
-        spacing_y=spacing[0],
-        spacing_x=spacing[1],
-        length_scale=length_scale,
-        gamma=gamma,
-        band_limited=band_limit == "nyquist",
-    )
+        phase_array, weights, heights, spacing_y=spacing[0], spacing_x=spacing[1], length_scale=length_scale,
+        gamma=gamma, band_limited=band_limit == "nyquist",
+    )  # fmt: skip
     return Surface(read_only(heights), spacing=spacing)
 
 

@@ -10,14 +10,65 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, truth
 from stiction._shown import Tabled
-from stiction.surfaces.power_law import PowerLaw
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import in_band, spectrum_of, spectrum_of_area
 from stiction.surfaces.surface import Surface, refuse_flat
 
-WIDE = 0.5
-"""Width of a 95 % interval of H from which on it says little."""
+_NEWTON_STEPS, _HALVINGS = 50, 30
+
+
+class PowerLaw:
+    """Likeliest power law P ∝ q^-s through powers that are gamma distributed, their shapes the weights."""
+
+    def __init__(self, log_q: Floats, power: Floats, weight: Floats) -> None:
+        self._total = float(weight.sum())
+        share = weight / self._total
+        self._middle = float(share @ log_q)
+        self._log_q = log_q - self._middle
+        self._largest = float(power.max())
+        self._power = share * power / self._largest
+        self.exponent = 0.0
+        for _ in range(_NEWTON_STEPS):  # the loss is convex, with a logarithm of a sum of exponentials
+            scaled = self._power * np.exp(self.exponent * self._log_q)
+            scaled /= scaled.sum()
+            gradient = float(scaled @ self._log_q)
+            step = gradient / float(scaled @ (self._log_q - gradient) ** 2)
+            self.exponent -= min(max(step, -2.0), 2.0)
+            if abs(step) < 1e-10:
+                break
+        self.least_loss = self.loss(self.exponent)
+
+    def _log_level(self, exponent: float) -> float:
+        return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._largest)
+
+    def loss(self, exponent: float) -> float:
+        """Minus the log-likelihood but for a constant, the prefactor at its best."""
+        return self._total * self._log_level(exponent)
+
+    @property
+    def log_prefactor(self) -> float:
+        """Ln C of the law C q^-s."""
+        return self._log_level(self.exponent) + self.exponent * self._middle
+
+    def interval(self, most_loss: float) -> tuple[float, float]:
+        """Exponents between which the loss is not larger than a value above the least."""
+        ends = []
+        for side in (-1.0, 1.0):
+            near, far = 0.0, 0.1
+            while self.loss(self.exponent + side * far) < most_loss:
+                near, far = far, 2 * far
+            for _ in range(_HALVINGS):
+                middle = (near + far) / 2
+                near, far = (middle, far) if self.loss(self.exponent + side * middle) < most_loss else (near, middle)
+            ends.append(self.exponent + side * far)
+        return ends[0], ends[1]
+
+
+# ---- Power laws -----------------------------------------------------------------------------------------------------
+
+
+WIDE = 0.5  # width of a 95 % interval of H from which on it says little
 
 
 @dataclass(frozen=True, repr=False)
@@ -181,16 +232,10 @@ def hurst_exponent_of(
         upper = max([upper, *(ends[1] for ends in intervals)])
     level = law.log_prefactor + 2 * math.log(scale)
     return HurstEstimate(
-        value=(law.exponent - 1) / 2,
-        lower=(lower - 1) / 2,
-        upper=(upper - 1) / 2,
-        shortest_wavelength=2 * math.pi / float(q[-1]),
-        longest_wavelength=2 * math.pi / float(q[0]),
-        harmonics=int(q.size),
-        prefactor=math.exp(level),
-        dispersion=dispersion,
-        dimensions=dimensions,
-    )
+        value=(law.exponent - 1) / 2, lower=(lower - 1) / 2, upper=(upper - 1) / 2,
+        shortest_wavelength=2 * math.pi / float(q[-1]), longest_wavelength=2 * math.pi / float(q[0]),
+        harmonics=int(q.size), prefactor=math.exp(level), dispersion=dispersion, dimensions=dimensions,
+    )  # fmt: skip
 
 
 def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
@@ -242,9 +287,7 @@ def _given_band(wave_number: Floats, band: tuple[float, float]) -> NDArray[np.bo
 
 
 FEWEST_HARMONICS = 8
-
-_ROUND_OFF = 1e-13
-"""Residue of a straight line after it has been subtracted, as a fraction of the largest height."""
+_ROUND_OFF = 1e-13  # residue of a straight line after it has been subtracted, as a fraction of the largest height
 
 _UNTRUSTED = 2
 """Lowest harmonics after a Hann window: what the window makes of the mean and of what is longer than the profile."""
@@ -282,9 +325,7 @@ class _Bins:
 
 
 _BINS_PER_DECADE = 12
-
-_FEWEST_BINS = 4
-"""Fewest bins of a piece of the spectrum that is given a power law of its own."""
+_FEWEST_BINS = 4  # fewest bins of a piece of the spectrum that is given a power law of its own
 
 _BEND = 0.1
 """Relative deviation of a bin that is not told from chance: no measured spectrum is a power law to better than this."""
@@ -295,8 +336,7 @@ _PRICE = 10.0
 _LINES = 10.0
 """Deviance for each bin, about 1 by chance, of what is no spectrum about a mean but lines with gaps between them."""
 
-_NARROWEST = math.log(3)
-"""Narrowest band that is accepted, in log q: half a decade."""
+_NARROWEST = math.log(3)  # narrowest band that is accepted, in log q: half a decade
 
 
 def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _Bins]:
@@ -362,8 +402,7 @@ def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _
     return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
 
 
-_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())
-"""Multiples of the power law at the shortest wavelength."""
+_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())  # multiples of the power law at the shortest wavelength
 
 
 def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
@@ -381,8 +420,7 @@ def _behind_roll_off(bins: _Bins, weight: Floats) -> int:
     return int(np.argmin(losses)) if min(losses) < losses[0] - _PARAMETER_PRICE else 0
 
 
-_PARAMETER_PRICE = 2.0
-"""Log-likelihood that a roll-off or noise must gain, which has one parameter more."""
+_PARAMETER_PRICE = 2.0  # log-likelihood that a roll-off or noise must gain, which has one parameter more
 
 
 def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:

@@ -21,8 +21,7 @@ from stiction.surfaces.surrogates import isotropic_spectrum
 TRUSTED_POINTS = 8
 """Points of the shortest wave that is taken from a scan: a pixel that takes a mean leaves 95 % of its power."""
 
-LONGEST = 1 / 3
-"""Longest wave that is taken from a scan, of its shortest side: longer ones are of the window."""
+LONGEST = 1 / 3  # longest wave that is taken from a scan, of its shortest side: longer ones are of the window
 
 
 _WAVES_OF_ONE = 4.0
@@ -137,21 +136,14 @@ class JoinedSpectrum(Readable):
             # Half of the last bin is not yet there at its middle.
             found.append(np.sqrt(part.cumsum() - part / 2))
         return ScaleDependentRoughness(
-            wavelength=read_only(2 * math.pi / self.wave_number),
-            gradient=read_only(found[0]),
-            curvature=read_only(found[1]),
-            dimensions=2,
-        )
+            wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(found[0]),
+            curvature=read_only(found[1]), dimensions=2,
+        )  # fmt: skip
 
     def surface(
-        self,
-        seed: int,
-        *,
-        shape: tuple[int, int],
-        spacing: float | tuple[float, float],
-        repetition: int = 0,
+        self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
-    ) -> Surface:
+    ) -> Surface:  # fmt: skip
         """A random Gaussian surface of this spectrum, periodic; waves outside of it are left out.
 
         Parameters
@@ -254,15 +246,11 @@ def joined_spectrum(
     )  # also over gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
-            wave_number=read_only(q),
-            density=read_only(density),
-            count=read_only(all_waves),
-            contribution=read_only(np.where(there, count / all_waves, 0.0)),
-            ratio=read_only(total / count / density),
-            bands=tuple(bands),
-            reasons=tuple(reasons),
+            wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),
+            contribution=read_only(np.where(there, count / all_waves, 0.0)), ratio=read_only(total / count / density),
+            bands=tuple(bands), reasons=tuple(reasons),
             names=tuple(names or (f"scan {number}" for number in range(1, len(bodies) + 1))),
-        )
+        )  # fmt: skip
 
 
 def _one_each(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:

@@ -195,10 +195,7 @@ def lines_along_both(
 
 
 _BOTH: tuple[Along, Along] = ("x", "y")
-
-BENT = 1.5
-"""Factor by which a spectrum is off its power law, at which it is none."""
-
+BENT = 1.5  # factor by which a spectrum is off its power law, at which it is none
 _SAME_BAND = 1.5
 
 
@@ -220,11 +217,8 @@ def off_power_law(
     return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
 
 
-_OF_CHANCE = 0.04
-"""Variance of a bin's logarithm from which on chance makes the bin count less."""
-
-_FEWEST_POINTS = 7
-"""Points that a seven-point slope needs."""
+_OF_CHANCE = 0.04  # variance of a bin's logarithm from which on chance makes the bin count less
+_FEWEST_POINTS = 7  # points that a seven-point slope needs
 
 
 def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:

@@ -27,26 +27,15 @@ from stiction.surfaces.profile import Along, Profile, Side
 from stiction.surfaces.surface import Surface
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-LINES = 128
-"""Pairs of lines by default: a second or two of computing, and enough for an interval."""
-
-REACH = 4
-"""Maps are moved over each other by a quarter of their length at most: three quarters lie above each other."""
-
-FEWEST_POINTS = 16
-"""Rows and columns that are pressed."""
-
-MOST_POINTS = 512
-"""Rows and columns of the surfaces that are made of profiles."""
-
+LINES = 128  # pairs of lines by default: a second or two of computing, and enough for an interval
+REACH = 4  # maps are moved over each other by a quarter of their length at most: three quarters lie above each other
+FEWEST_POINTS = 16  # rows and columns that are pressed
+MOST_POINTS = 512  # rows and columns of the surfaces that are made of profiles
 Surrogates = Literal["none", "upper", "lower", "both"]
-
 SIDES: tuple[Side, Side] = ("upper", "lower")
-
 _GOLDEN = (5**0.5 - 1) / 2
 _PLASTIC = 1.324717957244746
-_OF_FOUR = 1.1673039782614187
-"""The real root of x^5 = x + 1."""
+_OF_FOUR = 1.1673039782614187  # the real root of x^5 = x + 1
 
 
 def spread(index: int, dimensions: int) -> tuple[float, ...]:

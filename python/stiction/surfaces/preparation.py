@@ -13,15 +13,12 @@ from stiction.surfaces.surface import Surface
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
-
-Align = Literal["start", "middle"]
-"""Which part two bodies of different size are cut to."""
+Align = Literal["start", "middle"]  # which part two bodies of different size are cut to
 
 ON_POINT = 1e-9
 """Spacings within which a position is taken as that of a point: 0.3 is the third point of a spacing of 0.1."""
 
-ROUND_OFF = 1e-14
-"""Residue of a straight line after it has been subtracted, as a fraction of the largest height."""
+ROUND_OFF = 1e-14  # residue of a straight line after it has been subtracted, as a fraction of the largest height
 
 
 @overload
@@ -303,8 +300,7 @@ def resampled_piece(
     return Surface(np.asarray(heights), spacing=spacing, history=(*surface.history, step_taken))
 
 
-_BEYOND = 32
-"""Points on each side from which on a natural spline does not feel its end."""
+_BEYOND = 32  # points on each side from which on a natural spline does not feel its end
 
 
 _KEPT = {"start": "first", "middle": "middle"}

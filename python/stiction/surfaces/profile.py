@@ -17,18 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
-
-Side = Literal["lower", "upper"]
-"""Which of the two bodies."""
-
-Along = Literal["x", "y"]
-"""Axis that the lines of a surface run along: its rows or its columns."""
-
-MOST_POINTS = 100_000_000
-"""Largest number of points of a generated body: 0.8 GB of heights."""
-
-FEWEST_POINTS = 4
-"""A natural cubic spline with a curvature of its own needs two interior points."""
+Side = Literal["lower", "upper"]  # which of the two bodies
+Along = Literal["x", "y"]  # axis that the lines of a surface run along: its rows or its columns
+MOST_POINTS = 100_000_000  # largest number of points of a generated body: 0.8 GB of heights
+FEWEST_POINTS = 4  # a natural cubic spline with a curvature of its own needs two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,24 +16,14 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, refuse_flat
 
 Derivative = Literal["seven-point", "neighbours"]
-
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-
-DECAY = 0.2
-"""Autocorrelation at which its lengths are taken: the default of ISO 25178-3."""
-
-_CORE = 0.4
-"""Fraction of the points over which the bearing curve is least steep."""
-
-_DIRECTIONS = 720
-"""Number of directions in which the autocorrelation is followed from its middle."""
-
-_SECTORS = 90
-"""Number of sectors, of two degrees each, over which the power of the waves is summed."""
+DECAY = 0.2  # autocorrelation at which its lengths are taken: the default of ISO 25178-3
+_CORE = 0.4  # fraction of the points over which the bearing curve is least steep
+_DIRECTIONS = 720  # number of directions in which the autocorrelation is followed from its middle
+_SECTORS = 90  # number of sectors, of two degrees each, over which the power of the waves is summed
 
 
-NOT_LEVELLED = "no: as they are"
-"""Levelling of heights of which nothing was taken off."""
+NOT_LEVELLED = "no: as they are"  # levelling of heights of which nothing was taken off
 
 
 def levelling(history: tuple[str, ...]) -> str:
@@ -129,14 +119,10 @@ def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-po
     else:
         differences = np.diff(deviation)
     return RoughnessParameters(
-        Pa=scale * float(np.mean(np.abs(deviation))),
-        Pq=scale * rms,
-        Pt=float(np.ptp(z)),
-        Psk=float(np.mean((deviation / rms) ** 3)),
-        Pku=float(np.mean((deviation / rms) ** 4)),
-        Pdq=scale * float(np.sqrt(np.mean(differences**2))) / profile.spacing,
-        levelled=levelling(profile.history),
-    )
+        Pa=scale * float(np.mean(np.abs(deviation))), Pq=scale * rms, Pt=float(np.ptp(z)),
+        Psk=float(np.mean((deviation / rms) ** 3)), Pku=float(np.mean((deviation / rms) ** 4)),
+        Pdq=scale * float(np.sqrt(np.mean(differences**2))) / profile.spacing, levelled=levelling(profile.history),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)
@@ -258,23 +244,13 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
     peaks, valleys = np.maximum(deviation - upper, 0), np.maximum(lower - deviation, 0)
     above, below = float(np.mean(deviation > upper)), float(np.mean(deviation < lower))
     return SurfaceParameters(
-        Sq=scale * rms,
-        Sa=scale * float(np.mean(np.abs(deviation))),
-        Sz=float(np.ptp(z)),
-        Ssk=float(np.mean((deviation / rms) ** 3)),
-        Sku=float(np.mean((deviation / rms) ** 4)),
-        Sdq=math.sqrt(squares),
-        Sdr=_developed(z, surface.spacing),
-        Sal=shortest,
-        Str=shortest / longest,
-        Std=_texture_direction(surface),
-        Sk=scale * core,
-        Spk=scale * (2 * float(peaks.mean()) / above if above else 0.0),
-        Svk=scale * (2 * float(valleys.mean()) / below if below else 0.0),
-        Smr1=above,
-        Smr2=1 - below,
+        Sq=scale * rms, Sa=scale * float(np.mean(np.abs(deviation))), Sz=float(np.ptp(z)),
+        Ssk=float(np.mean((deviation / rms) ** 3)), Sku=float(np.mean((deviation / rms) ** 4)), Sdq=math.sqrt(squares),
+        Sdr=_developed(z, surface.spacing), Sal=shortest, Str=shortest / longest, Std=_texture_direction(surface),
+        Sk=scale * core, Spk=scale * (2 * float(peaks.mean()) / above if above else 0.0),
+        Svk=scale * (2 * float(valleys.mean()) / below if below else 0.0), Smr1=above, Smr2=1 - below,
         levelled=levelling(surface.history),
-    )
+    )  # fmt: skip
 
 
 def bearing_curve(surface: Surface, shares: ArrayLike) -> Floats:

@@ -24,14 +24,9 @@ They take 1/2. Simulated parabolic tips of four radii on surfaces of Hurst expon
 spectrum at 0.1 (0.07 to 0.18) and left a third of it at 1/2.
 """
 
-_PER_DECADE = 48
-"""Bins of the wave number in which slope and curvature are summed."""
-
-_PER_OCTAVE = 8
-"""Bins to an octave of the wave number, in which waves of an instrument are looked for."""
-
-_WIDTHS = (1.0, 2.0)
-"""Octaves over which the exponent of a spectrum is taken."""
+_PER_DECADE = 48  # bins of the wave number in which slope and curvature are summed
+_PER_OCTAVE = 8  # bins to an octave of the wave number, in which waves of an instrument are looked for
+_WIDTHS = (1.0, 2.0)  # octaves over which the exponent of a spectrum is taken
 
 _DEVIATIONS = 3.0
 """Standard deviations by which an exponent must be above or below that of the roughest self-affine surface."""
@@ -42,30 +37,14 @@ _NEAR = 24.0
 _ABOVE = 4.0
 """Density of the last trusted waves over that where the spectrum is lowest: less, and noise is a part of them."""
 
-_RISE = 3.0
-"""Density over the lowest of all longer waves, by which no surface's spectrum rises."""
-
-UNKNOWN = 0.1
-"""Share of the mean square slope in waves of unknown origin above which no number is quoted."""
-
-CLEAR = 1.9
-"""Cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude."""
-
-_LEAST_SHARE = 1e-4
-"""Smallest share of the mean square slope that is of an instrument and not of round-off."""
-
-_FOLDED = 0.6
-"""Exponent of the last octave of a rough surface, with what is folded back at the Nyquist wave number."""
-
-_ROUNDED = 0.3
-"""Share of the mean square second difference from which on rounding explains a noise floor."""
-
-_FLAT = 0.35
-"""Exponent of the last octave below which it is flat."""
-
-_FINEST = 1e-6
-"""Fraction of the shortest wave of the scan, as far as a power law is followed."""
-
+_RISE = 3.0  # density over the lowest of all longer waves, by which no surface's spectrum rises
+UNKNOWN = 0.1  # share of the mean square slope in waves of unknown origin above which no number is quoted
+CLEAR = 1.9  # cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude
+_LEAST_SHARE = 1e-4  # smallest share of the mean square slope that is of an instrument and not of round-off
+_FOLDED = 0.6  # exponent of the last octave of a rough surface, with what is folded back at the Nyquist wave number
+_ROUNDED = 0.3  # share of the mean square second difference from which on rounding explains a noise floor
+_FLAT = 0.35  # exponent of the last octave below which it is flat
+_FINEST = 1e-6  # fraction of the shortest wave of the scan, as far as a power law is followed
 _HALVINGS = 60
 
 
@@ -229,11 +208,9 @@ def scale_dependent_roughness(body: Profile | Surface, *, periodic: bool = False
     np.maximum.at(finest, index, q)
     sums = [np.bincount(index, q**power * weight)[there].cumsum() for power in (2, 4)]
     return ScaleDependentRoughness(
-        wavelength=read_only(2 * math.pi / finest[there]),
-        gradient=read_only(np.sqrt(sums[0])),
-        curvature=read_only(np.sqrt(curved * sums[1])),
-        dimensions=dimensions,
-    )
+        wavelength=read_only(2 * math.pi / finest[there]), gradient=read_only(np.sqrt(sums[0])),
+        curvature=read_only(np.sqrt(curved * sums[1])), dimensions=dimensions,
+    )  # fmt: skip
 
 
 def _between(wavelength: Floats, values: Floats, wanted: ArrayLike) -> Floats:

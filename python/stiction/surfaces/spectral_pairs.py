@@ -14,8 +14,7 @@ from stiction.surfaces.preparation import SurfaceTrend, levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface
 
-POINTS_OF_A_WAVE = 4
-"""Points of the shortest wave of the surfaces that are made."""
+POINTS_OF_A_WAVE = 4  # points of the shortest wave of the surfaces that are made
 
 
 def spectrum_of(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:

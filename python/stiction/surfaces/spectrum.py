@@ -152,10 +152,7 @@ def spectrum_of(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpec
     if points % 2 == 0:
         count[-1] = 0.5
     return PowerSpectrum(
-        wave_number=read_only(wave_number),
-        density=read_only(density),
-        count=read_only(count),
-        resolution=resolution,
+        wave_number=read_only(wave_number), density=read_only(density), count=read_only(count), resolution=resolution
     )
 
 
@@ -192,11 +189,7 @@ class ProfileMoments(Tabled):
 
 
 def spectral_moments(
-    profile: Profile,
-    *,
-    periodic: bool = False,
-    shortest_wavelength: float = 0.0,
-    longest_wavelength: float = math.inf,
+    profile: Profile, *, periodic: bool = False, shortest_wavelength: float = 0.0, longest_wavelength: float = math.inf
 ) -> ProfileMoments:
     r"""Spectral moments m0, m2, m4 of a profile: the variances of its height, slope and curvature.
 
@@ -440,3 +433,34 @@ def spectrum_of_area(heights: Floats, spacing: tuple[float, float], *, windowed:
     )
     density[heights.shape[0] // 2, heights.shape[1] // 2] = 0.0
     return SurfaceSpectrum(wave_number_y=read_only(q_y), wave_number_x=read_only(q_x), density=read_only(density))
+
+
+# ---- Peaks ----------------------------------------------------------------------------------------------------------
+
+
+_PEAK_BINS = 24  # bins to a decade in which peaks are looked for
+
+_PEAK_REACH = 6
+"""Bins to both sides that tell the level at a bin: half a decade together. A straight spectrum is its own median."""
+
+
+def peak_of(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
+    """Wavelength (µm) of a spectrum's highest narrow peak, and the share of m4 in all of them; None without one.
+
+    A peak rises above the median of half a decade about it by more than a factor of three, and by more than chance
+    does in the mean of so many lines.
+    """
+    bins = spectrum.in_bins(_PEAK_BINS)
+    density = np.maximum(bins.density, np.finfo(float).tiny)
+    size = density.size
+    reach = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_REACH)
+    level = np.array([np.median(density[at - each : at + each + 1]) for at, each in enumerate(reach)])
+    excess = density / level
+    chance = 1 + 5 * np.sqrt(2 / (bins.count * lines))
+    peaks = (reach >= _PEAK_REACH // 2) & (excess > np.maximum(3.0, chance))
+    if not peaks.any():
+        return None
+    power = bins.wave_number**4 * density * bins.count
+    share = float((power - power / excess)[peaks].sum() / power.sum())
+    highest = int(np.argmax(np.where(peaks, excess, 0)))
+    return 2 * math.pi / float(bins.wave_number[highest]), share

@@ -211,5 +211,4 @@ def refuse_flat(body: Profile | Surface) -> None:
         )
 
 
-_LEAST_HEIGHT = 1e-50
-"""µm. Products of moments go as the fourth power of heights, which must stay in range."""
+_LEAST_HEIGHT = 1e-50  # µm. Products of moments go as the fourth power of heights, which must stay in range

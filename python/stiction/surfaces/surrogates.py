@@ -13,20 +13,14 @@ from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface, refuse_flat, rows_and_columns
 
-_RINGS = 12
-"""Rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring."""
+_RINGS = 12  # rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring
 
 _SMOOTH = 2.0
 """Harmonics that a bend of the spectrum must have for it: where a ring has one or two, it follows its neighbours."""
 
-_FLOOR = 1e-14
-"""Fraction of the largest density below which a spectrum is round-off."""
-
-_STEPS = 1000
-"""Most steps of the fit; some ten are needed, some hundred where the spectrum ends within a ring."""
-
-_SETTLED = 1e-6
-"""Largest change of the logarithm of a density in a step at which the fit has converged."""
+_FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
+_STEPS = 1000  # most steps of the fit; some ten are needed, some hundred where the spectrum ends within a ring
+_SETTLED = 1e-6  # largest change of the logarithm of a density in a step at which the fit has converged
 
 
 @overload
@@ -239,8 +233,7 @@ def isotropic_surface(
     return Surface(ifft2(waves, overwrite_x=True).real, spacing=both, history=(*profile.history, step))
 
 
-_MOST = 512
-"""Rows and columns by default: some tenths of a second for a solution as a half-space."""
+_MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space
 
 
 def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:

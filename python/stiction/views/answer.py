@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from inspect import signature
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +18,14 @@ import numpy as np
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
+from stiction.studies.interfaces import interface_of
+from stiction.studies.known import inputs_of
 from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.doubts import VERDICTS, doubts_of
 from stiction.views.doubts import WIDE as WIDE
 from stiction.views.doubts import Doubt as Doubt
 from stiction.views.point import (
     CELLS,
-    hardness_range,
     is_capped,
     law_of,
     load_text,
@@ -42,8 +44,8 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-READINGS_DIFFER = 0.01
-"""Relative difference between the readings of a load from which on the answer says which it is."""
+READINGS_DIFFER = 0.01  # relative difference between the readings of a load from which on the answer says which it is
+DECIDES = 0.1  # part of the width of an interval that an input has to take away, if it were known, to be named
 
 OTHER_KAPPA = 0.2
 """Relative difference of A E* h'/F from the usual one, from which on the slopes alone say something else."""
@@ -57,12 +59,24 @@ class RuleValue:
     """Coefficient of static friction by one sliding rule."""
 
     rule: str  # "all" or "opposing"
-    value: float  # mean over the directions of the result, and its 95 % interval
+    value: float  # mean over the directions of the result, and the 95 % interval of everything known
     lower: float
     upper: float
+    positions: tuple[float, float] = (math.nan, math.nan)  # of the mean over positions alone
+    next_test: tuple[float, float] = (math.nan, math.nan)  # between which one test lies, in one direction
     low: float = math.nan  # four of five single members lie between this and the next
     high: float = math.nan
     slopes: float = math.nan  # by the slopes of the gap alone (`gentle_friction`); NaN of generated bodies
+
+
+@dataclass(frozen=True)
+class Left:
+    """The interval that would be left if one input were known exactly, the mean width of it, and the input's name."""
+
+    words: str
+    lower: float
+    upper: float
+    width: float
 
 
 @dataclass(frozen=True)
@@ -85,6 +99,10 @@ class Answer:
     bracket : (float, float), optional
         With a hardness, and a value to quote, between which ends every finer scan lies where all contacts rub:
         mu0 + tau0/H, and the upper end of the interval at this scan with what few contacts leave open.
+    budget : tuple of Left
+        Of the rule to quote: what would be left of its interval if an input were known, the most important first.
+    parts : (float, float, float), optional
+        What holds the bodies by that rule: mu0, adhesion on the true area, and the slopes.
     """
 
     rules: tuple[RuleValue, ...]
@@ -94,6 +112,8 @@ class Answer:
     doubts: tuple[Doubt, ...] = ()
     at: dict[str, Any] = field(default_factory=dict)
     bracket: tuple[float, float] | None = None
+    budget: tuple[Left, ...] = ()
+    parts: tuple[float, float, float] | None = None
 
     @property
     def value(self) -> float:
@@ -109,6 +129,12 @@ class Answer:
     def upper(self) -> float:
         """Upper end of its 95 % interval."""
         return self.rules[0].upper
+
+    @property
+    def most(self) -> Left | None:
+        """The input that decides the width of the interval, if one does."""
+        first, width = self.budget[:1], self.upper - self.lower
+        return first[0] if first and first[0].width < (1 - DECIDES) * width else None
 
     @property
     def rule(self) -> str:
@@ -165,16 +191,15 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
     # A direction without an answer leaves the mean over all of them without one.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
-    doubts = [*doubts_of(point, study, rules[0], status), *(each for each in beside if cut_off < each.cut_off)]
+    mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
+    doubts = [*doubts_of(point, study, mean, status), *(each for each in beside if cut_off < each.cut_off)]
     return Answer(
-        rules=rules,
-        status=status,
-        inputs=_inputs(point, study),
-        note=_note(point, study),
+        rules=rules, status=status, inputs=_inputs(point, study), note=_note(point, study),
         doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
         at={name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords},
-        bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, rules[0]),
-    )
+        bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, mean),
+        budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
+    )  # fmt: skip
 
 
 # ---- Values ----------------------------------------------------------------------------------------------------------
@@ -187,11 +212,43 @@ def _of_rule(table: xarray.DataArray, rule: str) -> Any:
 def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
     own = point.sel(sliding=rule) if "sliding" in point.dims else point
     name = "friction_all_round" if "friction_all_round" in own else "friction_coefficient"
-    values = [float(own[name].sel(statistic=each).mean(skipna=False)) for each in ("mean", "lower", "upper")]
-    return RuleValue(
-        rule, values[0], max(values[1], 0.0) if values[1] < 0 <= values[0] else values[1], values[2],
-        *(value_of(own, each) for each in ("spread_low", "spread_high", "gentle_friction")),
-    )  # fmt: skip
+    value, lower, upper = (own[name].sel(statistic=each).item() for each in STATISTICS)
+    ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
+    lower, upper = _ends_of(own, "friction_known") or ends
+    test = _ends_of(own, "friction_next_test") or (math.nan, math.nan)
+    low, high, slopes = (value_of(own, each) for each in ("spread_low", "spread_high", "gentle_friction"))
+    return RuleValue(rule, value, lower, upper, ends, test, low, high, slopes)
+
+
+STATISTICS = ("mean", "lower", "upper")
+
+
+def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
+    """Ends of an interval of a point; None where it has none."""
+    if name not in own:
+        return None
+    lower, upper = (float(own[name].sel(statistic=each)) for each in STATISTICS[1:])
+    return (lower, upper) if math.isfinite(lower) and math.isfinite(upper) else None
+
+
+def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
+    """What would be left of the interval by a rule if each input were known, the narrowest first."""
+    if "friction_if_known" not in point:
+        return ()
+    own = point.sel(sliding=rule) if "sliding" in point.dims else point
+    found = []
+    for index, words in enumerate(own["input_words"].values.tolist()):
+        if (ends := _ends_of(own.isel(input=index), "friction_if_known")) is not None:
+            found.append(Left(words, *ends, float(own["width_if_known"][index])))
+    return tuple(sorted(found, key=lambda left: left.width))
+
+
+def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
+    """What holds the bodies where all contacts rub: mu0, adhesion on the true area, and the rest, by the slopes."""
+    if rule.rule != "all" or not math.isfinite(rule.value):
+        return None
+    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, "contact_area") / float(point["load"])
+    return mu0, adhesion, rule.value - mu0 - adhesion
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
@@ -226,8 +283,11 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
         words.append(f"D = {float(point['fractal_dimension']):.3g}")
     if "amplitude" in point.coords:
         words.append(f"amplitude {with_unit(float(point['amplitude']), 'um')}")
-    words.append(f"μ0 = {float(point['mu0']):g}")
-    words.append(f"τ0 = {with_unit(float(point['tau0']), 'GPa') if float(point['tau0']) else '0'}")
+    words.append(f"μ0 = {float(point['mu0']):g}{_asked(point, study, 'mu0')}")
+    adhesion = with_unit(float(point["tau0"]), "GPa") if float(point["tau0"]) else "0"
+    words.append(f"τ0 = {adhesion}{_asked(point, study, 'tau0')}")
+    if study.known.interface is not None and all(_is_asked(point, study, name) for name in ("mu0", "tau0")):
+        words.append(_interface_words(study))
     if made_of := materials_text(study):
         words.append(made_of)
     words.append(f"E* = {with_unit(modulus_of(point, study), 'GPa')}")
@@ -243,10 +303,37 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
     return ", ".join(words)
 
 
+def _asked(point: xarray.Dataset, study: Study, name: str) -> str:
+    """The range of mu0 or tau0 as it was given, where the point is at the middle of it."""
+    return _given(getattr(study.known, name)) if _is_asked(point, study, name) else ""
+
+
+def _is_asked(point: xarray.Dataset, study: Study, name: str) -> bool:
+    return math.isclose(float(point[name]), float(getattr(study.friction, name)[0]), rel_tol=1e-3)
+
+
+def _interface_words(study: Study) -> str:
+    """Name and kind of the interface of which mu0 and tau0 are, and what else a reader must know of it."""
+    found, name = interface_of(study), Path(str(study.known.interface)).name
+    if found is None:
+        return f"interface {name}, which is not there, so that μ0 and τ0 are taken one by one"
+    fit, words = found.fits[0], [found.about.get("kind", "measured"), found.about.get("motion", "")]
+    words += [RULES[fit.sliding]] if fit.sliding != "all" else []
+    words += ["its range is not known"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
+    return f"interface {name} ({', '.join(filter(None, words))})"
+
+
+def _given(text: str | None) -> str:
+    """A range or an uncertainty as it was given."""
+    return "" if text is None else f" ({text})"
+
+
 def _range(study: Study) -> str:
-    """What of the hardness of a material is known, where that is no single number."""
-    ends = hardness_range(study)
-    return "" if ends is None else f" (known: {with_unit(ends[0], 'GPa')} to {with_unit(ends[1], 'GPa')})"
+    """What of the hardness is known, where that is no single number."""
+    found = inputs_of(study).get("hardness")
+    if found is None or study.known.hardness is not None:
+        return "" if found is None else _given(study.known.hardness)
+    return f" (known: {with_unit(found.known.low, 'GPa')} to {with_unit(found.known.high, 'GPa')})"
 
 
 def _spacing_text(point: xarray.Dataset) -> str:
@@ -270,7 +357,8 @@ def _note(point: xarray.Dataset, study: Study) -> str:
     members = value_of(point, "members")
     made = study.surfaces.press == "surrogates"
     of = "pairs of random surfaces with these spectra" if made else "members"
-    words.append(f"95 % intervals over {members:.0f} {of}" if members > 1 else "95 % intervals")
+    what = "" if not study.is_measured else ", of all that is known"
+    words.append(f"95 % intervals over {members:.0f} {of}{what}" if members > 1 else f"95 % intervals{what}")
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
         reading = _READINGS.get(str(point.attrs.get("reading")), "the load has one of three meanings")

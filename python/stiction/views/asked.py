@@ -8,22 +8,16 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.studies.at_load import at_load, reached_loads
+from stiction.studies.budget import with_uncertainty
 from stiction.studies.maps import study_of_result
-from stiction.studies.tables import MeasuredFriction
+from stiction.studies.store import Stored
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.store import Stored
-
-DIMENSIONS = 4
-"""Fractal dimensions that an overview shows, at most."""
-
-LOADS = 3
-"""Loads that it shows of generated bodies."""
-
-SMALL = 2**28
-"""Bytes."""
+DIMENSIONS = 4  # fractal dimensions that an overview shows, at most
+LOADS = 3  # loads that it shows of generated bodies
+SMALL = 2**28  # bytes
 
 
 def in_memory(result: xarray.Dataset | Stored) -> xarray.Dataset | Stored:
@@ -34,7 +28,7 @@ def in_memory(result: xarray.Dataset | Stored) -> xarray.Dataset | Stored:
 def asked_loads(result: xarray.Dataset | Stored) -> Floats:
     """The loads (mN) of its study, or if that has none, a few that are reached; an error if nothing touches."""
     friction = study_of_result(result).friction
-    if isinstance(friction, MeasuredFriction):
+    if friction.load:
         return np.array([float(load) for load in friction.load])
     ends = np.log10(reached_loads(result, 2))
     loads = 10 ** (ends[0] + (ends[1] - ends[0]) * np.linspace(0.2, 0.8, LOADS))
@@ -42,11 +36,15 @@ def asked_loads(result: xarray.Dataset | Stored) -> Floats:
 
 
 def at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
-    """A result at `asked_loads`; of generated bodies some of it, the middle mu0 and the ends of tau0."""
-    study, result = study_of_result(result), in_memory(result)
+    """A result at `asked_loads`, of a stored one read once; of generated bodies the middle mu0 and the ends of tau0."""
+    return result.once(_at_asked_loads) if isinstance(result, Stored) else _at_asked_loads(result)
+
+
+def _at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
+    study, stored, result = study_of_result(result), result, in_memory(result)
     loads = asked_loads(result)
-    if isinstance(study.friction, MeasuredFriction):
-        return at_load(result, loads.tolist())
+    if study.is_measured:
+        return with_uncertainty(at_load(result, loads.tolist()), stored)
     mu0, tau0 = study.friction.mu0, np.unique([float(study.friction.tau0[i]) for i in (0, -1)])
     at = at_load(result, loads, mu0=[mu0[len(mu0) // 2]], tau0=tau0)
     number = at.sizes["fractal_dimension"]

@@ -13,7 +13,6 @@ import numpy as np
 from stiction._shown import units_of
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import BENT, LineRoughness, lines_along_both, off_power_law
-from stiction.surfaces.peak import peak_of
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
     Derivative,
@@ -32,6 +31,7 @@ from stiction.surfaces.spectrum import (
     PowerSpectrum,
     ProfileMoments,
     RadialSpectrum,
+    peak_of,
     power_spectrum,
     spectral_moments,
     surface_spectrum,
@@ -41,32 +41,15 @@ from stiction.views.digits import percent, with_unit
 from stiction.views.rows import entry, record
 from stiction.views.text import fitted
 
-PAPERS_MU0 = 0.4
-"""Molecular friction coefficient of the friction that slopes alone give."""
-
-RADIAL_BINS = 20
-"""Bins to a decade of a surface's spectrum."""
-
-OCTAVES = 4
-"""Number of cut-offs at which the slope is told: two points and their doubles."""
-
-HARMLESS = 0.01
-"""Share of the mean square slope below which untrusted waves do not matter."""
-
-_PEAKED = 3.0
-"""Density over that of longer waves from which a band begins on a peak and not behind a roll-off."""
-
-_FEWEST = 4
-"""Fewest longer waves that such a peak is compared with."""
-
-_PEAK_SHARE = 0.1
-"""Share of m4 from which a peak is reported."""
-
-_SCATTERED = 2.0
-"""Dispersion from which the scatter of a spectrum about its fit is reported."""
-
-_HANN_CHANCE = 2.0
-"""Variance of the logarithm of a bin of a windowed spectrum, times its harmonics."""
+PAPERS_MU0 = 0.4  # molecular friction coefficient of the friction that slopes alone give
+RADIAL_BINS = 20  # bins to a decade of a surface's spectrum
+OCTAVES = 4  # number of cut-offs at which the slope is told: two points and their doubles
+HARMLESS = 0.01  # share of the mean square slope below which untrusted waves do not matter
+_PEAKED = 3.0  # density over that of longer waves from which a band begins on a peak and not behind a roll-off
+_FEWEST = 4  # fewest longer waves that such a peak is compared with
+_PEAK_SHARE = 0.1  # share of m4 from which a peak is reported
+_SCATTERED = 2.0  # dispersion from which the scatter of a spectrum about its fit is reported
+_HANN_CHANCE = 2.0  # variance of the logarithm of a bin of a windowed spectrum, times its harmonics
 
 REASONS = {
     "noise floor": "the spectrum ends flat, like noise",
@@ -78,14 +61,9 @@ REASONS = {
 }
 """Words for what ends the waves to be trusted."""
 
-_SYMBOLS = {"1": "", "um2": " µm²", "1/um2": " 1/µm²", "degrees": "°"}
-"""Units of JSON as text."""
-
-_UNITS = {"": "1", "µm": "um", "degrees": "degrees"}
-"""Units of parameters as JSON has them."""
-
-_SHARES = ("Sdr", "Smr1", "Smr2")
-"""Parameters that are shown in percent."""
+_SYMBOLS = {"1": "", "um2": " µm²", "1/um2": " 1/µm²", "degrees": "°"}  # units of JSON as text
+_UNITS = {"": "1", "µm": "um", "degrees": "degrees"}  # units of parameters as JSON has them
+_SHARES = ("Sdr", "Smr1", "Smr2")  # parameters that are shown in percent
 
 
 class Row(NamedTuple):
@@ -293,10 +271,8 @@ class Characterisation:
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [
             Row("waves", (f"{with_unit(limit.pixels, 'um')} (two points) to {with_unit(longest, 'um')}",), (shortest,)),
-            Row("", (below,), (octave,)),
-            Row("slope of waves", (slopes,)),
-            Row("instrument", (words,), limits),
-        ]
+            Row("", (below,), (octave,)), Row("slope of waves", (slopes,)), Row("instrument", (words,), limits),
+        ]  # fmt: skip
 
     def _hurst_rows(self) -> list[Row]:
         """Exponent, band and dimension of a fit, and what speaks against it."""
@@ -453,8 +429,7 @@ def _line_hurst(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-Files = Sequence[tuple[str, Characterisation]]
-"""Names of files and their records."""
+Files = Sequence[tuple[str, Characterisation]]  # names of files and their records
 
 
 def _values(found: Characterisation) -> list[dict[str, Any]]:

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-MOST_DIGITS = 4
-"""Most significant digits of a value: nothing here is known better, however narrow its interval."""
-
-HUGE = 100.0
-"""Ratio of the upper end of an interval to its value, from which on that end is printed by one digit."""
+MOST_DIGITS = 4  # most significant digits of a value: nothing here is known better, however narrow its interval
+HUGE = 100.0  # ratio of the upper end of an interval to its value, from which on that end is printed by one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -120,8 +117,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
     return next((factor, name) for least, factor, name in _PREFIXES[unit] if shown >= least)
 
 
-SMALLEST_PERCENT = 0.001
-"""Percentage below which no digit is printed."""
+SMALLEST_PERCENT = 0.001  # percentage below which no digit is printed
 
 
 def percent(fraction: float) -> str:

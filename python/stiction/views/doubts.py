@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from stiction.mechanics import friction
-from stiction.views.digits import from_to, percent, significant, with_unit
-from stiction.views.point import hardness_range, is_capped, modulus_of, pressure_of, softer_material, value_of
+from stiction.mechanics.materials import softer_material
+from stiction.studies.known import materials_of
+from stiction.views.digits import percent, significant, with_unit
+from stiction.views.point import is_capped, modulus_of, pressure_of, value_of
 
 if TYPE_CHECKING:
     import xarray
@@ -23,26 +25,21 @@ Severity = Literal["caution", "fault"]
 HIGHEST_PRESSURE, HIGH_PRESSURE = 1 / 20, 1 / 100
 """Mean pressure in contact over E*, above which every material has yielded, and most metals."""
 
-SOFT = 0.1
-"""Effective modulus (GPa) below which bodies are taken to be rubber or gels, which do not yield."""
+SOFT = 0.1  # effective modulus (GPa) below which bodies are taken to be rubber or gels, which do not yield
 
 FEWEST_CONTACTS, FEW_CONTACTS = 10, 10
 """Contacts of all members together below which there is no mean, and of one below which μ_s is that of single ones."""
 
-MERGED = 0.3
-"""True over nominal area from which on contacts are few because they have merged."""
+MERGED = 0.3  # true over nominal area from which on contacts are few because they have merged
+HALF = 0.5  # fraction of the load, of the members or of the length of a scan that decides
+COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
+SHEARED = 3**-1.5  # shear strength of a body over its hardness, of three yield strengths, by von Mises
 
-HALF = 0.5
-"""Fraction of the load, of the members or of the length of a scan that decides."""
+PART_BEYOND = 0.1
+"""Part of the load that has to be at the hardness for its strength to be compared with that of the body."""
 
-COARSER = 3.0
-"""Ratio of spacings above which one scan is too coarse beside the other."""
-
-RANGE = 0.1
-"""Relative width of μ0 + τ0/H over the range of a hardness, from which on the range is said."""
-
-WIDE = 0.5
-"""Half the width of an interval over its value above which a coefficient says too little."""
+ONLY_MU0 = 0.02  # relative difference of a coefficient from mu0 below which it is that
+WIDE = 0.5  # half the width of an interval over its value above which a coefficient says too little
 
 
 @dataclass(frozen=True)
@@ -75,8 +72,7 @@ class Check(NamedTuple):
         return Doubt(self.text.replace("{}", words), self.cure, self.severity)
 
 
-Checks = Sequence[Sequence[Check]]
-"""Groups of checks: in each the first that is not passed is said."""
+Checks = Sequence[Sequence[Check]]  # groups of checks: in each the first that is not passed is said
 
 VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Verdict by the worst severity of all doubts."""
@@ -183,7 +179,7 @@ def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str)
     numbers = _numbers(point, study, value)
     pressures = pressure_checks(study, modulus_of(point, study))
     yield from doubted((*OF_VALUE, *OF_SLOPES, *pressures), numbers)
-    yield from _of_the_hardness(point, study)
+    yield from _of_the_strength(point, study, value)
     yield from _of_the_scans(point, study)
     yield from _of_the_contacts(point, ok)
     yield from doubted((*AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES), numbers)
@@ -234,8 +230,8 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
     def check(limit: float, text: str, cure: str, severity: Severity) -> Check:
         return Check("mean_pressure", limit, text, cure, severity, "GPa")
 
-    softer = softer_material(study)
-    if softer is not None:
+    softer = softer_material(*materials_of(study))
+    if softer is not None and softer.hardness is not None:
         low, high = softer.hardness.low, softer.hardness.high
         ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (low, high)))
         text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
@@ -263,18 +259,20 @@ def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
     return [[check._asdict() for check in group] for group in groups]
 
 
-def _of_the_hardness(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
-    """Where pressures are at a hardness that is known as a range alone, so is what adhesion adds."""
-    ends, tau0 = hardness_range(study), float(point["tau0"])
-    if ends is None or not value_of(point, "load_share_at_hardness") > HALF:
-        return
-    low, high = (float(point["mu0"]) + tau0 / end for end in reversed(ends))
-    if high > (1 + RANGE) * low:
-        text = (
-            f"the softer material's hardness is anything from {with_unit(ends[0], 'GPa')} to "
-            f"{with_unit(ends[1], 'GPa')}, and μ0 + τ0/H from {from_to(low, high)}"
-        )
-        yield Doubt(text, "give the hardness that was measured", "caution")
+def _of_the_strength(point: xarray.Dataset, study: Study, value: Interval) -> Iterator[Doubt]:
+    """Where a strength is above that of the softer body, and where the answer is mu0 alone."""
+    hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
+    if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
+        own, body = mu0 * float(hardness) + tau0, float(hardness) * SHEARED
+        if own > body:
+            text = (
+                f"where the pressure is the hardness, μ0 p + τ0 is {with_unit(own, 'GPa')} and the softer body shears "
+                f"at {with_unit(body, 'GPa')}"
+            )
+            yield Doubt(text, "there the body gives way before the interface, so less friction is possible", "caution")
+    if study.is_measured and tau0 == 0 and mu0 > 0 and abs(value.value / mu0 - 1) < ONLY_MU0:
+        text = f"τ0 is 0, so this is the μ0 that was given; these surfaces add {significant(value.value - mu0, 1)}"
+        yield Doubt(text, "give --tau0, or measure both by stiction calibrate", "caution")
 
 
 def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:

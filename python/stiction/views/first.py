@@ -10,11 +10,8 @@ from stiction.views.digits import quoted, with_unit
 from stiction.views.point import RULES
 from stiction.views.result import Result
 
-MEMBERS = 4
-"""Whose mean is the first answer."""
-
-LINES = 3
-"""Answers that are shown, at most."""
+MEMBERS = 4  # whose mean is the first answer
+LINES = 3  # answers that are shown, at most
 
 
 def first_result(study: Study) -> Result:

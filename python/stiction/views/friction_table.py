@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction.mechanics.quantities import column_of
 from stiction.studies.friction_table import STRAIGHT
 from stiction.views.digits import with_interval, with_unit
 from stiction.views.text import aligned, fitted
@@ -14,26 +15,14 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-_COLUMNS: dict[str, tuple[str, float]] = {
-    "friction_coefficient": ("mu_s", 1.0),
-    "contact_area_fraction": ("A/A0 (%)", 100.0),
-    "normal_stiffness": ("stiffness over area (GPa/um)", 1.0),
-    "approach": ("approach (um)", 1.0),
-    "area_factor": ("a of A/A0 = a p (1/GPa)", 1.0),
+_TITLES = {
+    "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
+    "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
-    "stiffness_exponent": ("c of k/A0 = b p^c", 1.0),
-    "area_deviation": ("largest deviation of A/A0", 1.0),
-    "stiffness_deviation": ("largest deviation of k/A0", 1.0),
-    "sliding": ("rubbing contacts", 1.0),
-    "hurst_exponent": ("H", 1.0),
-    "rms": ("Sq (um)", 1.0),
-    "pressure": ("pressure (MPa)", 1000.0),
-    "mu0": ("mu0", 1.0),
-    "tau0": ("tau0 (MPa)", 1000.0),
-}
-"""What the columns of the CSV are called, and the factor to their units."""
+}  # fmt: skip
+"""Columns that a table calls otherwise than `column_of`, and the factor to their units."""
 
-_OF_LOADS = ("friction_coefficient", "contact_area_fraction", "normal_stiffness", "approach")
+_OF_LOADS = tuple(_TITLES)[:4]
 _PLACES = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
 _OF_LAWS = ("area_factor", "stiffness_factor", "stiffness_exponent", "area_deviation", "stiffness_deviation")
 
@@ -51,19 +40,18 @@ def laws_csv(table: xarray.Dataset) -> str:
 def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in part.data_vars.items():
-        title, factor = _COLUMNS[str(name)]
+        title, factor = _TITLES.get(str(name)) or column_of(str(name))
         ends = {"": "mean", ": lower": "lower", ": upper": "upper"} if "statistic" in values.dims else {"": None}
         for end, statistic in ends.items():
             one = values if statistic is None else values.sel(statistic=statistic, drop=True)
             columns[f"{title}{end}"] = one * factor
-    frame: pandas.DataFrame = part.drop_vars(list(part.data_vars)).drop_dims("statistic", errors="ignore").assign(
-        columns
-    ).to_dataframe(dim_order=list(places)).reset_index()  # fmt: skip
+    bare = part.drop_vars(list(part.data_vars)).drop_dims("statistic", errors="ignore")
+    frame: pandas.DataFrame = bare.assign(columns).to_dataframe(dim_order=list(places)).reset_index()
     for name in places:
-        title, factor = _COLUMNS[name]
-        if name != "sliding":
-            frame[name] *= factor
+        title, factor = column_of(name)
         frame = frame.rename(columns={name: title})
+        if factor != 1:
+            frame[title] *= factor
     text: str = frame.to_csv(index=False, float_format="%.9g")
     return text
 

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction.studies.tables import MeasuredFriction
 from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.peak import peak_of
+from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import CLEAR, UNKNOWN, instrument_limit
-from stiction.surfaces.spectrum import power_spectrum
+from stiction.surfaces.spectrum import peak_of, power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import REASONS
 from stiction.views.digits import percent, with_unit
@@ -25,11 +24,8 @@ if TYPE_CHECKING:
     from stiction.studies.measured_files import Body
     from stiction.studies.study import Study
 
-IMPOSSIBLE = 10.0
-"""Height over extent from which on no scan has it."""
-
-HIGHEST_MU0 = 2.0
-"""Above it a molecular friction coefficient is a slip: clean metals in vacuum come near."""
+IMPOSSIBLE = 10.0  # height over extent from which on no scan has it
+HIGHEST_MU0 = 2.0  # above it a molecular friction coefficient is a slip: clean metals in vacuum come near
 
 FORM = 0.6
 """Fraction of the mean square height in a parabola, from which on it is form: of the longest waves it is half."""
@@ -37,14 +33,9 @@ FORM = 0.6
 SPIKE = 12.0
 """Of the usual second difference (median over 0.67), from which on a point stands out: by chance none does at 5."""
 
-NOISE = 0.01
-"""Fraction of the mean square slope in waves of an instrument, from which on it is said."""
-
-PEAK = 0.1
-"""Fraction of the fourth spectral moment in one peak, from which on it is said."""
-
-WHOLE_PART = 0.1
-"""Nominal pressure over E* from which on a load is that of a larger body."""
+NOISE = 0.01  # fraction of the mean square slope in waves of an instrument, from which on it is said
+PEAK = 0.1  # fraction of the fourth spectral moment in one peak, from which on it is said
+WHOLE_PART = 0.1  # nominal pressure over E* from which on a load is that of a larger body
 
 
 def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
@@ -54,8 +45,8 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     of_upper, of_lower = (
         list(_of_scans(body))
         if isinstance(body, JoinedSpectrum)
-        else doubts_of_scan(body, form=not bowed, instrument=not vouched)
-        for body in (upper, lower)
+        else doubts_of_scan(body, form=not bowed, instrument=not vouched, tip_radius=getattr(study.surfaces, side).tip)
+        for side, body in zip(SIDES, (upper, lower), strict=True)
     )
     both = [each for each in of_upper if each in of_lower]
     doubts = [
@@ -77,15 +68,17 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     return tuple(doubts)
 
 
-def doubts_of_scan(body: Profile | Surface, *, form: bool = True, instrument: bool = True) -> list[Doubt]:
+def doubts_of_scan(
+    body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None
+) -> list[Doubt]:
     """Doubts about one scan: heights, form unless it is taken off, spikes, and waves that are not the surface's."""
-    return [*_of_body(body, form=form), *(_of_instrument(body) if instrument else ())]
+    return [*_of_body(body, form=form), *(_of_instrument(body, tip_radius) if instrument else ())]
 
 
 def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
     """`doubts_of_inputs` of a study of measured bodies, of which the files are read; none where they are gone."""
     surfaces = study.surfaces
-    if surfaces.kind != "measured" or not isinstance(study.friction, MeasuredFriction):
+    if surfaces.kind != "measured":
         return ()
     try:
         upper, lower = surfaces.upper.read(), surfaces.lower.read()
@@ -110,21 +103,21 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
         yield Doubt("some of its waves are in no scan", "scan the wavelengths between", "caution")
 
 
-def _of_instrument(body: Profile | Surface) -> Iterator[Doubt]:
+def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterator[Doubt]:
     """Waves that are the instrument's and not the surface's; a cut-off takes them off."""
     try:
-        limit = instrument_limit(body)
+        limit = instrument_limit(body, tip_radius=tip_radius)
     except ValueError:  # flat
         return
-    shortest = limit.noise if limit.slope_share > NOISE else 0.0
+    shortest = limit.wavelength if limit.slope_share > NOISE else 0.0
     if shortest:
-        wave = with_unit(limit.noise, "um")
+        wave = with_unit(shortest, "um")
         part = f"{percent(limit.slope_share)} of the mean square slope"
         text = f"waves below {wave} have {part} and are hardly the surface's: {REASONS[limit.reason]}"
         cure = f"--cutoff '{wave}' takes them off"
         if limit.slope_share > UNKNOWN:
             cure += "; a second scan of the place would tell, and --cutoff none vouches for them"
-        yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", limit.noise)
+        yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", shortest)
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))

@@ -46,11 +46,8 @@ def spectra_differ(joined: JoinedSpectrum) -> bool:
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
 
 
-MOST_ROWS = 12
-"""Wavelengths at which slopes are told."""
-
-MUCH = 2.0
-"""Factor between spectra of one surface, above which it is said."""
+MOST_ROWS = 12  # wavelengths at which slopes are told
+MUCH = 2.0  # factor between spectra of one surface, above which it is said
 
 
 def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:

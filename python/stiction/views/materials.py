@@ -26,7 +26,9 @@ def materials_text(chosen: Sequence[Material]) -> str:
     """
     sources: dict[str, int] = {}
 
-    def cell(value: MaterialValue) -> str:
+    def cell(value: MaterialValue | None) -> str:
+        if value is None:
+            return "does not yield"
         shown = f"{value.low:g}" if value.low == value.high else f"{value.low:g}\N{EN DASH}{value.high:g}"
         return f"{shown} [{sources.setdefault(value.source, len(sources) + 1)}]"
 
@@ -49,7 +51,7 @@ def _entry(each: Material) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for name, unit in _PROPERTIES.items():
         value = getattr(each, name)
-        values[name] = {
+        values[name] = value and {
             "value": float(value), "low": value.low, "high": value.high, "unit": unit, "source": value.source
         }  # fmt: skip
     return {"name": each.name, "kind": each.kind, "aliases": list(each.aliases), **values}

@@ -16,10 +16,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 HALF = 0.5
-
-AMPLITUDES = (0.5, 0.9)
-"""Amplitudes of cycles over the sliding load."""
-
+AMPLITUDES = (0.5, 0.9)  # amplitudes of cycles over the sliding load
 STATISTICS = ("mean", "lower", "upper")
 
 
@@ -34,6 +31,9 @@ def onset_text(onset: xarray.Dataset) -> str:
     stiffness = _ends(onset["stiffness"])
     if math.isfinite(stiffness[0]):
         parts.append(f"its tangential stiffness at rest is {quoted(*stiffness)} mN/µm")
+    unloading = _ends(onset["unloading_stiffness"])
+    if math.isfinite(unloading[0]):
+        parts.append(f"its normal stiffness, unloading or by ultrasound, is {quoted(*unloading)} mN/µm")
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
 
@@ -47,6 +47,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
         ["sliding load (mN)", _cell(onset["sliding_load"])],
         ["creep before sliding (nm)", _cell(onset["displacement_at_sliding"], 1000.0)],
         ["tangential stiffness (mN/µm)", _cell(onset["stiffness"])],
+        ["normal stiffness, unloading or by ultrasound (mN/µm)", _cell(onset["unloading_stiffness"])],
         ["contact that slips at half of the load (%)", _cell(half["slipped_area"], 100.0)],
         ["load on it (%)", _cell(half["slipped_load"], 100.0)],
         *(
@@ -71,7 +72,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """The curve, its numbers and the parameters of models fitted to it, as JSON has them: mN, µm, GPa."""
     numbers = {
         name: dict(zip(STATISTICS, map(finite, _ends(onset[name])), strict=True))
-        for name in ("sliding_load", "displacement_at_sliding", "stiffness")
+        for name in ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
     }
     curve = [
         {"fraction": float(fraction)}
@@ -87,16 +88,11 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
         for model in ("iwan", "lugre")
     }
     return {
-        "sentence": onset_text(onset),
-        "load": float(known["load_mN"]),
-        "mu0": float(known["mu0"]),
-        "tau0": float(known["tau0_GPa"]),
-        "members": int(known["members"]),
-        "poisson_ratio": np.ravel(known["poisson_ratio"]).astype(float).tolist(),
-        **numbers,
-        **{model: parameters or None for model, parameters in models.items()},
-        "curve": curve,
-    }
+        "sentence": onset_text(onset), "load": float(known["load_mN"]), "mu0": float(known["mu0"]),
+        "tau0": float(known["tau0_GPa"]), "members": int(known["members"]),
+        "poisson_ratio": np.ravel(known["poisson_ratio"]).astype(float).tolist(), **numbers,
+        **{model: parameters or None for model, parameters in models.items()}, "curve": curve,
+    }  # fmt: skip
 
 
 def _ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
@@ -111,6 +107,8 @@ def _cell(table: xarray.DataArray, factor: float = 1.0) -> str:
 def words_of(name: str, study: Study) -> str:
     """What tables call a quantity: creep, and what slips, with the strengths at which the study keeps them."""
     onset, words = study.contact.onset, QUANTITIES[name].short
+    if name == "normal_stiffness" and study.contact.hardness is not None:
+        return f"{words} while loading"
     if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
         return words
     return f"{words} at μ0 = {onset.mu0:g}, τ0 = {_strength(float(onset.tau0))}"

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from warnings import warn
 
 from stiction._errors import ArgumentError
+from stiction.studies.calibration import Interface
+from stiction.studies.interfaces import write_interface
 from stiction.studies.pair import ARGUMENTS, pair_study
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.profile import Profile
@@ -21,9 +23,7 @@ if TYPE_CHECKING:
     from stiction.views.result import Result
 
 Body = str | Path | Profile | Surface | JoinedSpectrum | Any
-
-Quantity = str | float
-"""A text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)."""
+Quantity = str | float  # a text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)
 
 _NAMES = {"upper": "first", "lower": "second", "upper_material": "upper", "lower_material": "lower"}
 """Arguments of this function that `Pair` calls otherwise."""
@@ -34,8 +34,9 @@ def pair(
     second: Body,
     *,
     load: Quantity | Sequence[Quantity],
-    mu0: float | Sequence[float],
-    tau0: Quantity | Sequence[Quantity] = 0.0,
+    mu0: float | Sequence[float] | None = None,
+    tau0: Quantity | Sequence[Quantity] | None = None,
+    interface: str | Path | Interface | None = None,
     upper: str | None = None,
     lower: str | None = None,
     effective_modulus: Quantity | None = None,
@@ -64,6 +65,7 @@ def pair(
     missing: Literal["error", "interpolate"] | None = None,
     channel: str | Sequence[str] | None = None,
     columns: str | Sequence[str] | None = None,
+    tip: Quantity | Sequence[Quantity] | None = None,
     directory: str | Path | None = None,
     replace: bool = False,
     onset: int | None = None,
@@ -83,7 +85,10 @@ def pair(
     mu0 : float, or several
         Molecular friction coefficient.
     tau0 : str or float, or several, GPa
-        Adhesive shear strength, "50 MPa"; numbers are GPa.
+        Adhesive shear strength, "50 MPa"; numbers are GPa. By default 0.
+    interface : str, path or Interface
+        In place of both, which it has jointly: a name of `interfaces`, a file that `write_interface` wrote, or what
+        `calibrate` gave.
     upper, lower : str
         Materials by their names, see `materials`; one name is that of both.
     effective_modulus, young, hardness : str or float, GPa
@@ -93,7 +98,7 @@ def pair(
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps and asperities of lines.
     law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \
-    curvature, surrogates, seed, unit, spacing, missing, channel, columns
+    curvature, surrogates, seed, unit, spacing, missing, channel, columns, tip
         As the options of `stiction pair`.
     directory : path, optional
         Where the result is kept, as by ``--output``; by default as long as Python runs.
@@ -129,7 +134,8 @@ def pair(
     """
     from stiction.studies.complete import complete
     from stiction.studies.executors import given_or_threads
-    from stiction.views.result import read_result
+    from stiction.views.inputs import doubts_of_study
+    from stiction.views.result import Result
 
     given = locals()
     asked = {name: value for name in ARGUMENTS if (value := given.get(_NAMES.get(name, name))) is not None}
@@ -141,14 +147,18 @@ def pair(
                 stacklevel=2,
             )
     folder = _temporary() if directory is None else Path(directory)
+    if isinstance(interface, Interface):  # kept beside the result, which names it
+        folder.mkdir(parents=True, exist_ok=True)
+        write_interface(interface, folder / "interface.csv")
+        asked["interface"] = folder / "interface.csv"
     try:
         study = pair_study(**asked)
         with given_or_threads(executor) as workers:
-            complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
+            stored = complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ValueError as error:
         said = error.said(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
         raise ValueError("; ".join(said.splitlines())) from None
-    return read_result(folder)
+    return Result(stored, doubts_of_study(stored.study))
 
 
 def _temporary() -> Path:

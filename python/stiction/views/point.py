@@ -13,13 +13,9 @@ from stiction.views.digits import with_unit
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.mechanics.materials import Material
     from stiction.studies.study import Study
 
-RULES = {
-    "all": "if all contacts rub",
-    "opposing": "if only climbing contacts rub (the paper's rule)",
-}
+RULES = {"all": "if all contacts rub", "opposing": "if only climbing contacts rub (the paper's rule)"}
 """The sliding rules in words. Of measured bodies the first comes first, because mu0 is measured on smooth faces."""
 
 
@@ -31,8 +27,7 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
         yield at.isel(dict(zip(dims, place, strict=True)))
 
 
-CELLS = ("fractal_dimension", "amplitude", "cut_off")
-"""Dimensions of cells of any study."""
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of cells of any study
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
@@ -86,31 +81,6 @@ def materials_text(study: Study) -> str:
     """What the bodies are made of, "mild steel on brass"; empty where their names are not known."""
     names = study.contact.materials
     return "" if names is None else " on ".join(names)
-
-
-def hardness_range(study: Study) -> tuple[float, float] | None:
-    """Between which values (GPa) the hardness of the softer material lies, if it is that which the study has."""
-    softer, hardness = softer_material(study), study.contact.hardness
-    if softer is None or hardness is None:
-        return None
-    known = softer.hardness
-    same = abs(float(hardness) / known - 1) < ROUNDED
-    return (known.low, known.high) if same and known.low < known.high else None
-
-
-def softer_material(study: Study) -> Material | None:
-    """The softer of the materials by whose names a study was made; None where there are no such names."""
-    from stiction.mechanics.materials import material
-
-    try:
-        bodies = [material(name) for name in study.contact.materials or ()]
-    except ValueError:  # of names that somebody gave himself
-        return None
-    return min(bodies, key=lambda body: float(body.hardness), default=None)
-
-
-ROUNDED = 0.006
-"""Relative difference between a number and itself in three digits, at most."""
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction.mechanics.continuation import friction_stretch, interface_stretch
+from stiction.mechanics.brackets import friction_stretch, interface_stretch
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES
 from stiction.mechanics.spectral_resolution import spectral_resolution
 from stiction.studies.resolution import Seen, seen
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 Rows = list[list[str]]
-
 RULE_TITLES = {"all": "all rub", "opposing": "the paper's rule"}
 
 
@@ -41,12 +40,10 @@ def waves_text(found: Seen) -> str:
 def waves_record(found: Seen) -> dict[str, Any]:
     """The same as numbers, µm."""
     return {
-        "shortest_um": found.shortest,
-        "longest_um": found.longest,
-        "rms_gradient": finite(found.gradient),
+        "shortest_um": found.shortest, "longest_um": found.longest, "rms_gradient": finite(found.gradient),
         "fraction_of_mean_square_slope_in_shortest_octave": finite(found.fraction_below(2 * found.shortest)),
         "hurst_exponent": None if found.estimate is None else finite(found.estimate.value),
-    }
+    }  # fmt: skip
 
 
 # ---- Cut-offs --------------------------------------------------------------------------------------------------------

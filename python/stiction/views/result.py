@@ -80,9 +80,32 @@ class Result:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """The ends of its 95 % interval."""
+        """The ends of its 95 % interval, of everything that is known: inputs, positions and finer waves."""
         first = self.answers[0]
         return (first.lower, first.upper) if first.rules else (float("nan"), float("nan"))
+
+    @property
+    def of_positions(self) -> tuple[float, float]:
+        """The ends of the 95 % interval of the mean over positions alone, at the middle of all inputs."""
+        return self.answers[0].rules[0].positions
+
+    @property
+    def next_test(self) -> tuple[float, float]:
+        """Between which ends one more test lies with 95 %, in one direction, at one position."""
+        return self.answers[0].rules[0].next_test
+
+    @property
+    def budget(self) -> pandas.DataFrame:
+        """What would be left of the interval if an input were known: a row each, the most important first.
+
+        Columns input, lower, upper, width (the mean over what the input may be) and share (of the width that goes).
+        """
+        import pandas
+
+        one = self.answers[0]
+        whole = one.upper - one.lower
+        rows = [(left.words, left.lower, left.upper, left.width, 1 - left.width / whole) for left in one.budget]
+        return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
 
     @property
     def verdict(self) -> str:
@@ -104,13 +127,9 @@ class Result:
         return at_asked_loads(self.source)
 
     def at(
-        self,
-        load: str | ArrayLike | None = None,
-        *,
-        mu0: ArrayLike | None = None,
-        tau0: str | ArrayLike | None = None,
+        self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         reading: Any = None,
-    ) -> xarray.Dataset:
+    ) -> xarray.Dataset:  # fmt: skip
         """What `at_load` gives at other loads and materials; nothing is computed again.
 
         Parameters
@@ -165,7 +184,7 @@ class Result:
         ValueError
             If there is no such member, nothing touches, or the files of the study are not there any more.
         """
-        from stiction.studies.contact_frame import contact_frame
+        from stiction.studies.contact_picture import contact_frame
 
         loads = asked_loads(self.source)[:1] if load is None else self._loads_of(load)
         return contact_frame(self.source, loads, members)
@@ -224,7 +243,7 @@ class Result:
 
         if not isinstance(self.source, Stored):
             return {}
-        return {"over": resolution_at(self.source), "onset": onset_beside(self.source)}
+        return {"over": self.source.once(resolution_at), "onset": self.source.once(onset_beside)}
 
     def __repr__(self) -> str:
         """Show what the terminal shows."""

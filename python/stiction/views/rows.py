@@ -18,7 +18,7 @@ import numpy as np
 
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import QUANTITIES
+from stiction.mechanics.quantities import QUANTITIES, column_of
 from stiction.views.answer import Answer, Doubt, answers
 from stiction.views.digits import finite
 from stiction.views.onset import onset_record, words_of
@@ -32,8 +32,9 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 SCHEMA = 1
+_KEYS = (*CELLS, "load", "mu0", "tau0")  # coordinates that say where a row of the CSV is
 
-PLACE = (*CELLS, "load", "mu0", "tau0", "sliding", "direction", "axis", "fraction_below")
+PLACE = (*_KEYS, "sliding", "direction", "axis", "fraction_below", "input")
 """Coordinates that say where a value is, in the order of their columns."""
 
 _FRICTION = {
@@ -43,7 +44,10 @@ _FRICTION = {
 
 _MOTIONS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
-_DIRECTED = (*_FRICTION, "status", "ok", "spread_low", "spread_high", "gentle_friction")
+_DIRECTED = (
+    *_FRICTION, "status", "ok", "spread_low", "spread_high", "gentle_friction", "friction_known", "friction_next_test",
+    "friction_if_known", "width_if_known",
+)  # fmt: skip
 """Variables that belong to a sliding rule."""
 
 
@@ -114,13 +118,6 @@ def _unit(table: xarray.Variable, name: str) -> str:
 
 # ---- CSV -------------------------------------------------------------------------------------------------------------
 
-_TITLES = {
-    "fractal_dimension": ("fractal dimension", 1.0), "amplitude": ("amplitude (um)", 1.0),
-    "cut_off": ("cut-off (um)", 1.0), "load": ("normal load (mN)", 1.0), "mu0": ("mu0", 1.0),
-    "tau0": ("tau0 (MPa)", 1000.0),
-}  # fmt: skip
-"""Columns of the CSV that say where a row is, and the factor to their units."""
-
 
 def csv_text(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> str:
     """`table_of` for spreadsheets."""
@@ -137,7 +134,7 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
     import pandas
 
     rows = frame(at)
-    keys = [name for name in _TITLES if name in rows]
+    keys = [name for name in _KEYS if name in rows]
     parts: list[pandas.DataFrame] = []
     for name, motion in _FRICTION.items():
         if name not in at or (name != "friction_all_round" and parts and motion not in at[name].dims):
@@ -150,7 +147,7 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
     title = "coefficient of static friction"
     table = table.rename(columns={"value": title, "lower": f"{title}: lower", "upper": f"{title}: upper"})
     for name in _of_loads(at):
-        own = _over_directions(rows[rows["name"] == name])
+        own = rows[rows["name"] == name]
         on = [key for key in (*keys, "sliding") if key in own and own[key].notna().all()]
         words = words_of(name, study).replace("μ", "mu").replace("τ", "tau")
         unit = "" if own["unit"].iloc[0] == "1" else f" ({own['unit'].iloc[0]})"
@@ -158,24 +155,16 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
         table = table.merge(own[[*on, *columns]].rename(columns=columns), on=on, how="left")
     table = table.merge(_verdicts(answers(at, study, beside=beside), keys), on=keys, how="left")
     for key in keys:
-        table[key] *= _TITLES[key][1]
-    return table.rename(columns={key: _TITLES[key][0] for key in keys} | {"motion": "upper body to (degree)"})
-
-
-def _over_directions(rows: pandas.DataFrame) -> pandas.DataFrame:
-    """Rows of a quantity, as means over the directions where it depends on them."""
-    if "direction" not in rows or rows["direction"].isna().all():
-        return rows
-    by = [name for name in PLACE if name != "direction" and name in rows and rows[name].notna().all()]
-    return rows.groupby([*by, "unit"], as_index=False, sort=False)[["value", "lower", "upper"]].mean()
+        table[key] *= column_of(key)[1]
+    return table.rename(columns={key: column_of(key)[0] for key in keys} | {"motion": "upper body to (degree)"})
 
 
 def _of_loads(at: xarray.Dataset) -> list[str]:
-    """Quantities that a load has one of."""
+    """Quantities that a load has one of; not those of each of several directions."""
     return [
         str(name) for name, table in at.data_vars.items()
-        if name in QUANTITIES and name not in _DIRECTED and "load" in table.dims and "fraction_below" not in table.dims
-        and table.dtype.kind in "if"
+        if name in QUANTITIES and name not in _DIRECTED and "load" in table.dims and table.dtype.kind in "if"
+        and "fraction_below" not in table.dims and table.sizes.get("direction", 1) == 1
     ]  # fmt: skip
 
 
@@ -185,6 +174,8 @@ def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
     return pandas.DataFrame(
         {
             **{key: [one.at[key] for one in found] for key in keys},
+            "mu_s of all that is known: lower": [one.lower for one in found],
+            "mu_s of all that is known: upper": [one.upper for one in found],
             "verdict": [one.verdict for one in found],
             "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one in found],
         }
@@ -256,8 +247,15 @@ def answer_record(one: Answer) -> dict[str, Any]:
                 "rule": rule.rule, "value": finite(rule.value), "lower": finite(rule.lower),
                 "upper": finite(rule.upper), "members_from": finite(rule.low), "members_to": finite(rule.high),
                 "by_slopes_alone": finite(rule.slopes),
+                **{name: {"lower": finite(low), "upper": finite(high)}
+                   for name, (low, high) in (("of_positions", rule.positions), ("next_test", rule.next_test))},
             }
             for rule in one.rules
+        ],
+        "parts": None if one.parts is None else dict(zip(("mu0", "adhesion", "slopes"), one.parts, strict=True)),
+        "budget": [
+            {"if_known": left.words, "lower": left.lower, "upper": left.upper, "width": left.width}
+            for left in one.budget
         ],
         "verdict": one.verdict,
         "sentence": one.sentence,

@@ -20,11 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
-WIDTH = 80 * MILLIMETRE
-"""One column of print; nothing on a figure is smaller than 6 pt at this width."""
-
-FULL_WIDTH = 170 * MILLIMETRE
-"""Both columns."""
+WIDTH = 80 * MILLIMETRE  # one column of print; nothing on a figure is smaller than 6 pt at this width
+FULL_WIDTH = 170 * MILLIMETRE  # both columns
 
 STYLE: dict[Any, Any] = {
     "font.size": 7,
@@ -50,36 +47,23 @@ STYLE: dict[Any, Any] = {
 }
 
 # Colours of Okabe and Ito (2008) and of Tol (2021), which eyes of every kind tell apart.
-OPPOSING = "#d55e00"
-"""Contacts that oppose the motion, and the rule by which only these rub."""
-LEANING = "#0072b2"
-"""Contacts that lean with the motion."""
-ALL = "#332288"
-"""The rule by which all contacts rub."""
-RULES = {"all": ALL, "opposing": OPPOSING}
-"""Colour of each sliding rule, in the order in which they are named."""
-AREA = "#009e73"
-"""True contact area."""
-FORCE = "#000000"
-"""Elastic forces."""
-FRICTION = "#cc79a7"
-"""Friction forces."""
-UPPER = "#c6d9e7"
-"""The upper body."""
-LOWER = "#e3d5bb"
-"""The lower body."""
-STRENGTHS = ("#444444", "#aa4499")
-"""The lowest and the highest adhesive shear strength that are drawn."""
-AXES = {"x": "#0072b2", "y": "#d55e00"}
-"""Of what is measured along an axis of a map."""
-LOCKED = "#7a0019"
-"""Where contacts lock themselves."""
+OPPOSING = "#d55e00"  # contacts that oppose the motion, and the rule by which only these rub
+LEANING = "#0072b2"  # contacts that lean with the motion
+ALL = "#332288"  # the rule by which all contacts rub
+RULES = {"all": ALL, "opposing": OPPOSING}  # colour of each sliding rule, in the order in which they are named
+AREA = "#009e73"  # true contact area
+FORCE = "#000000"  # elastic forces
+FRICTION = "#cc79a7"  # friction forces
+UPPER = "#c6d9e7"  # the upper body
+LOWER = "#e3d5bb"  # the lower body
+STRENGTHS = ("#444444", "#aa4499")  # the lowest and the highest adhesive shear strength that are drawn
+AXES = {"x": "#0072b2", "y": "#d55e00"}  # of what is measured along an axis of a map
+LOCKED = "#7a0019"  # where contacts lock themselves
 FRICTION_MAP = "plasma"
 """Colour map of friction coefficients; viridis is of fractal dimensions, cividis of heights, inferno of pressures."""
 HEIGHT_MAP = "cividis"
 PRESSURE_MAP = "inferno"
-SLIP_MAP = "YlOrRd"
-"""Colours of the tangential load at which a point slips: light first, dark last."""
+SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: light first, dark last
 
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}
 """What a legend says of a sliding rule."""
@@ -180,8 +164,7 @@ def few_ticks(axes: Axes) -> None:
 
 # ---- The file --------------------------------------------------------------------------------------------------------
 
-FORMATS = ("png", "pdf", "svg")
-"""What a figure can be written as."""
+FORMATS = ("png", "pdf", "svg")  # what a figure can be written as
 
 _MADE_BY = {".png": b"Software\0stiction", ".pdf": b"%PDF", ".svg": b"stiction"}
 """What the beginning of a file of ours has."""

@@ -13,13 +13,24 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import ONSET, QUANTITIES
+from stiction.studies.budget import FINER, POSITIONS
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
 from stiction.views.digits import from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.views.doubts import OF_ASPERITIES, doubted
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
-from stiction.views.point import CELLS, RULES, has_nominal_area, is_capped, load_text, points, value_of, way_text
+from stiction.views.point import (
+    CELLS,
+    RULES,
+    has_nominal_area,
+    is_capped,
+    load_text,
+    points,
+    rules_of,
+    value_of,
+    way_text,
+)  # fmt: skip
 from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
 
 if TYPE_CHECKING:
@@ -27,9 +38,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-LEAST_WIDTH = 40
-"""Columns below which nothing is made narrower."""
-
+LEAST_WIDTH = 40  # columns below which nothing is made narrower
 Rows = Sequence[Sequence[str]]
 
 
@@ -81,8 +90,7 @@ def aligned(rows: Rows, width: int | None = None) -> str:
     return "\n".join(blocks)
 
 
-LEAST_LABEL = 16
-"""Columns of the first column of a table, however wide the others are."""
+LEAST_LABEL = 16  # columns of the first column of a table, however wide the others are
 
 
 def _in_lines(row: Sequence[str], width: int) -> list[Sequence[str]]:
@@ -117,24 +125,38 @@ def result_text(
     over, onset : xarray.Dataset, optional
         What `resolution_at` and `onset_beside` give.
     """
+    whole = answer_text(at, study, verbose=verbose, beside=beside)
+    return whole + beside_text(at, study, verbose=verbose, over=over, onset=onset)
+
+
+def answer_text(at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = ()) -> str:
+    """What `result_text` has without what lies beside a result."""
     found = answers(at, study, beside=beside)
     first = at.isel({name: 0 for name in CELLS if name in at.dims})
     point = next(points(first))
     slopes = slopes_text(found[0], point, study)
-    parts = [answers_text(found), doubts_text(found), fitted(slopes) if slopes and verbose else ""]
+    parts = [history_text(at, study)] if verbose else []
+    parts += [answers_text(found), doubts_text(found), fitted(slopes) if slopes and verbose else ""]
     if any(math.isfinite(one.value) for one in found):
-        parts.append(quantities_text(first, study, verbose=verbose))
-        parts.append(axes_text(point, verbose=verbose))
-        over = at if over is None and at.sizes.get("cut_off", 0) > 1 else over
-        if verbose:
-            parts.append(directions_text(point))
-        if verbose or at.sizes.get("cut_off", 0) > 1:
-            parts.append(resolution_text(first, study, over))
+        parts += [quantities_text(first, study, verbose=verbose), axes_text(point, verbose=verbose)]
+        parts.append(directions_text(point) if verbose else "")
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def beside_text(
+    at: xarray.Dataset, study: Study, *, verbose: bool = False, over: xarray.Dataset | None = None,
+    onset: xarray.Dataset | None = None,
+) -> str:  # fmt: skip
+    """What `result_text` has of what lies beside a result, after an empty line; nothing where there is none."""
+    parts = []
+    is_over = at.sizes.get("cut_off", 0) > 1
+    if any(math.isfinite(one.value) for one in answers(at, study)):
+        if verbose or is_over:
+            first = at.isel({name: 0 for name in CELLS if name in at.dims})
+            parts.append(resolution_text(first, study, at if over is None and is_over else over))
         if onset is not None:
             parts.append(onset_block(onset) if verbose else fitted(onset_text(onset)))
-    if verbose:
-        parts.insert(0, history_text(at, study))
-    return "\n\n".join(part for part in parts if part) + "\n"
+    return "".join(f"\n{part}\n" for part in parts if part)
 
 
 def answers_text(found: Sequence[Answer]) -> str:
@@ -142,7 +164,11 @@ def answers_text(found: Sequence[Answer]) -> str:
     if len(found) == 1:
         return _block(found[0])
     varying = [name for name in found[0].at if len({one.at[name] for one in found}) > 1]
-    titles = [*(_title(name) for name in varying), *(f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules), ""]
+    titles = [
+        *(_TITLES.get(name, name) for name in varying),
+        *(f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules),
+        "",
+    ]
     rows = [titles]
     for one in found:
         values = [_coefficient(one, index) for index in range(len(one.rules))]
@@ -164,10 +190,7 @@ def _shared(found: Sequence[Answer]) -> str:
     return f"with {', '.join(same)}; " if same else ""
 
 
-def _title(name: str) -> str:
-    return {"fractal_dimension": "D", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}.get(name, name)
-
-
+_TITLES = {"fractal_dimension": "D", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}
 _UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
@@ -178,21 +201,53 @@ def _coordinate(name: str, value: float) -> str:
 
 
 def _block(one: Answer) -> str:
-    """One answer: a line for each rule, the inputs below."""
+    """One answer: a line for each rule, what holds and what is not known, the inputs below."""
     lines = []
     for index, rule in enumerate(one.rules):
-        head = "μ_s = " if index == 0 else "      "
-        words = f"{head}{_coefficient(one, index)}  {RULES[rule.rule]}"
-        if index == 0 and rule.rule == "all":
-            words += ": take this if μ0 was measured on smooth faces"
-        if math.isfinite(rule.low) and math.isfinite(rule.value):
-            words += f"; four of five members in a single direction {from_to(rule.low, rule.high)}"
+        words = f"{'μ_s = ' if index == 0 else '      '}{_coefficient(one, index)}  {RULES[rule.rule]}"
+        if index == 0 and one.most is not None:
+            words += f"; the width is mostly {_WIDTHS.get(one.most.words, one.most.words)}"
         lines.append(fitted(words, hang=" " * 8))
+    if one.parts is not None:
+        lines.append(fitted(parts_text(one), indent="  "))
+    lines += [fitted(words, indent="  ") for words in (budget_text(one), test_text(one)) if words]
     lines.append(fitted(f"at {one.inputs}; {one.note}", indent="  "))
     if one.bracket is not None:
         words = bracket_text(one.bracket)
         lines.append(fitted(words[0].upper() + words[1:] + ".", indent="  "))
     return "\n".join(lines)
+
+
+_WIDTHS = {POSITIONS: "the scatter over positions", FINER: "that of waves finer than the scan"}
+
+
+def parts_text(one: Answer) -> str:
+    """What holds the bodies, in the digits of the coefficient."""
+    assert one.parts is not None
+    mu0, adhesion, slopes = (round(part, 3) + 0.0 for part in one.parts)
+    sign = "\N{MINUS SIGN}" if slopes < 0 else "+"
+    return f"{mu0:.3f} (μ0) + {adhesion:.3f} (τ0 on the true area) {sign} {abs(slopes):.3f} (slopes)"
+
+
+def budget_text(one: Answer) -> str:
+    """What to measure next, and what it would leave."""
+    most = one.most
+    if most is None:
+        return ""
+    if most.words == POSITIONS:
+        return "More positions would narrow it."
+    now, then = (from_to(low, high) for low, high in ((one.lower, one.upper), (most.lower, most.upper)))
+    what = "what finer waves change" if most.words == FINER else most.words
+    return f"If {what} were known, {now} would be {then}."
+
+
+def test_text(one: Answer) -> str:
+    """Where the next test would lie, and what positions alone leave open."""
+    first = one.rules[0]
+    if not math.isfinite(first.next_test[0]):
+        return ""
+    alone = f"; positions alone: {from_to(*first.positions)}" if first.positions != (first.lower, first.upper) else ""
+    return f"One test, one way, at one position: {from_to(*first.next_test)} (95 %){alone}."
 
 
 def doubts_text(found: Sequence[Answer]) -> str:
@@ -211,8 +266,7 @@ def doubts_text(found: Sequence[Answer]) -> str:
     return "\n".join(["Doubts, in the first answer that has each:", *lines[:MOST_DOUBTS], *rest])
 
 
-MOST_DOUBTS = 6
-"""Most doubts that are printed of several answers; JSON and CSV have all."""
+MOST_DOUBTS = 6  # most doubts that are printed of several answers; JSON and CSV have all
 
 
 def _doubt(doubt: Doubt, more: str = "") -> str:
@@ -232,20 +286,19 @@ _MORE = (
 """Those that a verbose one has besides."""
 
 _QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
-
-_SCALES = {"um^2": (1.0, "µm²"), "mN/um": (1.0, "mN/µm")}
-"""Factor and name of units that have no prefixes."""
+_SCALES = {"um^2": (1.0, "µm²"), "mN/um": (1.0, "mN/µm")}  # factor and name of units that have no prefixes
 
 
 def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
-    """Means and 95 % intervals of one cell: a row for each quantity, a column for each load."""
+    """Means and 95 % intervals of one cell: a row for each quantity, a column for each load; by the rule to quote."""
     one = at.isel({name: 0 for name in ("mu0", "tau0") if name in at.dims})
+    one = one.sel(sliding=rules_of(study)[0]) if "sliding" in one.dims else one
     loads = list(points(one))
     fraction = "contact_area_fraction" in one and has_nominal_area(loads[0], study)
     rows = [["mean [95 %]", *(load_text(point, study) for point in loads)]]
     for name in (*_SHOWN, *(_MORE if verbose else ())):
         hidden = {"contact_area": fraction and not verbose, "contact_area_fraction": not fraction}.get(name, False)
-        if name in one and not hidden:
+        if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
             rows += _row(name, words_of(name, study), [point[name] for point in loads])
     for name, below in _QUANTILES if verbose else ():
         if name in one:
@@ -264,7 +317,8 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
         core, shown = prefix(max(values, default=1.0), unit)
         factor = 1 / core
     else:
-        factor, shown = (100.0, "%") if _is_fraction(name) else _SCALES.get(unit, (1.0, ""))
+        is_fraction = name == "contact_area_fraction" or "share" in name or name.startswith("fraction")
+        factor, shown = (100.0, "%") if is_fraction else _SCALES.get(unit, (1.0, ""))
     cells = [_cell(table, factor) for table in tables]
     if all(cell == "none" for cell in cells):
         return []
@@ -276,19 +330,14 @@ def _largest(table: xarray.DataArray) -> float:
     return float(np.abs(means).max())
 
 
-def _is_fraction(name: str) -> bool:
-    return name == "contact_area_fraction" or "share" in name or name.startswith("fraction")
-
-
 def _cell(table: xarray.DataArray, factor: float) -> str:
     if "statistic" not in table.dims:
-        value = float(factor * table.mean())
+        value = factor * table.item()
         return "none" if math.isnan(value) else significant(value)
     if table.name == "error":
-        worst = float(table.sel(statistic="mean").max())
+        worst = table.sel(statistic="mean").item()
         return "none" if math.isnan(worst) else significant(worst, 1)
-    ends = [factor * float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")]
-    return with_interval(*ends)
+    return with_interval(*(factor * table.sel(statistic=each).item() for each in ("mean", "lower", "upper")))
 
 
 def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
@@ -426,9 +475,7 @@ def _overview_cell(point: xarray.Dataset) -> str:
     if bad:
         return bad[0]
     name = "friction_all_round" if "friction_all_round" in point else "friction_coefficient"
-    table = point[name]
-    cell = with_interval(*(float(table.sel(statistic=each).mean()) for each in ("mean", "lower", "upper")))
     beyond = doubted(
         OF_ASPERITIES, {name: value_of(point, name) for name in ("share_beyond_hertz", "share_below_grid")}
     )
-    return cell + "*" * any(beyond)
+    return _cell(point[name], 1.0) + "*" * any(beyond)

@@ -10,8 +10,7 @@ import zipfile
 from collections import Counter
 from typing import Any
 
-from stiction.surfaces.measured.archive import chunks
-from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatError, Table
+from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatError, Table, chunks
 from stiction.surfaces.measured.text import read_lines
 
 MOST_TAGS = 10_000_000

@@ -24,9 +24,7 @@ TELLING = 1000
 1/1000."""
 
 _SPACINGS = (1e-6, 1e6)
-_HIGHEST = 1e9
-"""µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points."""
-
+_HIGHEST = 1e9  # µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points
 _Length = TypeVar("_Length", float, Floats)
 
 
@@ -57,12 +55,9 @@ def read_options(unit: Any, spacing: Any, missing: Missing, channel: Any = None,
             raise ValueError(f"{name} must be a name or a number from 0 on, got {each!r}")
     columns = None if columns is None else tuple(columns)
     return ReadOptions(
-        *_units(unit),
-        (_length_option("spacing", pair[0]), _length_option("spacing", pair[1])),
-        missing,
-        channel,
+        *_units(unit), (_length_option("spacing", pair[0]), _length_option("spacing", pair[1])), missing, channel,
         columns,
-    )
+    )  # fmt: skip
 
 
 def _without_unit_axis(raw: Raw) -> Raw:

@@ -18,8 +18,7 @@ from stiction.surfaces.profile import MOST_POINTS
 SPACINGS = ("spacing_y_um", "spacing_x_um")
 """Fields of the second array in a file of `write_surface`; that of `write_profile` has the last alone."""
 
-_MOST_HISTORY = 1_000_000
-"""Characters of the third array, the history."""
+_MOST_HISTORY = 1_000_000  # characters of the third array, the history
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:

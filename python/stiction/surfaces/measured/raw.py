@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import zipfile
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from stiction._checks import Floats
@@ -18,8 +19,7 @@ LENGTH_UNITS = {
 """Factors to µm; both Unicode spellings of micro and of the ring. Symbols as they are written, words in any case."""
 
 MOST_BYTES = 2_000_000_000
-MOST_TEXT_BYTES = 300_000_000
-"""Largest text, which takes some ten times its size in memory while it is parsed."""
+MOST_TEXT_BYTES = 300_000_000  # largest text, which takes some ten times its size in memory while it is parsed
 
 
 class FormatError(ValueError):
@@ -94,8 +94,7 @@ class Channels:
     """Read if none is asked for; without one, one has to be chosen"""
 
 
-Content = Raw | Table | Channels
-"""What a reader may find in a file."""
+Content = Raw | Table | Channels  # what a reader may find in a file
 
 
 def length_unit(text: str) -> str | None:
@@ -104,3 +103,30 @@ def length_unit(text: str) -> str | None:
         return text
     folded = text.casefold()
     return folded if len(folded) > 3 and folded in LENGTH_UNITS else None
+
+
+# ---- Archives -------------------------------------------------------------------------------------------------------
+
+
+_CHUNK = 1 << 16
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""Methods of compression that unpack no more than is asked for at a time."""
+
+
+def chunks(archive: zipfile.ZipFile, name: str, most: int) -> Iterator[bytes]:
+    """A member piece by piece, at most so many bytes, whatever the archive's directory says of its size."""
+    try:
+        info = archive.getinfo(name)
+    except KeyError:
+        raise FormatError(f"lacks {name[:80]!r}, where its data should be") from None
+    if info.compress_type not in _METHODS:
+        raise FormatError(f"holds {name[:80]!r} compressed by another method than deflate")
+    if info.file_size > most:
+        raise FormatError(f"holds {name[:80]!r} of {info.file_size} bytes; at most {most} can be read")
+    total = 0
+    with archive.open(info) as member:
+        while chunk := member.read(_CHUNK):
+            total += len(chunk)
+            if total > most:
+                raise FormatError(f"holds {name[:80]!r} of more than {most} bytes")
+            yield chunk

@@ -19,16 +19,10 @@ from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns from which a spectrum is read; a table without the last is of another origin."""
 
-FRACTION, RATIO = "fraction of ", "power over the joined of "
-"""Beginnings of two columns for each scan."""
-
+FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of two columns for each scan
 _SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
-
-_BEGINNING = 100_000
-"""Bytes in which the names of columns stand."""
-
-_EQUAL = 1e-3
-"""Relative difference of ratios of wave numbers that are equal but for their printed digits."""
+_BEGINNING = 100_000  # bytes in which the names of columns stand
+_EQUAL = 1e-3  # relative difference of ratios of wave numbers that are equal but for their printed digits
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
@@ -67,13 +61,10 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
         names = [f"{name} ({index})" for index, name in enumerate(names, 1)]
     found = spectrum.roughness()
     columns: dict[str, Any] = {
-        "wavelength (um)": found.wavelength,
-        "rms gradient down to it": found.gradient,
-        "rms curvature down to it (1/um)": found.curvature,
-        WAVE_NUMBER: spectrum.wave_number,
-        DENSITY: spectrum.density,
-        WAVES: spectrum.count,
-    }
+        "wavelength (um)": found.wavelength, "rms gradient down to it": found.gradient,
+        "rms curvature down to it (1/um)": found.curvature, WAVE_NUMBER: spectrum.wave_number,
+        DENSITY: spectrum.density, WAVES: spectrum.count,
+    }  # fmt: skip
     for beginning, parts in ((FRACTION, spectrum.contribution), (RATIO, spectrum.ratio)):
         columns |= {f"{beginning}{name}": part for name, part in zip(names, parts, strict=True)}
     scans = [
@@ -152,15 +143,10 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     if not (density > 0).all() or not np.isfinite(density).all():
         raise FormatError(f"{named(path)}: is no spectrum: {DENSITY!r} must be above 0")
     return JoinedSpectrum(
-        wave_number=read_only(q),
-        density=read_only(density),
-        count=read_only(count),
-        contribution=read_only(contribution),
-        ratio=read_only(ratio),
-        bands=bands,
-        reasons=tuple(match["reason"] for match in scans),
-        names=tuple(names),
-    )
+        wave_number=read_only(q), density=read_only(density), count=read_only(count),
+        contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,
+        reasons=tuple(match["reason"] for match in scans), names=tuple(names),
+    )  # fmt: skip
 
 
 def _rise_equally(logarithms: Any) -> bool:

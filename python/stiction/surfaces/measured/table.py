@@ -16,15 +16,9 @@ UNEVEN = 1e-3
 """Spacings by which a point may be off a uniform grid: nothing in the heights shows it, and positions that went through
 single precision have it."""
 
-FEW = 8
-"""Columns, or rows, of positions and some heights; a surface has more."""
-
-FEWEST_COLUMNS = 4
-"""Columns of a text from which on it is a matrix of heights."""
-
-_SHOWN = 12
-"""Names in a message."""
-
+FEW = 8  # columns, or rows, of positions and some heights; a surface has more
+FEWEST_COLUMNS = 4  # columns of a text from which on it is a matrix of heights
+_SHOWN = 12  # names in a message
 Chosen = str | int
 
 

@@ -69,8 +69,7 @@ _SIZES = tuple(
 )
 """Header lines as Gwyddion writes them above a matrix."""
 
-_LONGEST_STEP, _MOST_STEPS = 1000, 1000
-"""Characters of a step of the history above the data, and steps of it."""
+_LONGEST_STEP, _MOST_STEPS = 1000, 1000  # characters of a step of the history above the data, and steps of it
 
 MOST_LINES, MOST_CELLS = 25_000_000, 4_000_000
 """Lines of a text, and cells of one: each is a Python object for a while, so that more of them need gigabytes."""

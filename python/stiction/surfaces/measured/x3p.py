@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.archive import chunks
-from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError, Raw
+from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError, Raw, chunks
 from stiction.surfaces.profile import MOST_POINTS
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
@@ -24,15 +23,10 @@ _MAIN = "main.xml"
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
 """Numbers as XML Schema writes them: no underscores, and no digits of other scripts."""
 
-_MOST_WORDS = 4_000_000
-"""Bytes of main.xml, but for the points that it lists."""
-
-_MOST_ELEMENTS = 100_000
-"""Largest size of main.xml without its points."""
-
+_MOST_WORDS = 4_000_000  # bytes of main.xml, but for the points that it lists
+_MOST_ELEMENTS = 100_000  # largest size of main.xml without its points
 _BYTES_OF_A_POINT = 200
-_SPARE = 64
-"""Bytes of bits beyond the last point."""
+_SPARE = 64  # bytes of bits beyond the last point
 
 
 def read_x3p(data: bytes) -> Raw:

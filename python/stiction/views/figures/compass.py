@@ -8,22 +8,13 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.views.digits import with_unit
-from stiction.views.style import (
-    MILLIMETRE,
-    RULE_WORDS,
-    RULES,
-    WIDTH,
-    friction_parameters_text,
-    label,
-)
+from stiction.views.style import MILLIMETRE, RULE_WORDS, RULES, WIDTH, friction_parameters_text, label
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-FEWEST_DIRECTIONS = 3
-"""From which on there is a compass to draw."""
-
+FEWEST_DIRECTIONS = 3  # from which on there is a compass to draw
 RINGS = 5
 
 

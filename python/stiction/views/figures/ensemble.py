@@ -43,29 +43,20 @@ FRACTION_LIMIT = HALF
 COLOUR_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients between which the colours run: a few high values would take them all."""
 
-MOST_STRENGTHS = 2
-"""Adhesive shear strengths that a figure shows: of more, the lowest and the highest."""
+MOST_STRENGTHS = 2  # adhesive shear strengths that a figure shows: of more, the lowest and the highest
 
 FADE = (0.3, 1.2, 0.85)
 """Width of an interval, over the value, from which and up to which a cell loses its colour, and how much of it."""
 
-LINE_HEIGHT = 2.4
-"""Millimetres from one name of a curve to the next."""
-
-MOST_BAND = 2.0
-"""Times the highest or lowest value, as far as an axis goes for a band."""
-
-HEADLINE = 4.0
-"""Millimetres that a line above a figure takes."""
-
-MOST_IN_ROW = 4
-"""Entries of a legend."""
+LINE_HEIGHT = 2.4  # millimetres from one name of a curve to the next
+MOST_BAND = 2.0  # times the highest or lowest value, as far as an axis goes for a band
+HEADLINE = 4.0  # millimetres that a line above a figure takes
+MOST_IN_ROW = 4  # entries of a legend
 
 TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
 """Round coefficients of friction on a scale of colours."""
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Of red, green and blue."""
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of red, green and blue
 
 
 def motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
@@ -83,8 +74,8 @@ def headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
     lines = []
-    if study.surfaces.kind == "surface" or contact.mechanics == "half-space" or rule != "opposing":
-        mechanics = "half-space, " if contact.mechanics == "half-space" else ""
+    if study.is_areal or study.by_half_space or rule != "opposing":
+        mechanics = "half-space, " if study.by_half_space else ""
         lines.append(f"{mechanics}sliding: {rule}, along {direction_text(angle)}")
     done, total = dataset.sizes["repetition"], study.ensemble.repetitions
     if done < total:
@@ -123,7 +114,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
     amplitudes = dataset["amplitude"].values
     lines = headlines(dataset, study)
-    meanings = _meanings(maps, asperities=study.contact.mechanics == "asperities")
+    meanings = _meanings(maps, asperities=not study.by_half_space)
     above, below = 15.0 + HEADLINE * len(lines), 16.0 + (3.0 if len(meanings) > MOST_IN_ROW else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
     between = 4.0

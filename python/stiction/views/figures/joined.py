@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials whose hardness over E*, pressed on themselves, is a line."""
 
-SCANS = (LEANING, AREA, OPPOSING, "#cc79a7", "#56b4e9", "#e69f00")
-"""Colours of the scans, one after the other."""
-
+SCANS = (LEANING, AREA, OPPOSING, "#cc79a7", "#56b4e9", "#e69f00")  # colours of the scans, one after the other
 _LONGEST_NAME = 24
 
 
@@ -97,7 +95,7 @@ def _hardnesses() -> dict[str, float]:
     for name in MATERIALS:
         body = material(name)
         young, ratio = float(body.young_modulus), float(body.poisson_ratio)
-        found[name] = float(body.hardness) / float(effective_modulus(young, ratio, young, ratio))
+        found[name] = float(body.hardness or 0.0) / float(effective_modulus(young, ratio, young, ratio))
     return found
 
 

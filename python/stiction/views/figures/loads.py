@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 MOST_SHOWN = 4.0
 """Times the highest mean that the axis of coefficients reaches at most: an interval of few members may be wider."""
 
-MOST_SINGLE_DIRECTIONS = 2
-"""Directions that are drawn one by one beside their mean."""
+MOST_SINGLE_DIRECTIONS = 2  # directions that are drawn one by one beside their mean
 
 
 def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: str = "") -> Figure:
@@ -72,11 +71,8 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
 FINER_THAN_FIRST = 1.5
 """Times that the scan itself is drawn to the left of the first cut-off, where its shortest wave is not known."""
 
-LONGEST = 8.0
-"""Times the longest cut-off, as far as the closed form of spectra is drawn."""
-
-FINEST = 1 / 16
-"""Shortest wave over the first cut-off that a continued answer is drawn to."""
+LONGEST = 8.0  # times the longest cut-off, as far as the closed form of spectra is drawn
+FINEST = 1 / 16  # shortest wave over the first cut-off that a continued answer is drawn to
 
 
 def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats) -> None:
@@ -113,8 +109,7 @@ def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats)
 PLASTIC = "plastic limit"
 CONTINUED = "by the Hurst exponent"
 CLOSED = "by the spectra alone"
-UNSEEN = "not seen"
-"""What a legend says."""
+UNSEEN = "not seen"  # what a legend says
 
 
 def _against(

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._checks import Floats
+from stiction.studies.at_load import at_load, reached_loads
+from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
+from stiction.studies.contact_tables import Asperities
+from stiction.studies.study import study_of
 from stiction.views.digits import with_unit
+from stiction.views.figures.contact import box_of, draw_heights, scale_bar
+from stiction.views.figures.ensemble import FRACTION_LIMIT, HEADLINE, dimension_axis, head, headlines, letter
 from stiction.views.onset import AMPLITUDES
-from stiction.views.style import AREA, FORCE, FRICTION, MILLIMETRE, WIDTH, friction_parameters_text
+from stiction.views.style import (
+    AREA,
+    FORCE,
+    FRICTION,
+    FULL_WIDTH,
+    MILLIMETRE,
+    SLIP_MAP,
+    WIDTH,
+    friction_parameters_text,
+    label,
+)
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.colors import BoundaryNorm
     from matplotlib.figure import Figure
 
-CYCLES = ("0.55", FRICTION)
-"""Colours of the cycles."""
+CYCLES = ("0.55", FRICTION)  # colours of the cycles
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
@@ -76,8 +93,7 @@ def _from_rest(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-SMOOTH = 200
-"""Points of a drawn curve."""
+SMOOTH = 200  # points of a drawn curve
 
 
 def _smooth(way: Floats, load: Floats, top: float) -> tuple[Floats, Floats]:
@@ -93,3 +109,175 @@ def _cycle(way: Floats, load: Floats, top: float) -> tuple[Floats, Floats]:
     up = _smooth(way, load, top)
     down = up[0][-1] - 2 * up[0], up[1][-1] - 2 * up[1]
     return np.concatenate([down[0], -down[0]]), np.concatenate([down[1], -down[1]])
+
+
+# ---- What slips first -----------------------------------------------------------------------------------------------
+
+
+_LARGEST = 60.0  # area (square points) of the mark of the largest contact
+
+
+def has_slip_map(onset: xarray.Dataset) -> bool:
+    """Whether an onset has what `slip_figure` shows: that of areas has."""
+    return bool("slip" in onset or "contact_slip" in onset)
+
+
+def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
+    """At which tangential load each point of the contacts begins to slip, over the heights; 80 mm wide.
+
+    It is of what `onset_of_result` returns of areas. Of asperities each contact is a mark, at the load at which it
+    slides as a whole.
+    """
+    import matplotlib as mpl
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import BoundaryNorm
+    from matplotlib.figure import Figure
+
+    of_points = "slip" in onset
+    figure = Figure(figsize=(WIDTH, (144 if of_points else 86) * MILLIMETRE), layout="constrained")
+    drawn = figure.subplots(2 if of_points else 1, 1, squeeze=False)[:, 0]
+    colours = mpl.colormaps[SLIP_MAP]
+    levels = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
+    whole = box_of(onset, "slip")
+    draw_heights(figure, drawn[0], onset["lower_height"].values, whole)
+    scale_bar(drawn[0], whole)
+    if of_points:
+        _points(drawn[0], onset["slip"].values, whole, levels)
+        _closer(drawn[1], onset, levels)
+        left, right, bottom, top = _crop(onset)[1]
+        for colour, width in (("white", 1.6), ("black", 0.6)):
+            drawn[0].plot(
+                [left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width
+            )
+    else:
+        _marks(drawn[0], onset, levels)
+    bar = figure.colorbar(
+        ScalarMappable(levels, colours), ax=drawn[-1], location="bottom", shrink=0.8, ticks=[0, 0.2, 0.4, 0.6, 0.8, 1]
+    )
+    bar.set_label(f"tangential over sliding load at which a {'point slips' if of_points else 'contact slides'}")
+    attributes = onset.attrs
+    said = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
+    lines = [title, f"{said}, $F_N$ = {with_unit(float(attributes['load_mN']), 'mN')}"]
+    drawn[0].set_title("\n".join(line for line in lines if line), loc="left", fontsize=6, pad=3)
+    return figure
+
+
+def _points(axes: Axes, slip: Floats, box: tuple[float, ...], levels: BoundaryNorm) -> None:
+    kind: dict[str, Any] = {"origin": "lower", "interpolation": "nearest", "cmap": SLIP_MAP, "norm": levels}
+    axes.imshow(slip, extent=(box[0], box[1], box[2], box[3]), **kind)
+
+
+def _marks(axes: Axes, onset: xarray.Dataset, levels: BoundaryNorm) -> None:
+    area = onset["contact_area"].values
+    axes.scatter(
+        onset["contact_x"], onset["contact_y"], s=np.maximum(_LARGEST * area / area.max(initial=1e-300), 4.0),
+        c=onset["contact_slip"], cmap=SLIP_MAP, norm=levels, edgecolors="white", linewidths=0.4,
+    )  # fmt: skip
+
+
+def _crop(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
+    """The part of the map in which most touches: its rows and columns, and its box (µm)."""
+    from scipy.ndimage import gaussian_filter
+
+    touching = np.isfinite(onset["slip"].values)
+    size = [min(max(n // AROUND_LARGEST, FEWEST_POINTS), n) for n in touching.shape]
+    busy = gaussian_filter(touching.astype(np.float64), [each / 4 for each in size], mode="constant")
+    middle = np.unravel_index(int(busy.argmax()), busy.shape)
+    first = [
+        int(np.clip(at - wide // 2, 0, n - wide)) for at, wide, n in zip(middle, size, touching.shape, strict=True)
+    ]
+    part = tuple(slice(begin, begin + wide) for begin, wide in zip(first, size, strict=True))
+    return (part[0], part[1]), box_of(onset.isel(slip_y=part[0], slip_x=part[1]), "slip")
+
+
+def _closer(axes: Axes, onset: xarray.Dataset, levels: BoundaryNorm) -> None:
+    part, box = _crop(onset)
+    axes.imshow(onset["lower_height"].values[part], extent=box, origin="lower", cmap="gray", alpha=0.6)
+    _points(axes, onset["slip"].values[part], box, levels)
+    axes.set_title("where most touches (framed above)", loc="left", fontsize=6, pad=3)
+    axes.set_xlabel(label("x"))
+    axes.set_ylabel(label("y"))
+
+
+# ---- Over fractal dimension -----------------------------------------------------------------------------------------
+
+
+_PANELS = {
+    "displacement_at_sliding": (1000.0, "creep before sliding (nm)", True),
+    "fraction_slipped": (100.0, "slips at half of the load (%)", False),
+    "tangential_stiffness": (1.0, "tangential stiffness (mN/µm)", True),
+}
+"""Factor, words and whether the axis has equal ratios, of each panel."""
+
+PARTS = (0.25, 0.5, 0.75)
+"""Loads of the curves, as fractions of the way in ratio from the lightest to the heaviest load."""
+
+COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from light loads to heavy ones
+
+
+def onset_loads(dataset: xarray.Dataset) -> Floats:
+    """Three loads (mN) that most ensembles reach, in one digit."""
+    ends = np.log(reached_loads(dataset, 2))
+    return np.unique([float(f"{np.exp(ends[0] + part * (ends[1] - ends[0])):.0e}") for part in PARTS])
+
+
+def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
+    """Creep, what slips at half of the sliding load, and stiffness over fractal dimension; a row for each amplitude.
+
+    With 95 % intervals; dotted where the model is beyond its validity.
+    """
+    from matplotlib.figure import Figure
+
+    study = study_of(dataset)
+    assert isinstance(study.contact, Asperities)
+    asked = study.contact.onset
+    assert asked is not None
+    loads = onset_loads(dataset)
+    at = at_load(dataset, loads, mu0=asked.mu0, tau0=float(asked.tau0)).isel(mu0=0, tau0=0)
+    amplitudes = dataset["amplitude"].values
+    lines = headlines(dataset, study)
+    above, below, between, height = 6.0 + HEADLINE * len(lines), 15.0, 5.0, 42.0
+    total = above + below + amplitudes.size * (height + between) - between
+    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+    for row, amplitude in enumerate(amplitudes):
+        bottom = below + (amplitudes.size - 1 - row) * (height + between)
+        for number, name in enumerate(_PANELS):
+            axes = figure.add_axes(((13 + 57 * number) / 170, bottom / total, 40 / 170, height / total))
+            _curves(axes, at.isel(amplitude=row), name)
+            dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
+            if row == 0:
+                letter(axes, number)
+            if amplitudes.size > 1 and number == 0:
+                axes.set_title(f"$a$ = {1000 * amplitude:g} nm", loc="right", pad=2)
+    head(figure, lines)
+    handles, words = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, words, loc="lower left", ncols=len(handles), borderaxespad=0.3)
+    figure.text(
+        0.99, 1.5 / total, f"at {friction_parameters_text(asked.mu0, float(asked.tau0))}; bands: 95 %; dotted: model "
+        "not valid", ha="right", va="bottom", fontsize=6,
+    )  # fmt: skip
+    return figure
+
+
+def _curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
+    factor, words, in_ratios = _PANELS[name]
+    dimension = at["fractal_dimension"].values
+    for load, colour in zip(at["load"].values, COLOURS, strict=False):
+        one = at.sel(load=load)
+        mean, lower, upper = (factor * one[name].sel(statistic=each).values for each in ("mean", "lower", "upper"))
+        trusted = ~(one["share_beyond_hertz"].values > FRACTION_LIMIT)
+        axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
+        marker = "o" if dimension.size == 1 else None
+        axes.plot(dimension, mean, ":", color=colour, linewidth=1, marker=marker, markersize=2)
+        axes.plot(
+            dimension, np.where(trusted, mean, np.nan), color=colour, linewidth=1, marker=marker, markersize=2,
+            label=f"$F_N$ = {with_unit(load, 'mN')}",
+        )  # fmt: skip
+    known = at[name].sel(statistic="mean").values
+    known = factor * known[np.isfinite(known) & (known > 0)]
+    if in_ratios and known.size:
+        axes.set_yscale("log")
+        axes.set_ylim(known.min() / 2, known.max() * 2)
+    elif not in_ratios:
+        axes.set_ylim(0, 50)
+    axes.set_ylabel(words)

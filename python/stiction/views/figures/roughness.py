@@ -22,17 +22,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_POINTS = 1500
-"""Points of a profile that are drawn; of more, means of neighbours."""
-
-HEIGHTS = 40
-"""Bins of the distribution of heights."""
-
-MEASURED, FITTED = "#0072b2", "#d55e00"
-"""Colours of what was measured, and of what was fitted to it."""
-
-MILLIMETRES = 1000.0
-"""Lengths (µm) from which on an axis of a figure is in mm."""
+MOST_POINTS = 1500  # points of a profile that are drawn; of more, means of neighbours
+HEIGHTS = 40  # bins of the distribution of heights
+MEASURED, FITTED = "#0072b2", "#d55e00"  # colours of what was measured, and of what was fitted to it
+MILLIMETRES = 1000.0  # lengths (µm) from which on an axis of a figure is in mm
 
 
 @dataclass(frozen=True)

@@ -18,15 +18,14 @@ from stiction.studies.resolution import resolution_at
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
+from stiction.views.answer import answers
+from stiction.views.asked import at_asked_loads
 from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
-from stiction.views.figures.contact import contact_figure
-from stiction.views.figures.contacts import contacts_figure
-from stiction.views.figures.dimension_onset import dimension_onset_figure
+from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import positions_figure, sizes_figure
 from stiction.views.figures.ensemble import area_figure, friction_figure, motions
 from stiction.views.figures.loads import cut_off_figure, load_figure
-from stiction.views.figures.onset import onset_figure
-from stiction.views.figures.slip import has_slip_map, slip_figure
+from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.figures.surfaces import length_scales_figure, profiles_figure
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
@@ -37,19 +36,16 @@ if TYPE_CHECKING:
 
 
 def drawn(
-    result: xarray.Dataset | Stored,
-    directory: str | Path,
-    *,
-    formats: Sequence[str] = ("png",),
-    picture: xarray.Dataset | None = None,
-) -> list[Path]:
+    result: xarray.Dataset | Stored, directory: str | Path, *, formats: Sequence[str] = ("png",),
+    picture: xarray.Dataset | None = None, first: bool = False,
+) -> list[Path]:  # fmt: skip
     """Draw the figures of a result into a directory and return their paths.
 
     Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
     (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
     as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
-    ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of maps), as far as the
-    result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
+    ``budget``, ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of maps), as
+    far as the result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
 
     Parameters
     ----------
@@ -59,6 +55,8 @@ def drawn(
         Each figure is written as each of these.
     picture : xarray.Dataset, optional
         What `contact_picture` returns; that beside a stored result by default.
+    first : bool
+        Whether only the first figure is drawn, and those whose files are there already.
 
     Raises
     ------
@@ -68,8 +66,10 @@ def drawn(
     import matplotlib as mpl
 
     endings = checked_formats(formats)
-    paths = []
+    paths: list[Path] = []
     for name, draw in figures_of(result, picture_of(result) if picture is None else picture):
+        if first and paths and not any((Path(directory) / f"{name}.{ending}").exists() for ending in endings):
+            continue
         with mpl.rc_context(STYLE):
             figure = draw()
             for ending in endings:
@@ -93,7 +93,7 @@ def whole(result: Any) -> xarray.Dataset:
 
 def picture_of(result: xarray.Dataset | Stored) -> xarray.Dataset | None:
     """The picture of contacts beside a stored result, if there is one."""
-    return picture_beside(result) if isinstance(result, Stored) else None
+    return result.once(picture_beside) if isinstance(result, Stored) else None
 
 
 def hardness_of(study: Study) -> float | None:
@@ -151,9 +151,7 @@ class _Read:
 def _of_measured(
     result: xarray.Dataset | Stored, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    surfaces: Any = study.surfaces
-    of_friction: Any = study.friction
-    asked = [float(load) for load in of_friction.load]
+    asked = [float(load) for load in study.friction.load]
     points = at_load(result, np.unique([*study.contact.steps(), *asked]))
     read = _Read(points.isel(cut_off=0), asked, title_of(study))
     hardness = hardness_of(study)
@@ -161,7 +159,7 @@ def _of_measured(
     over = points if points.sizes["cut_off"] > 1 else None
     onset = None
     if isinstance(result, Stored):
-        over, onset = resolution_at(result) if over is None else over, onset_beside(result)
+        over, onset = result.once(resolution_at) if over is None else over, result.once(onset_beside)
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         of = "" if number == 1 else f"-{number}"
         own = read.points.isel(mu0=m, tau0=t)
@@ -172,6 +170,7 @@ def _of_measured(
         if over is not None:
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
             yield f"cut_off{of}", _later(_cut_off, at, study, title=read.title)
+    yield "budget", _later(_budget, result, study, title=read.title)
     if onset is not None:
         yield "onset", _later(onset_figure, onset, title=read.title)
         if has_slip_map(onset):
@@ -181,8 +180,14 @@ def _of_measured(
     if picture is not None:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", _later(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
-    elif not surfaces.is_areal and study.contact.mechanics == "asperities":
+    elif not (study.is_areal or study.by_half_space):
         yield from _of_profiles(result, study, read)
+
+
+def _budget(result: Any, study: Study, *, title: str) -> Figure:
+    from stiction.views.figures.budget import budget_figure
+
+    return budget_figure(answers(at_asked_loads(result), study)[0], title=title)
 
 
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:

@@ -14,12 +14,8 @@ from stiction.views.style import HEIGHT_MAP, MILLIMETRE, WIDTH, evenly_spread, l
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LENGTH_SCALES = (0.5, 1.0, 2.0)
-"""Of the study's own, in the figure of length scales."""
-
-AREAL_POINTS = 400
-"""Rows and columns of a surface in a figure."""
-
+LENGTH_SCALES = (0.5, 1.0, 2.0)  # of the study's own, in the figure of length scales
+AREAL_POINTS = 400  # rows and columns of a surface in a figure
 MOST_PROFILES = 5
 
 

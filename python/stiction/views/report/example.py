@@ -18,20 +18,11 @@ from stiction.surfaces.profile import Profile
 if TYPE_CHECKING:
     import xarray
 
-WINDOW = 1500
-"""Points of the example profiles, around where they first touch."""
-
-MARGIN = 64
-"""Points beyond the window, past which a spline does not look."""
-
-MOST_PAIRS = 3
-"""Members of which example profiles are shown."""
-
-MOST_EXAMPLES = {"fractal_dimension": 20, "amplitude": 20, "approach": 60}
-"""Of the example profiles."""
-
-MOST_CONTACTS = 60
-"""Contacts drawn of the example profiles at an approach: those with the largest forces."""
+WINDOW = 1500  # points of the example profiles, around where they first touch
+MARGIN = 64  # points beyond the window, past which a spline does not look
+MOST_PAIRS = 3  # members of which example profiles are shown
+MOST_EXAMPLES = {"fractal_dimension": 20, "amplitude": 20, "approach": 60}  # of the example profiles
+MOST_CONTACTS = 60  # contacts drawn of the example profiles at an approach: those with the largest forces
 
 
 @dataclass(frozen=True)
@@ -74,16 +65,10 @@ class Example:
                 counts.append(drawn.size)
                 left_out.append(seen.size - drawn.size)
         facts = {
-            "pairs": pairs,
-            "dimensions": shown["fractal_dimension"].tolist(),
-            "amplitudes": shown["amplitude"].tolist(),
-            "approaches": shown["approach"].tolist(),
-            "counts": counts,
-            "leftOut": left_out,
-            "starts": starts,
-            "spacing": lower.spacing,
-            "points": len(profiles[0][0]),
-        }
+            "pairs": pairs, "dimensions": shown["fractal_dimension"].tolist(),
+            "amplitudes": shown["amplitude"].tolist(), "approaches": shown["approach"].tolist(), "counts": counts,
+            "leftOut": left_out, "starts": starts, "spacing": lower.spacing, "points": len(profiles[0][0]),
+        }  # fmt: skip
         return cls(np.array(profiles), np.concatenate(columns, axis=1), facts)
 
 
@@ -114,9 +99,6 @@ def _contacts(study: Study, lower: Profile, upper: Profile, factor: float, appro
     contact: Any = study.contact
     found = contacts(upper, lower, float(approach), model=contact.model(contact.rules()[0]))
     return {
-        "index": found.index,
-        "x": found.centre[:, 0].copy(),
-        "z": found.centre[:, 2].copy(),
-        "normal": found.normal[:, 0],
-        "force": found.force,
-    }
+        "index": found.index, "x": found.centre[:, 0].copy(), "z": found.centre[:, 2].copy(),
+        "normal": found.normal[:, 0], "force": found.force,
+    }  # fmt: skip

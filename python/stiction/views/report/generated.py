@@ -18,9 +18,8 @@ from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.point import rules_of
 from stiction.views.report.example import Example
 from stiction.views.report.onset import dimension_panel
-from stiction.views.report.page import ReportError, counted, packed
-from stiction.views.report.page_result import BYTES, CELLS, PageResult, motions_of, way
-from stiction.views.report.sums import RATIOS, means_of_solved, sums_of_ensemble
+from stiction.views.report.page import BYTES, CELLS, PageResult, ReportError, counted, motions_of, packed, way
+from stiction.views.report.sums import PAGE_RATIOS, means_of_solved, sums_of_ensemble
 
 if TYPE_CHECKING:
     import xarray
@@ -31,14 +30,9 @@ MOST_MEANS = 1_000_000
 MOST_SUMS = 12_000_000
 """Sums of single members in a page, of four bytes each when compressed; without them it has no intervals."""
 
-PER_MEMBER = 7
-"""Sums of each member at each step."""
-
-MOST_OVERLAP = 0.1
-"""Mean of overlap / radius above which the page warns; of the fractions it is `FRACTION_LIMIT`."""
-
-DRAWN = ("share_beyond_hertz", "share_below_grid")
-"""Figures of validity that hatch the map and dot the curves."""
+PER_MEMBER = 7  # sums of each member at each step
+MOST_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; of the fractions it is `FRACTION_LIMIT`
+DRAWN = ("share_beyond_hertz", "share_below_grid")  # figures of validity that hatch the map and dot the curves
 
 
 def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) -> PageResult:
@@ -55,18 +49,16 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
     found = sums_of_ensemble(result, list(_CELLS), step, motions, has_sums=has_intervals)
     numbers = {"means": packed(found.means, BYTES["means"]), "sums": packed(found.sums, BYTES["sums"])}
     example = None
-    if study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+    if not (study.is_areal or study.by_half_space):
         example = Example.of(_coordinates(averages, result), study)
         numbers["profiles"] = packed(example.profiles, BYTES["profiles"])
         numbers["contacts"] = packed(example.contacts, BYTES["contacts"])
     facts = found.facts | _facts_of(averages, study, result)
     facts |= {
-        "name": name or _name_of(study),
-        "hasIntervals": has_intervals,
-        "repetitions": members,
+        "name": name or _name_of(study), "hasIntervals": has_intervals, "repetitions": members,
         "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
         "example": None if example is None else example.facts,
-    }
+    }  # fmt: skip
     version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
@@ -170,18 +162,15 @@ def _validity(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
     """What the page says of each figure of validity, and from where on it warns."""
     figures = {}
     for name in (*VALIDITY, *AREAL_VALIDITY, "load_share_at_hardness", "area_share_at_hardness"):
-        of, over = RATIOS[name]
+        of, over = PAGE_RATIOS[name]
         if not {of, *over} <= set(data.data_vars) or (not over and not data[of].values.any()):
             continue
         words = QUANTITIES[name].short
         figures[name] = {
-            "words": words[0].upper() + words[1:],
-            "isShare": "share" in name,
-            "limit": FRACTION_LIMIT if "share" in name else MOST_OVERLAP,
-            "isDrawn": name in DRAWN,
-            "of": of,
+            "words": words[0].upper() + words[1:], "isShare": "share" in name,
+            "limit": FRACTION_LIMIT if "share" in name else MOST_OVERLAP, "isDrawn": name in DRAWN, "of": of,
             "over": over,
-        }
+        }  # fmt: skip
     return figures
 
 
@@ -205,9 +194,9 @@ def _head(study: Study) -> list[str]:
     rules, angles = motions_of(study)
     surfaces: Any = study.surfaces
     contact: Any = study.contact
-    lengths = (float(surfaces.extent),) if surfaces.kind == "profile" else surfaces.extents()
-    how = "the elastic half-space" if contact.mechanics == "half-space" else "asperities"
-    law = "" if contact.mechanics == "half-space" else f", law {contact.model(rules[0]).law}"
+    lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
+    how = "the elastic half-space" if study.by_half_space else "asperities"
+    law = "" if study.by_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.case[0].upper()}{surfaces.case[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
         f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts that rub: "

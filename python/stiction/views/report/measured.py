@@ -7,16 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stiction._checks import Floats
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.at_load import at_load
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
+from stiction.surfaces.spectrum import surface_spectrum
+from stiction.surfaces.surface import Surface
 from stiction.views.answer import answers, slopes_text
+from stiction.views.asked import at_asked_loads
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt, limit_of
 from stiction.views.figures.standard import hardness_of, picture_of, title_of
@@ -25,17 +29,27 @@ from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import over_text
 from stiction.views.point import points as points_of
 from stiction.views.report.onset import onset_panels
-from stiction.views.report.page import MOST_TEXT, ReportError, counted, escaped, listed, packed
-from stiction.views.report.page_result import CELLS, PageResult, motions_of, way
-from stiction.views.report.picture import pictured
-from stiction.views.report.sums import RATIOS, sums_of_members
+from stiction.views.report.page import (
+    CELLS,
+    MOST_TEXT,
+    PageResult,
+    ReportError,
+    counted,
+    deflated,
+    escaped,
+    listed,
+    motions_of,
+    packed,
+    way,
+)
+from stiction.views.report.sums import PAGE_RATIOS, sums_of_members
 from stiction.views.resolution import waves_text
+from stiction.views.text import budget_text
 
 if TYPE_CHECKING:
     import xarray
 
-MOST_VALUES = 4_000_000
-"""Numbers of measured bodies in a page."""
+MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 
 _OF_LOAD = {
     "contact_area_fraction": "contact_area", "contact_area": "contact_area", "contact_count": "contact_count",
@@ -46,8 +60,7 @@ _OF_LOAD = {
 }  # fmt: skip
 """Quantities that the page has at each load beside friction, and the variable of each, or none where it is a ratio."""
 
-_UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}
-"""Names of units that have no prefixes."""
+_UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that have no prefixes
 
 
 def page_of_measured(
@@ -76,7 +89,7 @@ def page_of_measured(
         raise ReportError(f"the result has {found.sums.size} numbers, more than the {MOST_VALUES} that a page can hold")
     files = title_of(study)
     name = (f"{files} ({name})" if with_picture else name) if name else files
-    facts = found.facts | _facts_of(dataset, study) | {"name": name, "quantities": quantities}
+    facts = found.facts | _facts_of(dataset, result, study) | {"name": name, "quantities": quantities}
     numbers = {"means": packed(found.means, 8), "sums": packed(found.sums, 8)}
     picture = picture_of(result) if picture is None and with_picture else picture
     if picture is not None:
@@ -84,7 +97,7 @@ def page_of_measured(
         facts |= more
         numbers |= packs
     members = int(facts["repetitions"])
-    onset = onset_beside(result) if isinstance(result, Stored) else None
+    onset = result.once(onset_beside) if isinstance(result, Stored) else None
     version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
     details = "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
@@ -95,7 +108,7 @@ def page_of_measured(
     )  # fmt: skip
 
 
-def _facts_of(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
+def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: Study) -> dict[str, Any]:
     surfaces: Any = study.surfaces
     of_friction: Any = study.friction
     loads = dataset[study.step].values.tolist()
@@ -105,33 +118,16 @@ def _facts_of(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     if len(angles) > 1:
         ways.insert(0, {"words": over_text(angles), "directions": list(range(len(angles)))})
     return {
-        "reading": "elastic",
-        "interval": "sample" if surfaces.is_areal else "neighbours",
-        "hasIntervals": True,
-        "cell": CELLS["cut_off"],
-        "dimensions": dataset["cut_off"].values.tolist(),
-        "convention": "",
-        "amplitudes": [1.0],
-        "measure": "",
-        "repetitions": int(dataset.sizes["repetition"]),
-        "steps": loads,
-        "loads": [loads[0], loads[-1]],
-        "rules": rules,
-        "directions": angles,
-        "ways": ways,
-        "validity": {},
-        "modulus": float(dataset["effective_modulus"]),
-        "area": float(dataset["nominal_area"]),
-        "kinds": _kinds(dataset),
-        "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
+        "reading": "elastic", "interval": "sample" if surfaces.is_areal else "neighbours", "hasIntervals": True,
+        "cell": CELLS["cut_off"], "dimensions": dataset["cut_off"].values.tolist(), "convention": "",
+        "amplitudes": [1.0], "measure": "", "repetitions": int(dataset.sizes["repetition"]), "steps": loads,
+        "loads": [loads[0], loads[-1]], "rules": rules, "directions": angles, "ways": ways, "validity": {},
+        "modulus": float(dataset["effective_modulus"]), "area": float(dataset["nominal_area"]),
+        "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
-        "asked": asked,
-        "answers": _answers(dataset, study, asked),
-        "gap": _gap(dataset),
-        "example": None,
-        "picture": None,
+        "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset), "example": None, "picture": None,
         "spectra": None,
-    }
+    }  # fmt: skip
 
 
 def _beside(study: Study, onset: xarray.Dataset | None) -> list[str]:
@@ -172,7 +168,7 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
 def _quantities(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     found = []
     for name, variable in _OF_LOAD.items():
-        of, over = (variable, ()) if variable else RATIOS[name]
+        of, over = (variable, ()) if variable else PAGE_RATIOS[name]
         if not {of, *over} <= set(dataset.data_vars) or not np.isfinite(dataset[of].values).any():
             continue
         if name == "load_share_at_hardness" and not dataset[of].values.any():
@@ -186,9 +182,9 @@ def _quantities(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     return found
 
 
-def _answers(dataset: xarray.Dataset, study: Study, asked: list[float]) -> list[dict[str, Any]]:
+def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, Any]]:
     """Verdict, sentence and doubts at every load that was asked for, mu0, tau0 and cut-off."""
-    at = at_load(dataset, asked)
+    at = at_asked_loads(result)
     said = []
     for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True):
         said.append(
@@ -198,6 +194,9 @@ def _answers(dataset: xarray.Dataset, study: Study, asked: list[float]) -> list[
                 "sentence": printable(answer.sentence, MOST_TEXT * 4),
                 "doubts": [_doubt(each) for each in answer.doubts],
                 "slopes": slopes_text(answer, point, study),
+                "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
+                "parts": None if answer.parts is None else listed(answer.parts),
+                "most": None if answer.most is None else budget_text(answer),
             }
         )  # fmt: skip
     return said
@@ -220,3 +219,64 @@ def _gap(dataset: xarray.Dataset) -> dict[str, Any] | None:
         "slope": listed(slope.transpose("direction", "cut_off", "repetition").values),
         "kappa": float(signature(gentle_friction).parameters["kappa"].default),
     }
+
+
+# ---- Heights, spectra and contacts ----------------------------------------------------------------------------------
+
+
+MOST_PIXELS = 256  # rows or columns of the heights that are drawn
+MOST_CONTACTS = 400  # contacts that are drawn: those with the largest forces
+CONTACT_BYTES = 4  # leading bytes of a double that are kept of what is only drawn
+
+COLUMNS = ("x", "y", "force", "patch_area", "slope_x", "slope_y")
+"""Variables of each contact, without the prefix `contact_`."""
+
+FEWEST_WAVES = 16  # rows and columns from which on a map has a spectrum
+
+
+def pictured(picture: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
+    """Facts and packed numbers of a picture as `contact_picture` makes it.
+
+    Raises a `ReportError` if something is not there, or is no number.
+    """
+    try:
+        along_y, along_x = picture["height_y"].values, picture["height_x"].values
+        bodies = [picture[f"{side}_height"].transpose("height_y", "height_x").values for side in ("lower", "upper")]
+        table = np.stack([picture[f"contact_{name}"].values for name in COLUMNS]).astype(np.float64)
+        load, member = float(picture.attrs["load_mN"]), int(picture.attrs["member"])
+        moved = [float(picture.attrs[name]) for name in ("x", "y")]
+    except (KeyError, TypeError, ValueError) as error:
+        raise ReportError(f"the picture is not what `contact_picture` makes: {error}") from None
+    if not all(np.isfinite(each).all() for each in (*bodies, along_y, along_x, table)) or min(bodies[0].shape) < 2:
+        raise ReportError("the picture has heights or contacts that are no numbers")
+    dy, dx = float(along_y[1] - along_y[0]), float(along_x[1] - along_x[0])
+    ranges, packs, spectra = [], {}, []
+    for side, body in zip(("lower", "upper"), bodies, strict=True):
+        levels, ends, extent = grey(body, (dy, dx))
+        packs[side] = deflated(levels.tobytes())
+        ranges.append(ends)
+        if ends[1] > ends[0] and min(body.shape) >= FEWEST_WAVES:
+            radial = surface_spectrum(Surface(body, spacing=(dy, dx))).radial()
+            spectra.append(
+                {"name": f"{side} body", "waveNumber": listed(radial.wave_number), "density": listed(radial.density)}
+            )
+    rows, columns = levels.shape
+    drawn = np.argsort(-table[2], kind="stable")[:MOST_CONTACTS]
+    packs["contacts"] = packed(table[:, drawn], CONTACT_BYTES)
+    return {
+        "picture": {
+            "rows": rows, "columns": columns, "ranges": ranges, "load": load, "member": member,
+            "moved": listed(moved), "extent": extent,
+            "contacts": {"columns": list(COLUMNS), "count": int(drawn.size), "all": int(table.shape[1])},
+        },
+        "spectra": spectra or None,
+    }, packs  # fmt: skip
+
+
+def grey(heights: Floats, spacing: tuple[float, float]) -> tuple[NDArray[np.uint8], list[float], list[float]]:
+    """Heights (µm) as bytes between the lowest and the highest, of few pixels; both ends; and the lengths they fill."""
+    every = -(-max(heights.shape) // MOST_PIXELS)
+    thin = heights[::every, ::every]
+    low, high = float(thin.min()), float(thin.max())
+    levels = np.rint(255 * (thin - low) / ((high - low) or 1)).astype(np.uint8)
+    return levels, [low, high], [count * every * step for count, step in zip(thin.shape, spacing, strict=True)]

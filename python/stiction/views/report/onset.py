@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 
 from stiction._shown import picture_of
-from stiction.views.figures.dimension_onset import dimension_onset_figure
-from stiction.views.figures.onset import onset_figure
-from stiction.views.figures.slip import has_slip_map, slip_figure
+from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.style import STYLE
 
 if TYPE_CHECKING:

@@ -96,11 +96,12 @@ function showReadout() {
   const judged = judgement(points, load, dimension);
   for (const {at, colour, name, rule, alone} of points) {
     const words = results.length > 1 ? name : facts.ruleWords[rule];
-    answers.push(element("p", {class: "of", style: `color: ${colour}`}, words), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone));
+    answers.push(element("p", {class: "of", style: `color: ${colour}`}, words), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone, knownOf(judged, rule)));
+    if (judged.said?.parts && rule === "all" && knownOf(judged, rule)) answers.push(barOf(judged.said, at.value), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
   }
   const [{at}] = points;
-  Object.assign(byId("readout").dataset, {dimension, load, mu0: state.mu0, tau0: tau0(), status: at.status, value: at.value,
-    lower: at.lower, upper: at.upper});
+  const [lower, upper] = knownOf(judged, points[0].rule) ?? [at.lower, at.upper];
+  Object.assign(byId("readout").dataset, {dimension, load, mu0: state.mu0, tau0: tau0(), status: at.status, value: at.value, lower, upper});
   byId("answer").replaceChildren(...answers);
   byId("judgement").replaceChildren(...judged.elements);
   byId("figures").replaceChildren(...points.filter(({r}, i) => i === points.findIndex((each) => each.r === r)).flatMap(
@@ -108,15 +109,43 @@ function showReadout() {
       figuresOf(point, load)]));
 }
 
-function answerOf(at, rule, alone) {
+/** Ends of the interval of everything known, where the library has said them; two members have none. */
+function knownOf({said}, rule) {
+  const ends = said?.intervals[rule];
+  return ends?.every(Number.isFinite) ? ends : undefined;
+}
+
+/** What holds the bodies as one bar, mu0, adhesion on the true area and slopes, with the interval of everything known. */
+function barOf({parts, intervals}, value) {
+  const [low, high] = intervals.all;
+  const most = 1.05 * Math.max(value, high);
+  const percent = (part) => `${(100 * part) / most}%`;
+  const bar = shape("svg", {class: "bar", role: "img", width: "100%", height: 34});
+  let from = 0;
+  const names = ["μ0", "adhesion on the true area", "slopes"];
+  parts.forEach((part, index) => {
+    const begin = part < 0 ? from + part : from;
+    bar.append(shape("rect", {x: percent(begin), y: 6, width: percent(Math.abs(part)), height: 16, fill: `var(--${["accent", "area", "opposing"][index]})`}));
+    from += part;
+  });
+  bar.append(shape("line", {x1: percent(low), x2: percent(high), y1: 14, y2: 14, stroke: "var(--ink)", "stroke-width": 2}));
+  for (const end of [low, high]) bar.append(shape("line", {x1: percent(end), x2: percent(end), y1: 8, y2: 20, stroke: "var(--ink)", "stroke-width": 2}));
+  const words = parts.map((part, index) => `${(Math.round(1000 * part) / 1000 || 0).toFixed(3)} ${names[index]}`).join(" + ").replace("+ -", "\u2212 ");
+  bar.setAttribute("aria-label", `${words}; interval ${low.toFixed(3)} to ${high.toFixed(3)}`);
+  return element("div", {}, bar, element("p", {class: "hint"}, words));
+}
+
+function answerOf(at, rule, alone, known) {
   if (at.status !== "ok")
     return [element("p", {class: "value"}, at.status), element("p", {class: "interval"}, facts.statuses[at.status]?.why ?? "")];
-  const text = quoted(at.value, at.lower, at.upper);
+  const [lower, upper] = known ?? [at.lower, at.upper];
+  const text = quoted(at.value, lower, upper);
   const [value, ends] = text.split(/ (?=\[)/);
+  const of = known ? `${PERCENT} interval of all that is known ` : `${PERCENT} interval${isMeasured ? " of positions alone" : ""} `;
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, value)),
     element("p", {class: "interval"}, ...(ends
-      ? [`${PERCENT} interval `, element("span", {"data-lower": at.lower, "data-upper": at.upper}, ends)]
+      ? [of, element("span", {"data-lower": lower, "data-upper": upper}, ends)]
       : [`No interval: ${whyNoInterval()}`])),
     ...(Number.isFinite(alone) ? [element("p", {class: "hint"}, "The slopes alone predict ", data(alone, quoted(alone)))] : []),
   ];
@@ -131,7 +160,7 @@ function whyNoInterval() {
 
 /** The verdict, and its reasons: the library's where it has spoken, at the points that were asked for. */
 function judgement(points, load, dimension) {
-  const saying = (elements, saysSlopes = false) => ({elements, saysSlopes});
+  const saying = (elements, saysSlopes = false, said = null) => ({elements, saysSlopes, said});
   if (results.length > 1) return saying([]);
   if (!isMeasured) {
     const {result, d, a, at} = points.find(({rule}) => rule === first.quotedRule) ?? points[0];
@@ -145,7 +174,7 @@ function judgement(points, load, dimension) {
   const said = first.answers.find(({at}) => isNear(at.load, load) && isNear(at.mu0, state.mu0) && isNear(at.tau0, tau0()) &&
     (at.cut_off === undefined || isNear(at.cut_off, dimension)));
   const isAllRound = first.ways[state.way].directions.length === first.directions.length;
-  if (said) return saying(saidVerdict(said.verdict, said.doubts, isAllRound ? said.slopes : "", isAllRound ? said.sentence : ""), isAllRound && said.slopes !== "");
+  if (said) return saying(saidVerdict(said.verdict, said.doubts, isAllRound ? said.slopes : "", isAllRound ? said.sentence : ""), isAllRound && said.slopes !== "", isAllRound ? said : null);
   const near = first.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / load)) + (at.cut_off !== undefined && !isNear(at.cut_off, dimension) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;

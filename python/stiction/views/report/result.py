@@ -20,19 +20,16 @@ from stiction.views.doubts import ADVICE, VERDICTS
 from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
-from stiction.views.report.measured import page_of_measured
-from stiction.views.report.page import Page, ReportError, escaped
-from stiction.views.report.page_result import BYTES, PageResult
-from stiction.views.report.picture import CONTACT_BYTES
+from stiction.views.report.measured import CONTACT_BYTES, page_of_measured
+from stiction.views.report.page import BYTES, Page, PageResult, ReportError, escaped
 
 if TYPE_CHECKING:
     import xarray
 
-MOST_RESULTS = 2
-"""On one page."""
+    Results = xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored]
 
-LOAD_STEPS = 80
-"""Loads of a map."""
+MOST_RESULTS = 2  # on one page
+LOAD_STEPS = 80  # loads of a map
 
 STATUSES = {
     friction.STATUS_OK: ("", ""),
@@ -49,11 +46,7 @@ STATUSES = {
 
 
 def save_report(
-    result: xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored],
-    path: str | Path,
-    *,
-    names: Sequence[str] = (),
-    picture: xarray.Dataset | None = None,
+    result: Results, path: str | Path, *, names: Sequence[str] = (), picture: xarray.Dataset | None = None
 ) -> None:
     """Write the page of a result; an older report of that name is replaced when the new one is whole.
 
@@ -62,9 +55,7 @@ def save_report(
     result : xarray.Dataset or Stored, or two of them
         As for `report_page`.
     path : path
-    names : sequence of str
-        As for `report_page`.
-    picture : xarray.Dataset, optional
+    names, picture
         As for `report_page`.
 
     Raises
@@ -75,12 +66,7 @@ def save_report(
     _report(result, names, picture).save(Path(path))
 
 
-def report_page(
-    result: xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored],
-    *,
-    names: Sequence[str] = (),
-    picture: xarray.Dataset | None = None,
-) -> str:
+def report_page(result: Results, *, names: Sequence[str] = (), picture: xarray.Dataset | None = None) -> str:
     """The page of a result, or of two side by side, as HTML, which needs nothing else.
 
     Both are of generated or both of measured bodies. The names are what each is called on the page; a built-in study,
@@ -91,11 +77,7 @@ def report_page(
     return _report(result, names, picture).html()
 
 
-def _report(
-    result: xarray.Dataset | Stored | Sequence[xarray.Dataset | Stored],
-    names: Sequence[str],
-    picture: xarray.Dataset | None,
-) -> Page:
+def _report(result: Results, names: Sequence[str], picture: xarray.Dataset | None) -> Page:
     import xarray
 
     results: list[Any] = list(result) if isinstance(result, (list, tuple)) else [result]

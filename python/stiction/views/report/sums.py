@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction.mechanics.friction import RATIOS, SIX
 from stiction.mechanics.quantities import DIRECTED
 from stiction.studies.maps import MOTIONS, solved_pieces
-from stiction.studies.member_values import SIX
 from stiction.views.report.page import ReportError
 
 if TYPE_CHECKING:
@@ -19,18 +19,10 @@ if TYPE_CHECKING:
 
     from stiction.studies.store import Stored
 
-RATIOS = {
-    "relative_overlap": ("overlap_load", ("normal_elastic",)),
-    "share_beyond_hertz": ("load_beyond_hertz", ("normal_elastic",)),
-    "share_below_grid": ("load_below_grid", ("normal_elastic",)),
-    "share_crossed": ("crossed_count", ("crossed_count", "contact_count")),
-    "share_overlapping": ("load_overlapping", ("normal_elastic",)),
-    "share_unanswered": ("unanswered_count", ("grid_minimum_count",)),
-    "share_at_edge": ("load_at_edge", ("normal_elastic",)),
-    "load_share_at_hardness": ("load_share_at_hardness", ()),
-    "area_share_at_hardness": ("area_share_at_hardness", ()),
-}
-"""Sum that is the numerator of each figure of validity, and those of its denominator."""
+AT_HARDNESS = ("load_share_at_hardness", "area_share_at_hardness")
+
+PAGE_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = RATIOS | {name: (name, ()) for name in AT_HARDNESS}
+"""Numerator of each figure of a page, and sums that are its denominator."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +93,8 @@ def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArra
         has_stiffness = bool(np.isfinite(columns["approach"]).all())
         if has_stiffness:
             compliance = np.gradient(columns["approach"], steps, axis=-1, edge_order=2)
-    figures = [name for name, (of, over) in RATIOS.items() if {of, *over} <= set(columns)]
-    needed = {part for name in figures for part in (RATIOS[name][0], *RATIOS[name][1])}
+    figures = [name for name, (of, over) in PAGE_RATIOS.items() if {of, *over} <= set(columns)]
+    needed = {part for name in figures for part in (PAGE_RATIOS[name][0], *PAGE_RATIOS[name][1])}
     plain = sorted({"contact_area", "normal_elastic", "contact_count"} | needed)
     directed = [name for name in SIX if name in DIRECTED]
 

@@ -12,11 +12,10 @@ from stiction.views.characterisation import HARMLESS, PAPERS_MU0, Characterisati
 from stiction.views.digits import percent, with_unit
 from stiction.views.figures.roughness import Panel, panels
 from stiction.views.inputs import doubts_of_scan
+from stiction.views.report.measured import grey
 from stiction.views.report.page import Page, deflated, escaped, listed
-from stiction.views.report.picture import grey
 
-MUCH = 0.1
-"""Fraction of the mean square slope in the shortest octave from which on a finer scan would find much more."""
+MUCH = 0.1  # fraction of the mean square slope in the shortest octave from which on a finer scan would find much more
 
 
 def surface_page(body: Profile | Surface | Characterisation, *, name: str, command: str, **options: Any) -> Page:

@@ -1,0 +1,306 @@
+"""The whole uncertainty of a coefficient of static friction, and what of it each input has.
+
+What is known of mu0, tau0, hardness and elasticity, the scatter over positions, and waves finer than the scan, are
+propagated by draws (JCGM 101, 2008): loads are linear in mu0 and tau0, the true area follows the hardness between
+solutions, and a solution at (F, E*, H) is one at (cF, cE*, cH).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics.brackets import friction_bracket
+from stiction.mechanics.hardness import area_per_load
+from stiction.mechanics.spectral_resolution import KAPPA
+from stiction.studies.hardness import hardness_beside
+from stiction.studies.interfaces import interface_of
+from stiction.studies.known import DRAWS, ENDS, Known, inputs_of, relative_modulus, strata
+from stiction.studies.maps import study_of_result
+from stiction.studies.member_values import member_values
+from stiction.studies.store import Stored
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.maps import Result
+    from stiction.studies.study import Study
+
+POSITIONS, FINER = "positions", "finer waves"
+"""Parts of the uncertainty that are no inputs."""
+
+INTERFACE = "interface"
+"""Input that is mu0 and tau0 jointly."""
+
+KNOWN_QUANTILES = (0.1, 0.5, 0.9)
+"""Quantiles of an input over which the width that would be left, if it were known, is a mean."""
+
+MOST_BUDGETS = 100
+"""Coefficients up to which each has a budget; of more, each has its intervals."""
+
+DECILES = 2.563103131089201
+"""Standard deviations of a normal distribution between its tenth and its ninetieth percentile."""
+
+_READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
+"""Variables that a coefficient's interval takes."""
+
+_UNIT = 1e-3
+"""Adhesive strength (GPa) by which the linear part of tau0 is read: small beside any modulus."""
+
+
+def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
+    """What `at_load` gives of measured bodies, with the interval of everything known, the next test, and the budget.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+        What `at_load` returns of the result at its elastic loads.
+    result : xarray.Dataset or Stored
+
+    Returns
+    -------
+    xarray.Dataset
+        With `friction_known`, the coefficient and its 95 % interval of everything known, `friction_next_test`, between
+        which ends one test at one position and in one direction lies with 95 %, and `friction_if_known`, over input,
+        the interval that would be left if that input were known, where all contacts rub; the width of this is
+        `width_if_known`. The inputs are those of `inputs_of`, "positions" and "finer waves". Of generated bodies it is
+        as it was.
+    """
+    study = study_of_result(result)
+    if not study.is_measured or at.attrs.get("reading") != "elastic":
+        return at
+    inputs, strength = inputs_of(study), None
+    if (known := interface_of(study)) is not None:
+        strength = known.fits[0].mu0, known.fits[0].tau0
+        inputs = {name: each for name, each in inputs.items() if name not in ("mu0", "tau0")}
+    order = [*([] if strength is None else [INTERFACE]), *inputs, POSITIONS, FINER]
+    friction = at["friction_all_round"]
+    dims = tuple(str(dim) for dim in friction.dims if dim != "statistic")
+    shape = tuple(at.sizes[dim] for dim in dims)
+    found = {name: np.full((*shape, 3), np.nan) for name in ("friction_known", "friction_next_test")}
+    left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
+    linear, areas = _Linear.of(at, result), _Areas.of(at, study, result)
+    read = at[[name for name in _READ if name in at]]
+    for place in np.ndindex(*shape):
+        where = dict(zip(dims, place, strict=True))
+        one = _Point.of(read.isel(where), where, study, inputs, linear, areas, strength)
+        if one is None:
+            continue
+        found["friction_known"][place] = one.value, *one.interval()
+        found["friction_next_test"][place] = one.value, *one.next_test()
+        quoted = str(at["sliding"].values[where["sliding"]]) == "all"
+        for index, name in enumerate(order if quoted and np.prod(shape) <= MOST_BUDGETS else ()):
+            if name in one.names:
+                left[(index, *place)] = one.value, *one.interval({name: 0.5})
+                width[(index, *place)] = np.mean([np.ptp(one.interval({name: part})) for part in KNOWN_QUANTILES])
+    words = {
+        "friction_known": "coefficient of static friction, 95 % of everything known",
+        "friction_next_test": "coefficient of static friction of one test, one way, at one position",
+    }
+    variables: dict[str, Any] = {
+        name: ((*dims, "statistic"), values, {"units": "1", "long_name": words[name]}) for name, values in found.items()
+    }
+    variables["friction_if_known"] = (
+        ("input", *dims, "statistic"), left, {"units": "1", "long_name": "interval if an input were known"},
+    )  # fmt: skip
+    variables["width_if_known"] = (("input", *dims), width, {"units": "1", "long_name": "width if an input were known"})
+    said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
+    coordinates = {"input": ("input", order), "input_words": ("input", said)}
+    return at.assign(variables).assign_coords(coordinates)
+
+
+@dataclass(frozen=True)
+class _Linear:
+    """Both loads over the elastic one, linear in mu0 and tau0: means over members and directions at each place."""
+
+    elastic: xarray.DataArray
+    rub: xarray.DataArray
+    stick: xarray.DataArray
+    rub_normal: xarray.DataArray
+    stick_normal: xarray.DataArray
+
+    @classmethod
+    def of(cls, at: xarray.Dataset, result: Result) -> _Linear:
+        members = member_values(result, at["load"].values, mu0=[0.0, 1.0], tau0=[0.0, _UNIT], reading="elastic")
+        load, over = members["load"], ("repetition", "direction")
+        tangential, normal = ((members[f"{name}_load"] / load).mean(over) for name in ("tangential", "normal"))
+
+        def part(table: xarray.DataArray, mu0: int, tau0: int) -> xarray.DataArray:
+            return table.isel(mu0=mu0, tau0=tau0, drop=True)
+
+        rest, upward = part(tangential, 0, 0), part(normal, 0, 0)
+        return cls(
+            elastic=rest, rub=part(tangential, 1, 0) - rest, stick=(part(tangential, 0, 1) - rest) / _UNIT,
+            rub_normal=part(normal, 1, 0) - upward, stick_normal=(part(normal, 0, 1) - upward) / _UNIT,
+        )  # fmt: skip
+
+    def coefficients(self, where: Mapping[str, int]) -> tuple[float, ...]:
+        """The five numbers at one place."""
+        tables = (self.elastic, self.rub, self.stick, self.rub_normal, self.stick_normal)
+        return tuple(float(each.values[tuple(where[str(name)] for name in each.dims)]) for each in tables)
+
+
+@dataclass(frozen=True)
+class _Areas:
+    """How the true area at each load goes with hardness and with E*."""
+
+    hardness: float | None  # GPa, of the study
+    nodes: Floats  # (n,) GPa
+    at_nodes: Floats  # (loads, n) A/F, 1/GPa
+    elastic: Floats  # (loads,) A/F of bodies that do not yield
+    growth: Floats  # (loads,) d ln(A/F) / d ln F
+    kept: dict[Any, Any] = field(default_factory=dict)  # draws that several points share
+
+    @classmethod
+    def of(cls, at: xarray.Dataset, study: Study, result: Result) -> _Areas:
+        loads = at["load"].values
+        hardness = study.contact.hardness
+        area = at["contact_area"].sel(statistic="mean")
+        area = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
+        steps = study.contact.steps()
+        growth = np.zeros(loads.size)
+        if steps.size > 1:
+            curve = member_values(result, steps, mu0=[0.0], tau0=[0.0])["contact_area"]
+            ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
+            known = np.isfinite(ratio) & (ratio > 0)
+            if known.sum() > 1:
+                slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
+                growth = np.interp(np.log(loads), np.log(steps[known]), slope)
+        if hardness is None:
+            return cls(None, np.zeros(0), np.zeros((loads.size, 0)), area, growth)
+        solved = hardness_beside(result) if isinstance(result, Stored) else None
+        if solved is not None and set(loads.tolist()) <= set(solved["load"].values.tolist()):
+            table = solved["contact_area"].sel(load=loads).mean("repetition").transpose("load", "hardness").values
+            over = table / loads[:, np.newaxis]
+            finite = np.isfinite(solved["hardness"].values) & np.isfinite(over).all(axis=0)
+            last = over[:, -1]
+            if finite.any() and np.isfinite(last).all():
+                return cls(float(hardness), solved["hardness"].values[finite], over[:, finite], last, growth)
+        # Without solutions at other hardnesses the area follows the one formula through that of the study.
+        gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
+        elastic = np.full(loads.size, KAPPA / (float(study.contact.effective_modulus) * gradient))
+        return cls(float(hardness), np.array([float(hardness)]), area[:, np.newaxis], elastic, growth)
+
+    def factor(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
+        """True area over that of the study, for hardnesses (GPa) and E* over that of the study."""
+        scale = np.power(modulus, -(1.0 + self.growth[load]))
+        if self.hardness is None or hardness is None:
+            return np.asarray(scale)
+        values = area_per_load(np.ravel(hardness / modulus), self.nodes, self.at_nodes[load], self.elastic[load])
+        own = area_per_load([self.hardness], self.nodes, self.at_nodes[load], self.elastic[load])
+        return np.asarray(scale * values / own)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """One coefficient with everything that it depends on."""
+
+    value: float
+    names: tuple[str, ...]  # of what is not known exactly
+    inputs: Mapping[str, Known]
+    study: Study
+    friction: tuple[float, ...]  # as `_Linear.coefficients`
+    mu0: float
+    tau0: float
+    areas: _Areas
+    load: int
+    positions: float  # relative standard error of the mean
+    scatter: float  # relative standard deviation of one member in one direction
+    members: int
+    finest: tuple[float, float] | None  # between which ends finer scans lie
+    strength: tuple[Floats, Floats] | None = None  # draws of mu0 and tau0 jointly
+
+    @classmethod
+    def of(
+        cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, linear: _Linear, areas: _Areas,
+        strength: tuple[Floats, Floats] | None = None,
+    ) -> _Point | None:  # fmt: skip
+        """From a point of what `at_load` gives; None where there is no coefficient, or no interval."""
+        value, lower, upper = point["friction_all_round"].values.tolist()
+        if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
+            return None
+        mu0, tau0 = float(point["mu0"]), float(point["tau0"])
+        known = {name: each.known for name, each in inputs.items()}
+        # A range is of the value that the study asks for, not of another that is read off.
+        for name, own in (("mu0", mu0), ("tau0", tau0)):
+            of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
+            middle = known[name].value if name in known and of_interface is None else of_interface
+            if middle is not None and abs(middle - own) > 1e-3 * own:
+                known.pop(name, None)
+                strength = None
+        hardness, finest = study.contact.hardness, None
+        if hardness is not None and study.by_half_space and str(point["sliding"].values) == "all":
+            contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
+            finest = friction_bracket(value, mu0, tau0 / float(hardness), contacts)
+        positions = (upper - lower) / (2 * ENDS * value)
+        names = (*known, *((INTERFACE,) if strength else ()), *((POSITIONS,) if positions > 0 else ()))
+        if finest is not None and finest[1] > finest[0]:
+            names = (*names, FINER)
+        spread = float(point["spread_high"]) - float(point["spread_low"])
+        return cls(
+            value, names, known, study, linear.coefficients(where), mu0, tau0, areas, where.get("load", 0), positions,
+            spread / (DECILES * value), int(point["ok"].min()), finest, strength,
+        )  # fmt: skip
+
+    def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
+        """The 95 % interval, with some inputs at quantiles of theirs."""
+        if self.names == (POSITIONS,) and not fixed:
+            half = ENDS * self.positions * self.value
+            return max(self.value - half, 0.0), self.value + half
+        return _ends(self._draws(fixed or {}))
+
+    def next_test(self) -> tuple[float, float]:
+        """The 95 % prediction interval of one more member in one direction."""
+        from scipy.special import stdtrit
+
+        key = len(self.names), self.members
+        if key not in self.areas.kept:
+            deviate = stdtrit(max(self.members - 1, 1), strata(len(self.names) + 1)[:, -1])
+            self.areas.kept[key] = deviate * math.sqrt(1 + 1 / max(self.members, 1))
+        return _ends(self._draws({POSITIONS: 0.5}) * (1 + self.areas.kept[key] * self.scatter))
+
+    def _draws(self, fixed: Mapping[str, float]) -> Floats:
+        from scipy.special import ndtri
+
+        key = self.names, tuple(fixed.items()), self.load
+        if key not in self.areas.kept:  # the same for every mu0 and tau0 of a load
+            self.areas.kept[key] = self._drawn(fixed)
+        columns, drawn, hardness, area = self.areas.kept[key]
+        mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
+        if self.strength is not None:  # in the order of what they give here, so that their quantiles are its
+            order = np.argsort(self._coefficient(*self.strength, 1.0))
+            place = order[(columns[INTERFACE] * order.size).astype(int)]
+            mu0, tau0 = self.strength[0][place], self.strength[1][place]
+        found = self.value * self._coefficient(mu0, tau0, area) / self._coefficient(self.mu0, self.tau0, 1.0)
+        found = np.broadcast_to(found, (DRAWS,))
+        if FINER in columns and self.finest is not None:
+            least = np.minimum(mu0 + tau0 / hardness, found)
+            most = np.maximum(found * (self.finest[1] / self.value), least)
+            found = least + columns[FINER] * (most - least)
+        if POSITIONS in columns:
+            found = found * (1 + self.positions * ndtri(columns[POSITIONS]))
+        return np.asarray(np.maximum(found, 0.0))
+
+    def _drawn(self, fixed: Mapping[str, float]) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats]:
+        """Columns of the cube by what they are of, inputs, hardness and true area over that of the study."""
+        columns = dict(zip(self.names, strata(len(self.names) + 1).T, strict=False))
+        columns |= {name: np.full(DRAWS, part) for name, part in fixed.items() if name in columns}
+        drawn = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
+        hardness = drawn.get("hardness", np.full(DRAWS, self.areas.hardness or np.nan))
+        softest = None if self.areas.hardness is None else hardness
+        return columns, drawn, hardness, self.areas.factor(self.load, softest, relative_modulus(self.study, drawn))
+
+    def _coefficient(self, mu0: Any, tau0: Any, area: Any) -> Any:
+        elastic, rub, stick, rub_normal, stick_normal = self.friction
+        return (elastic + mu0 * rub + tau0 * stick * area) / (1 + mu0 * rub_normal + tau0 * stick_normal * area)
+
+
+def _ends(values: NDArray[Any]) -> tuple[float, float]:
+    low, high = np.quantile(values, [0.025, 0.975])
+    return float(low), float(high)

@@ -1,0 +1,132 @@
+"""`stiction calibrate`: tests from a table, on pairs that were pressed and on a ball; and what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+from command import assert_refused, stiction_command
+from stiction import Ball, Result, read_interface, self_affine_surface, write_surface
+from stiction.studies.store import open_stored
+
+MU0, TAU0 = 0.15, 0.012
+BALL = ("--ball", "5 mm", "--effective-modulus", "3 GPa")
+
+
+def table(path, rows, head="load (mN),coefficient,uncertainty (%)"):
+    path.write_text("\n".join(["# measured", head, *(",".join(map(str, row)) for row in rows)]) + "\n", "utf-8")
+    return path
+
+
+def ball_rows(error=3):
+    ball = Ball("5 mm", "3 GPa")
+    return [(load, MU0 + TAU0 * ball.area_per_load(load), error) for load in (5.0, 20.0, 100.0, 500.0, 2000.0)]
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    """A folder with two finishes that were pressed, elastic, and their forces of friction, in two units."""
+    where = tmp_path_factory.mktemp("finishes")
+    rows = []
+    for name, rms in (("ground", 0.04), ("lapped", 0.01)):
+        for side, seed in (("upper", 1), ("lower", 2)):
+            surface = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, side=side)
+            write_surface(surface, where / f"{name}_{side}.csv")
+        done = stiction_command(
+            "pair", f"{name}_upper.csv", f"{name}_lower.csv", "--effective-modulus", "80 GPa", "--mu0", MU0, "--tau0",
+            "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        result = Result(open_stored(where / name))
+        for load in (40, 80, 160):
+            at = result.at(f"{load} MPa", mu0=MU0, tau0="300 MPa")["friction_all_round"].sel(sliding="all")
+            y, force = float(at.sel(statistic="mean").squeeze()), 1e-3 * load * result.nominal_area
+            rows.append((1e-3 * force, 1e3 * force * y, 20 * force * y, name, f"{name} {load}", 1))
+    table(where / "forces.csv", rows, "load (N),force (uN),uncertainty (uN),pair,run,slid")
+    return where
+
+
+def test_a_ball_gives_both_and_keeps_them(tmp_path):
+    table(tmp_path / "forces.csv", ball_rows())
+    done = stiction_command("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    first, *rest = done.stdout.splitlines()
+    assert first.startswith("μ0 + τ0 A/F = ")
+    assert rest[0].startswith("μ0 = 0.1")
+    assert rest[1].startswith("τ0 = 12")
+    assert done.stdout.count("χ²") == 1  # both rules are one of a ball
+    kept = read_interface(tmp_path / "film")
+    assert kept.separated
+    assert kept.about["surfaces"] == "ball"
+    assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
+    done = stiction_command(
+        "calibrate", "forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json", cwd=pressed
+    )
+    assert done.returncode == 0, done.stderr
+    record = json.loads(done.stdout)
+    assert (record["kind"], record["separated"]) == ("interface", True)
+    values = {each["name"]: each for each in record["values"]}
+    assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]
+    assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
+    one = stiction_command("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
+    assert one.returncode == 0, one.stderr
+    assert "Only μ0 + τ0 A/F is measured" in one.stdout
+    assert "a smooth ball below yield" in one.stdout
+
+
+def test_a_ball_beyond_yield_is_told(tmp_path):
+    options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
+    done = stiction_command("calibrate", *options, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "may be beyond yield" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "words"),
+    [
+        ("load,coefficient", (1, 0.2), "load (mN)"),
+        ("load (mN),friction", (1, 0.2), "friction"),
+        ("load (mN),force (mN),coefficient", (1, 1, 1), "either force or coefficient"),
+        ("load (mN),force (mN),uncertainty", (1, 1, 1), "needs a unit"),
+        ("load (mN),coefficient,pair", (1, 0.2, "lapped"), "line 3: pair must be one of ball"),
+        ("load (mN),coefficient,slid", (1, 0.2, "maybe"), "slid must be 1"),
+        ("load (mN),coefficient", (1,), "line 3: has 1 cells"),
+        ("load (mN),coefficient", (1, "x"), "coefficient must be a number"),
+        ("load (MPa),coefficient", (1, 0.2), "load has the unit"),
+        ("load (mN),coefficient,uncertainty (%)", (1, 0.2, -1), "uncertainty must be"),
+    ],
+)
+def test_a_table_that_says_something_else_is_refused(tmp_path, head, row, words):
+    table(tmp_path / "forces.csv", [row], head)
+    assert_refused(stiction_command("calibrate", "forces.csv", *BALL, cwd=tmp_path), "forces.csv", words)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("forces.csv",), "--pair DIR, or --ball"),
+        (BALL, "FORCES.csv, or --load and --measured"),
+        ((*BALL, "--load", "1 mN"), "--load and --measured"),
+        ((*BALL, "--load", "1 mN", "--measured", "0.25"), "uncertainty is needed"),
+        ((*BALL, "--load", "1 mN", "--measured", "red"), "--measured must be a number"),
+        (("forces.csv", *BALL, "--load", "1 mN"), "one test without a file"),
+        (("forces.csv", "--ball", "5 mm"), "--effective-modulus"),
+        (("forces.csv", *BALL, "--sliding", "none"), "sliding"),
+        (("none.csv", *BALL), "none.csv"),
+        (("forces.csv", "--pair", "."), "not a result"),
+        (("forces.csv", "--pair", ".", "--upper", "steel"), "not a result"),
+    ],
+)
+def test_arguments_that_do_not_go_together_are_refused(tmp_path, arguments, words):
+    table(tmp_path / "forces.csv", ball_rows())
+    assert_refused(stiction_command("calibrate", *arguments, cwd=tmp_path), words)
+
+
+def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
+    text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(f"{x};{y};{0.03 * y};1" for x, y, _ in ball_rows())
+    (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
+    done = stiction_command("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)

@@ -1,0 +1,45 @@
+"""True area over a range of hardness, against direct solutions and limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from stiction import half_space, self_affine_surface
+from stiction.mechanics.hardness import area_per_load
+from stiction.studies.hardness import NODES
+
+FRICTION, AREA = 0.01, 0.03
+"""Largest relative errors of friction and of area between nodes, on maps of 96 by 96 points with few contacts."""
+
+
+@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # plastic throughout, between, nearly elastic
+def test_between_nodes_it_is_that_of_direct_solutions(rms: float) -> None:
+    upper, lower = (
+        self_affine_surface(
+            3, hurst_exponent=0.8, rms=rms, shape=(96, 96), spacing=0.05, shortest_wavelength=0.3, side=side
+        )
+        for side in ("upper", "lower")
+    )
+
+    def ratio(hardness: float | None) -> float:
+        load = 0.02 * 4.8**2
+        curve = half_space(
+            upper, lower, [load], effective_modulus=80.0, sliding="all", boundary="periodic", hardness=hardness
+        )
+        return float(curve.contact_area[0] / curve.normal_elastic[0])
+
+    elastic = ratio(None)
+    nodes = np.geomspace(0.23, 1.7, NODES)
+    wanted = np.geomspace(0.23, 1.7, 7)
+    found = area_per_load(wanted, nodes, [ratio(float(each)) for each in nodes], elastic)
+    direct = np.array([ratio(float(each)) for each in wanted])
+    assert found == pytest.approx(direct, rel=AREA)
+    assert 0.2 + 0.05 * found == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION)
+
+
+def test_limits() -> None:
+    assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
+    soft = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
+    assert soft[0] == pytest.approx(0.3)
+    several = area_per_load([0.5, 1.0], [0.5], [[2.1], [2.2]], [0.3, 0.3])
+    assert several.shape == (2, 2)

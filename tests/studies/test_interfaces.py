@@ -1,0 +1,138 @@
+"""Strengths of interfaces by name or file: into the whole interval of a pair, jointly, and by their ranges alone."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from command import assert_refused, stiction_command
+from stiction import (
+    Ball,
+    FrictionTest,
+    Study,
+    calibrate,
+    interface,
+    interfaces,
+    pair,
+    self_affine_surface,
+    write_interface,
+    write_surface,
+)  # fmt: skip
+from stiction.studies.interfaces import interface_of
+from stiction.studies.known import ENDS
+
+KINDS = ("measured", "lumped", "bound")
+
+BY_DRAWS = 0.04
+"""Largest difference of an end of an interval by draws from the exact one, over its width: 4000 draws scatter so."""
+
+QUICK = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
+
+
+def bodies():
+    return [
+        self_affine_surface(seed, hurst_exponent=0.8, rms=0.005, shape=(48, 48), spacing=0.1, side=side)
+        for side, seed in (("upper", 1), ("lower", 2))
+    ]
+
+
+@pytest.fixture
+def film(tmp_path):
+    """A strength whose mu0 and tau0 are correlated, from tests on a ball."""
+    ball = Ball("5 mm", "3 GPa")
+    tests = [
+        FrictionTest(ball, load, coefficient=y, uncertainty=0.05 * y)
+        for load in (100.0, 300.0, 1000.0, 2000.0)
+        for y in [0.15 + 0.012 * ball.area_per_load(load)]
+    ]
+    write_interface(calibrate(tests), tmp_path / "film")
+    return tmp_path / "film"
+
+
+def test_both_enter_the_interval_jointly(film) -> None:
+    result = pair(*bodies(), interface=film, **QUICK)
+    _, adhesion, _ = result.answers[0].parts
+    fit = interface(film).fits[0]
+    area = adhesion / np.median(fit.tau0)
+    friction = fit.mu0 + fit.tau0 * area
+    relative = np.diff(result.of_positions)[0] / 2 / ENDS / result.value
+    friction = friction * (1 + relative * np.random.default_rng(0).standard_normal(friction.size))
+    expected = np.quantile(friction, [0.025, 0.975]) * result.value / np.median(fit.mu0 + fit.tau0 * area)
+    assert result.interval == pytest.approx(expected, abs=BY_DRAWS * np.ptp(expected))
+    assert result.budget["input"].tolist()[0] == "the interface"
+    left = result.budget.loc[0]
+    assert (left.lower, left.upper) == pytest.approx(result.of_positions, abs=0.1 * np.ptp(result.interval))
+    known = result.study.known
+    apart = pair(*bodies(), mu0=known.mu0, tau0=known.tau0, **QUICK)
+    assert np.ptp(apart.interval) > 1.2 * np.ptp(result.interval)  # correlation is lost
+    assert "interface film (measured)" in result.answers[0].inputs
+
+
+def test_at_another_strength_the_interface_has_no_say(film) -> None:
+    result = pair(*bodies(), interface=film, **QUICK)
+    study = result.study
+    again = Study.from_toml(result.path / "study.toml")
+    assert interface_of(again) is interface_of(study) is not None
+    assert interface_of(again.with_changes({"friction.mu0": [0.3]})) is None
+
+
+def test_without_its_file_the_ranges_count(film) -> None:
+    result = pair(*bodies(), interface=film, **QUICK)
+    joint, path = result.interval, result.path
+    film.unlink()
+    done = stiction_command("at", path, "--load", "20 MPa", "--json", cwd=film.parent)
+    assert done.returncode == 0, done.stderr
+    (answer,) = json.loads(done.stdout)["answers"]
+    rule = answer["rules"][0] if "rules" in answer else answer
+    assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
+    assert "which is not there" in done.stdout
+
+
+@pytest.mark.parametrize("name", sorted(interfaces()))
+def test_each_name_says_its_kind_and_source_and_can_be_used(name) -> None:
+    about = interfaces()[name]
+    assert set(about) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
+    assert about["kind"] in KINDS
+    assert about["motion"] in ("static", "kinetic")
+    assert (about["kind"] == "lumped") == (about["tau0"] == "0 MPa")
+    result = pair(*bodies(), interface=name, **QUICK)
+    assert f"interface {name} ({about['kind']}, {about['motion']}" in result.answers[0].inputs
+    assert result.interval[0] <= result.value <= result.interval[1]
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({}, "give mu0, or the interface"),
+        ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be given beside interface"),
+        ({"tau0": "1 MPa", "interface": "steel on ice"}, "tau0 must not be given beside interface"),
+        ({"interface": "steel on butter"}, "interface must be a file or one of"),
+        ({"interface": 3}, "interface must be a name or a file"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(asked, words) -> None:
+    with pytest.raises(ValueError, match=words):
+        pair(*bodies(), **QUICK, **asked)
+
+
+def test_the_command_lists_them_and_takes_one(tmp_path) -> None:
+    listed = stiction_command("interfaces", cwd=tmp_path).stdout
+    record = json.loads(stiction_command("interfaces", "--json", cwd=tmp_path).stdout)
+    assert [each["name"] for each in record["interfaces"]] == list(interfaces())
+    assert all(f"{name}\n  {about['kind']}, " in listed for name, about in interfaces().items())
+    for side, body in zip(("upper", "lower"), bodies(), strict=True):
+        write_surface(body, tmp_path / f"{side}.csv")
+    asked = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
+    done = stiction_command(*asked, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "interface steel on ice (lumped, kinetic)" in " ".join(done.stdout.split())
+    assert_refused(stiction_command(*asked, cwd=tmp_path), "give --mu0, or the --interface")
+    assert_refused(stiction_command(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
+
+
+def test_what_calibrate_gave_is_taken_and_kept_beside_the_result(film) -> None:
+    by_file = pair(*bodies(), interface=film, **QUICK)
+    in_memory = pair(*bodies(), interface=interface(film), **QUICK)
+    assert in_memory.interval == pytest.approx(by_file.interval, rel=1e-6)
+    assert (in_memory.path / "interface.csv").is_file()
