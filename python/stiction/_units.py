@@ -10,16 +10,20 @@ _UNITS = {
     "length": {"m": "1e6", "mm": "1e3", "um": "1", "µm": "1", "μm": "1", "nm": "1e-3", "pm": "1e-6"},
     "pressure": {"TPa": "1e3", "GPa": "1", "MPa": "1e-3", "kPa": "1e-6", "Pa": "1e-9"},
     "force": {"kN": "1e6", "N": "1e3", "mN": "1", "uN": "1e-3", "µN": "1e-3", "μN": "1e-3", "nN": "1e-6"},
+    "time": {"s": "1", "ms": "1e-3", "min": "60", "h": "3600", "d": "86400"},
     "work of adhesion": {
         name.replace("/m^2", square): factor
         for square in ("/m^2", "/m²")
         for name, factor in (("mJ/m^2", "1e-6"), ("J/m^2", "1e-3"), ("kJ/m^2", "1"), ("mN/m", "1e-6"), ("N/m", "1e-3"))
     },
 }
-"""Factors to µm, GPa, mN and mN/µm; both Unicode spellings of micro."""
+"""Factors to µm, GPa, mN, s and mN/µm; both Unicode spellings of micro."""
 
-_SANE = {"length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "work of adhesion": (1e-9, 1)}
-"""Magnitudes in µm, GPa, mN and mN/µm; what is outside is a slip of the unit."""
+_SANE = {
+    "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
+    "work of adhesion": (1e-9, 1),
+}  # fmt: skip
+"""Magnitudes in µm, GPa, mN, s and mN/µm; what is outside is a slip of the unit."""
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"

@@ -80,6 +80,31 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
         assert found[0] == pytest.approx(direct.value, rel=BETWEEN)
 
 
+@pytest.mark.parametrize("rms", [0.03, 0.003])  # plastic, and between elastic and plastic
+def test_waiting_is_the_hardness_that_it_leaves(rms) -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **QUICK)
+    waited = pair(*bodies(rms=rms), hardness="0.8 GPa", wait=["1 s", "1 h", "10 d"], creep=0.04, **kwargs).answers[0]
+    assert [each.seconds for each in waited.waited] == [1, 3600, 864000]
+    assert waited.waited[0].value == pytest.approx(waited.value, rel=1e-9)
+    for each in waited.waited[1:]:
+        softer = pair(*bodies(rms=rms), hardness=0.8 * each.seconds**-0.04, **kwargs)
+        assert each.value == pytest.approx(softer.value, rel=BETWEEN)
+        assert each.lower < each.value < each.upper
+    if rms == 0.03:  # all contacts yield: m tau0/H, times what the logarithm is short of the power
+        grown = 0.05 / 0.8 * (864000**0.04 - 1) / np.log(864000)
+        assert waited.ageing == pytest.approx(grown, rel=0.02)
+
+
+def test_a_range_of_creep_widens_what_is_waited_for_alone() -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.8 GPa", **QUICK)
+    exact, wide = (pair(*bodies(rms=0.03), wait="1 d", creep=m, **kwargs).answers[0] for m in ("0.03", "0.02..0.04"))
+    assert exact.waited[0].value == pytest.approx(wide.waited[0].value, rel=1e-3)  # other nodes
+    assert (exact.lower, exact.upper) == pytest.approx((wide.lower, wide.upper), rel=1e-9)
+    low, high = (0.2 + 0.05 / 0.8 * 86400**m for m in (0.02, 0.04))
+    assert wide.waited[0].upper - wide.waited[0].lower > 0.9 * (high - low)
+    assert exact.waited[0].upper - exact.waited[0].lower < 0.3 * (high - low)
+
+
 def test_materials_bring_their_ranges_and_a_hardness_that_is_given_is_exact() -> None:
     kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", **QUICK)
     named = pair(*bodies(rms=0.02), **kwargs)

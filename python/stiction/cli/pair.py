@@ -111,6 +111,12 @@ Hardness = Annotated[str | None, _material(
     "--hardness PRESSURE",
     "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.", False,
 )]  # fmt: skip
+Wait = Annotated[str | None, _material(
+    "--wait TIMES", 'Under load before it is sheared, "1 min,1 h"; the hardness is that after 1 s.', False,
+)]  # fmt: skip
+Creep = Annotated[str | None, _material(
+    "--creep NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": hardness (t/1 s)^-m.', False,
+)]  # fmt: skip
 ContactLaw = Annotated[
     str | None, _material("--law hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW)
 ]
@@ -180,6 +186,8 @@ def pair(
     upper_material: UpperMaterial = None,
     lower_material: LowerMaterial = None,
     hardness: Hardness = None,
+    wait: Wait = None,
+    creep: Creep = None,
     law: ContactLaw = None,
     yield_strength: YieldStrength = None,
     mechanics: Mechanics = None,

@@ -21,7 +21,7 @@ from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.spectral_resolution import KAPPA
 from stiction.studies.hardness import hardness_beside
 from stiction.studies.interfaces import interface_of
-from stiction.studies.known import DRAWS, ENDS, Known, inputs_of, relative_modulus, strata
+from stiction.studies.known import DRAWS, ENDS, Known, creep_of, inputs_of, relative_modulus, strata
 from stiction.studies.maps import study_of_result
 from stiction.studies.member_values import member_values
 from stiction.studies.store import Stored
@@ -69,8 +69,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         With `friction_known`, the coefficient and its 95 % interval of everything known, `friction_next_test`, between
         which ends one test at one position and in one direction lies with 95 %, and `friction_if_known`, over input,
         the interval that would be left if that input were known, where all contacts rub; the width of this is
-        `width_if_known`. The inputs are those of `inputs_of`, "positions" and "finer waves". Of generated bodies it is
-        as it was.
+        `width_if_known`; where the study waits, `friction_waited` over wait (s). The inputs are those of `inputs_of`,
+        "positions" and "finer waves". Of generated bodies it is as it was.
     """
     study = study_of_result(result)
     if not study.is_measured or at.attrs.get("reading") != "elastic":
@@ -85,6 +85,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     shape = tuple(at.sizes[dim] for dim in dims)
     found = {name: np.full((*shape, 3), np.nan) for name in ("friction_known", "friction_next_test")}
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
+    waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
     linear, areas = _Linear.of(at, result), _Areas.of(at, study, result)
     read = at[[name for name in _READ if name in at]]
     for place in np.ndindex(*shape):
@@ -94,6 +95,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
             continue
         found["friction_known"][place] = one.value, *one.interval()
         found["friction_next_test"][place] = one.value, *one.next_test()
+        for index, wait in enumerate(study.friction.wait):
+            waited[(*place, index)] = one.after(float(wait))
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
         for index, name in enumerate(order if quoted and np.prod(shape) <= MOST_BUDGETS else ()):
             if name in one.names:
@@ -112,6 +115,11 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     variables["width_if_known"] = (("input", *dims), width, {"units": "1", "long_name": "width if an input were known"})
     said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
     coordinates = {"input": ("input", order), "input_words": ("input", said)}
+    if study.friction.wait:
+        words["friction_waited"] = "coefficient of static friction after waiting under load"
+        about = {"units": "1", "long_name": words["friction_waited"]}
+        variables["friction_waited"] = ((*dims, "wait", "statistic"), waited, about)
+        coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
     return at.assign(variables).assign_coords(coordinates)
 
 
@@ -265,12 +273,21 @@ class _Point:
             self.areas.kept[key] = deviate * math.sqrt(1 + 1 / max(self.members, 1))
         return _ends(self._draws({POSITIONS: 0.5}) * (1 + self.areas.kept[key] * self.scatter))
 
-    def _draws(self, fixed: Mapping[str, float]) -> Floats:
+    def after(self, wait: float) -> tuple[float, float, float]:
+        """The coefficient after some seconds under load, with its 95 % interval: the hardness has fallen meanwhile."""
+        creep, own = creep_of(self.study), self.areas.hardness
+        assert creep is not None, "a study that waits has its creep"
+        assert own is not None, "and a hardness"
+        area = self.areas.factor(self.load, np.array([own * wait**-creep.value]), 1.0)
+        value = self.value * self._coefficient(self.mu0, self.tau0, area) / self._coefficient(self.mu0, self.tau0, 1.0)
+        return float(value[0]), *_ends(self._draws({}, wait))
+
+    def _draws(self, fixed: Mapping[str, float], wait: float = 1.0) -> Floats:
         from scipy.special import ndtri
 
-        key = self.names, tuple(fixed.items()), self.load
+        key = self.names, tuple(fixed.items()), self.load, wait
         if key not in self.areas.kept:  # the same for every mu0 and tau0 of a load
-            self.areas.kept[key] = self._drawn(fixed)
+            self.areas.kept[key] = self._drawn(fixed, wait)
         columns, drawn, hardness, area = self.areas.kept[key]
         mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
         if self.strength is not None:  # in the order of what they give here, so that their quantiles are its
@@ -287,12 +304,17 @@ class _Point:
             found = found * (1 + self.positions * ndtri(columns[POSITIONS]))
         return np.asarray(np.maximum(found, 0.0))
 
-    def _drawn(self, fixed: Mapping[str, float]) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats]:
+    def _drawn(
+        self, fixed: Mapping[str, float], wait: float
+    ) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats]:
         """Columns of the cube by what they are of, inputs, hardness and true area over that of the study."""
-        columns = dict(zip(self.names, strata(len(self.names) + 1).T, strict=False))
+        cube = strata(len(self.names) + 1)
+        columns = dict(zip(self.names, cube.T, strict=False))
         columns |= {name: np.full(DRAWS, part) for name, part in fixed.items() if name in columns}
         drawn = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
         hardness = drawn.get("hardness", np.full(DRAWS, self.areas.hardness or np.nan))
+        if (creep := creep_of(self.study)) is not None:
+            hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
         return columns, drawn, hardness, self.areas.factor(self.load, softest, relative_modulus(self.study, drawn))
 

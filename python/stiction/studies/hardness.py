@@ -11,7 +11,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space import half_space, solved
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.known import inputs_of
+from stiction.studies.known import creep_of, inputs_of
 from stiction.studies.members import bodies_of
 from stiction.studies.store import read_beside
 from stiction.studies.study import Study
@@ -32,14 +32,17 @@ NODES = 4
 
 
 def hardnesses_wanted(study: Study) -> Floats:
-    """Hardnesses (GPa) at which the range of a study asks for solutions, with its own; infinity is elastic.
+    """Hardnesses (GPa) at which the range of a study, and its waiting, ask for solutions; infinity is elastic.
 
     Empty where the hardness is one number, or there is none.
     """
-    own, known = study.contact.hardness, inputs_of(study).get("hardness")
-    if own is None or known is None:
+    own, known, creep = study.contact.hardness, inputs_of(study).get("hardness"), creep_of(study)
+    if own is None or (known is None and creep is None):
         return np.zeros(0)
-    ends = known.known.quantile([0.005, 0.995])
+    ends = np.repeat(float(own), 2) if known is None else known.known.quantile([0.005, 0.995])
+    if creep is not None:
+        falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile([0.005, 0.995]))
+        ends = ends * [falls.min(), falls.max()]
     return np.unique([*np.geomspace(ends[0], ends[1], NODES), float(own), np.inf])
 
 

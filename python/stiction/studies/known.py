@@ -216,6 +216,7 @@ class KnownTable(Table):
     effective_modulus: _Text | None = Field(default=None, description="E*.")
     young: _Texts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
     poisson: _Texts | None = Field(default=None, description="Poisson's ratio of the upper and the lower body.")
+    creep: _Text | None = Field(default=None, description="Exponent m of indentation creep: H = H(1 s) (t/1 s)^-m.")
     interface: str | None = Field(
         default=None, min_length=1, max_length=4096,
         description="Name or file of a strength, which is μ0 and τ0 jointly; without the file their ranges count.",
@@ -224,7 +225,8 @@ class KnownTable(Table):
     @field_validator("*")
     @classmethod
     def _says_what_is_known(cls, value: Any, info: ValidationInfo) -> Any:
-        kind: Kind = {"hardness": "hardness", "mu0": "", "poisson": ""}.get(str(info.field_name), "pressure")  # type: ignore[assignment]
+        kinds: dict[str, Kind] = {"hardness": "hardness", "mu0": "", "poisson": "", "creep": ""}
+        kind = kinds.get(str(info.field_name), "pressure")
         texts = (value,) if isinstance(value, str) else value or ()
         for text in texts if info.field_name != "interface" else ():
             try:
@@ -269,6 +271,11 @@ def inputs_of(study: Study) -> dict[str, Input]:
             if index == 0 or not (bodies and bodies[0] == bodies[1]):
                 found[f"{name}_{SIDES[index]}"] = Input(words, value)
     return {name: each for name, each in found.items() if not each.known.is_exact}
+
+
+def creep_of(study: Study) -> Known | None:
+    """What is known of the exponent of indentation creep, where the study waits."""
+    return known("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
 _MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}

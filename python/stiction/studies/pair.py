@@ -72,6 +72,8 @@ class Pair:
     upper_material: str | None = None
     lower_material: str | None = None
     hardness: Any = None
+    wait: Several = None
+    creep: Any = None
     law: str | None = None
     yield_strength: Any = None
     mechanics: str | None = None
@@ -247,7 +249,7 @@ class Pair:
     @property
     def _known_table(self) -> dict[str, Any]:
         """What a study says of what is known; moduli with Poisson's ratios, of either of which it is the range."""
-        names = set(self.known) | ({"hardness"} if self.hardness is not None else set())
+        names = set(self.known) | {name for name in ("hardness", "creep") if getattr(self, name) is not None}
         if names & {"young", "poisson"} and self.young is not None and self.poisson is not None:
             names |= {"young", "poisson"}
         table: dict[str, Any] = {}
@@ -320,6 +322,10 @@ class Pair:
         strengths = at_least_0("tau0", quantities_of("tau0", self._middle("tau0"), "pressure"), self.tau0)
         coefficients = at_least_0("mu0", numbers_of("mu0", self._middle("mu0")), self.mu0)
         friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
+        if self.wait is not None and self.by[0] == "half-space":
+            if self._hardness is None:
+                raise ArgumentError("{wait} needs {hardness}: bodies that do not yield do not creep into each other")
+            friction["wait"] = _rising(quantities_of("wait", self.wait, "time"))
         data = {
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
             "known": self._known_table,
@@ -498,7 +504,7 @@ def _rising(values: list[Quantity]) -> list[Quantity]:
 
 _KINDS: dict[str, Kind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "pressure", "young": "pressure",
-    "poisson": "",
+    "poisson": "", "creep": "",
 }  # fmt: skip
 """Inputs that may be ranges, and what they are."""
 
@@ -533,6 +539,9 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
      "must not be given beside {hardness}, which says it"),
     (("hardness",), lambda asked: "half-space" in asked.by or asked.contact_law == JacksonGreen.name,
      "is for {mechanics} half-space, and for {law} jackson-green"),
+    (("wait",), lambda asked: asked.creep is not None, "needs {creep}, the exponent of indentation creep"),
+    (("creep",), lambda asked: asked.wait is not None, "is for {wait}"),
+    (("wait",), lambda asked: asked.by[0] == "half-space", "is for {mechanics} half-space"),
     (("poisson",), lambda asked: asked.young is not None or asked.contact_law == JacksonGreen.name,
      "is for {young} and {law} jackson-green"),
 )  # fmt: skip

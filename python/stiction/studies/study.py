@@ -29,6 +29,7 @@ from stiction.studies.values import (
     LoadsOfInterest,
     Strengths,
     Table,
+    Times,
     as_tuple,
     completed,
     defaults,
@@ -60,6 +61,9 @@ class Friction(Table):
     load: LoadsOfInterest = Field(
         default=(), description="Normal loads that are asked for; `contact.load` is the curve around them."
     )
+    wait: Times = Field(
+        default=(), description="Times under load before it is sheared; `contact.hardness` is that after 1 s."
+    )
 
 
 FRICTION_KEYS: Keys = {
@@ -69,6 +73,7 @@ FRICTION_KEYS: Keys = {
         "measured surfaces": (quantity("0 MPa", "pressure"),),
     },
     "load": {"measured surfaces": REQUIRED},
+    "wait": {"measured surfaces": ()},
 }
 """Where the keys of a table `[friction]` may stand, with their defaults."""
 
@@ -185,6 +190,9 @@ class Study(Table):
                 f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; without "
                 "contact.load there are loads around those that are asked for"
             )
+        if friction.wait and (self.contact.hardness is None or self.known.creep is None):
+            missing = "known.creep, by which it falls" if self.contact.hardness else "contact.hardness"
+            raise ValueError(f"friction.wait: what waits is pressed into a hardness that falls: give {missing}")
         answers = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if answers > MOST_ANSWERS:
             raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MOST_ANSWERS}, got {answers}")

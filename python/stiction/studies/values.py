@@ -70,6 +70,7 @@ LengthOrZero = Annotated[Quantity, _reader("length", zero=True), as_written]
 Modulus = Annotated[Quantity, _reader("pressure", zero=False), as_written]
 Strength = Annotated[Quantity, _reader("pressure", zero=True), as_written]
 Force = Annotated[Quantity, _reader("force", zero=False), as_written]
+Time = Annotated[Quantity, _reader("time", zero=False), as_written]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=FEWEST_POINTS, le=MOST_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
@@ -86,7 +87,9 @@ Loads = Annotated[tuple[Force, ...], *_values]
 Strengths = Annotated[tuple[Strength, ...], *_few_values]
 Coefficients = Annotated[tuple[Coefficient, ...], *_few_values]
 CutOffs = Annotated[tuple[LengthOrZero, ...], *_few_values]
-LoadsOfInterest = Annotated[tuple[Force, ...], as_tuple, Field(max_length=MOST_MATERIALS), AfterValidator(_increasing)]
+_none_or_few = (as_tuple, Field(max_length=MOST_MATERIALS), AfterValidator(_increasing))
+LoadsOfInterest = Annotated[tuple[Force, ...], *_none_or_few]
+Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_several(name: str, one: Callable[[object], Any], same: Callable[[Any], Any]) -> PlainValidator:

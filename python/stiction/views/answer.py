@@ -80,6 +80,16 @@ class Left:
 
 
 @dataclass(frozen=True)
+class Waited:
+    """The coefficient after some time under load, and its 95 % interval of everything known."""
+
+    seconds: float
+    value: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
 class Answer:
     """What a result says at one load, for one mu0 and tau0: `rules` has the rule to quote first.
 
@@ -103,6 +113,8 @@ class Answer:
         Of the rule to quote: what would be left of its interval if an input were known, the most important first.
     parts : (float, float, float), optional
         What holds the bodies by that rule: mu0, adhesion on the true area, and the slopes.
+    waited : tuple of Waited
+        By that rule, after each time that the study waits.
     """
 
     rules: tuple[RuleValue, ...]
@@ -114,6 +126,7 @@ class Answer:
     bracket: tuple[float, float] | None = None
     budget: tuple[Left, ...] = ()
     parts: tuple[float, float, float] | None = None
+    waited: tuple[Waited, ...] = ()
 
     @property
     def value(self) -> float:
@@ -135,6 +148,12 @@ class Answer:
         """The input that decides the width of the interval, if one does."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - DECIDES) * width else None
+
+    @property
+    def ageing(self) -> float:
+        """Growth of the coefficient over that of the logarithm of the time, from 1 s to the last one; NaN of none."""
+        last = self.waited[-1] if self.waited else Waited(1.0, self.value, self.lower, self.upper)
+        return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
     def rule(self) -> str:
@@ -199,6 +218,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         at={name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords},
         bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, mean),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
+        waited=_waited(point, rules[0].rule),
     )  # fmt: skip
 
 
@@ -241,6 +261,16 @@ def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
         if (ends := _ends_of(own.isel(input=index), "friction_if_known")) is not None:
             found.append(Left(words, *ends, float(own["width_if_known"][index])))
     return tuple(sorted(found, key=lambda left: left.width))
+
+
+def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
+    """The coefficient by a rule after each time under load."""
+    if "friction_waited" not in point:
+        return ()
+    table = point["friction_waited"]
+    table = (table.sel(sliding=rule) if "sliding" in table.dims else table).transpose("wait", "statistic")
+    rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
+    return tuple(Waited(seconds, *three) for seconds, three in rows)
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:

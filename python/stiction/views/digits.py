@@ -120,6 +120,15 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
 SMALLEST_PERCENT = 0.001  # percentage below which no digit is printed
 
 
+def duration(seconds: float) -> str:
+    """A time in the largest unit of which it has one or more, as in "1.5 h"."""
+    factor, unit = next((each for each in _TIMES if seconds >= each[0]), _TIMES[-1])
+    return f"{seconds / factor:.3g} {unit}"
+
+
+_TIMES = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, "ms"))
+
+
 def percent(fraction: float) -> str:
     """A fraction as percent, by two digits where it is small: "0.42 %", "37 %"."""
     if math.isnan(fraction):

@@ -43,6 +43,8 @@ def pair(
     young: Quantity | Sequence[Quantity] | None = None,
     poisson: float | Sequence[float] | None = None,
     hardness: Quantity | None = None,
+    wait: Quantity | Sequence[Quantity] | None = None,
+    creep: float | str | None = None,
     mechanics: Literal["half-space", "asperities"] | None = None,
     law: str | None = None,
     yield_strength: Quantity | None = None,
@@ -95,6 +97,10 @@ def pair(
     poisson : float, or two
         In place of materials, or beside them the hardness. One of effective_modulus, young with poisson, or materials
         is needed: nothing is assumed of a measured body.
+    wait : str or float, or several, s
+        Times under load before the pair is sheared, "1 h"; the hardness is that after 1 s and falls as t**-creep.
+    creep : float or str
+        Exponent of indentation creep of the softer body, 0.03 or "0.02..0.05".
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps and asperities of lines.
     law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \

@@ -20,7 +20,7 @@ from stiction._core import __version__
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_of
 from stiction.views.answer import Answer, Doubt, answers
-from stiction.views.digits import finite
+from stiction.views.digits import duration, finite
 from stiction.views.onset import onset_record, words_of
 from stiction.views.point import CELLS, rules_of
 from stiction.views.resolution import resolution_record
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 _KEYS = (*CELLS, "load", "mu0", "tau0")  # coordinates that say where a row of the CSV is
 
-PLACE = (*_KEYS, "sliding", "direction", "axis", "fraction_below", "input")
+PLACE = (*_KEYS, "sliding", "direction", "axis", "fraction_below", "input", "wait")
 """Coordinates that say where a value is, in the order of their columns."""
 
 _FRICTION = {
@@ -46,7 +46,7 @@ _MOTIONS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 _DIRECTED = (
     *_FRICTION, "status", "ok", "spread_low", "spread_high", "gentle_friction", "friction_known", "friction_next_test",
-    "friction_if_known", "width_if_known",
+    "friction_if_known", "width_if_known", "friction_waited",
 )  # fmt: skip
 """Variables that belong to a sliding rule."""
 
@@ -171,11 +171,17 @@ def _of_loads(at: xarray.Dataset) -> list[str]:
 def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
     import pandas
 
+    waited = {
+        f"mu_s after {duration(each.seconds)}{end}": [getattr(one.waited[index], name) for one in found]
+        for index, each in enumerate(found[0].waited if found else ())
+        for name, end in (("value", ""), ("lower", ": lower"), ("upper", ": upper"))
+    }
     return pandas.DataFrame(
         {
             **{key: [one.at[key] for one in found] for key in keys},
             "mu_s of all that is known: lower": [one.lower for one in found],
             "mu_s of all that is known: upper": [one.upper for one in found],
+            **waited,
             "verdict": [one.verdict for one in found],
             "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one in found],
         }
@@ -257,6 +263,7 @@ def answer_record(one: Answer) -> dict[str, Any]:
             {"if_known": left.words, "lower": left.lower, "upper": left.upper, "width": left.width}
             for left in one.budget
         ],
+        "waited": [{name: finite(value) for name, value in vars(each).items()} for each in one.waited],
         "verdict": one.verdict,
         "sentence": one.sentence,
         "finer_scans": None if one.bracket is None else {"from": one.bracket[0], "to": one.bracket[1], "rule": "all"},

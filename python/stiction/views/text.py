@@ -17,7 +17,7 @@ from stiction.studies.budget import FINER, POSITIONS
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
-from stiction.views.digits import from_to, prefix, quoted, significant, with_interval, with_unit
+from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.views.doubts import OF_ASPERITIES, doubted
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import (
@@ -210,7 +210,7 @@ def _block(one: Answer) -> str:
         lines.append(fitted(words, hang=" " * 8))
     if one.parts is not None:
         lines.append(fitted(parts_text(one), indent="  "))
-    lines += [fitted(words, indent="  ") for words in (budget_text(one), test_text(one)) if words]
+    lines += [fitted(words, indent="  ") for words in (budget_text(one), test_text(one), waited_text(one)) if words]
     lines.append(fitted(f"at {one.inputs}; {one.note}", indent="  "))
     if one.bracket is not None:
         words = bracket_text(one.bracket)
@@ -248,6 +248,13 @@ def test_text(one: Answer) -> str:
         return ""
     alone = f"; positions alone: {from_to(*first.positions)}" if first.positions != (first.lower, first.upper) else ""
     return f"One test, one way, at one position: {from_to(*first.next_test)} (95 %){alone}."
+
+
+def waited_text(one: Answer) -> str:
+    """How it grows under load, where the study waits."""
+    after = [f"{duration(each.seconds)} {quoted(each.value, each.lower, each.upper)}" for each in one.waited]
+    rate = f"; {significant(one.ageing)} for each factor e of time" if math.isfinite(one.ageing) else ""
+    return f"After waiting under load: {', '.join(after)}{rate}." if after else ""
 
 
 def doubts_text(found: Sequence[Answer]) -> str:

@@ -44,8 +44,8 @@ def drawn(
     Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
     (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
     as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
-    ``budget``, ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of maps), as
-    far as the result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
+    ``budget``, ``waiting``, ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of
+    maps), as far as the result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
 
     Parameters
     ----------
@@ -171,6 +171,8 @@ def _of_measured(
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
             yield f"cut_off{of}", _later(_cut_off, at, study, title=read.title)
     yield "budget", _later(_budget, result, study, title=read.title)
+    if study.friction.wait:
+        yield "waiting", _later(_waiting, result, study, title=read.title)
     if onset is not None:
         yield "onset", _later(onset_figure, onset, title=read.title)
         if has_slip_map(onset):
@@ -188,6 +190,12 @@ def _budget(result: Any, study: Study, *, title: str) -> Figure:
     from stiction.views.figures.budget import budget_figure
 
     return budget_figure(answers(at_asked_loads(result), study)[0], title=title)
+
+
+def _waiting(result: Any, study: Study, *, title: str) -> Figure:
+    from stiction.views.figures.waiting import waiting_figure
+
+    return waiting_figure(answers(at_asked_loads(result), study)[0], title=title)
 
 
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:

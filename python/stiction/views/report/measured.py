@@ -44,7 +44,7 @@ from stiction.views.report.page import (
 )
 from stiction.views.report.sums import PAGE_RATIOS, sums_of_members
 from stiction.views.resolution import waves_text
-from stiction.views.text import budget_text
+from stiction.views.text import budget_text, waited_text
 
 if TYPE_CHECKING:
     import xarray
@@ -196,7 +196,7 @@ def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, An
                 "slopes": slopes_text(answer, point, study),
                 "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
                 "parts": None if answer.parts is None else listed(answer.parts),
-                "most": None if answer.most is None else budget_text(answer),
+                "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
             }
         )  # fmt: skip
     return said
