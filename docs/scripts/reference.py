@@ -100,6 +100,7 @@ _QUANTITIES = (
     (values.Modulus, "a pressure above 0"),
     (values.Strength, "a pressure, at least 0"),
     (values.Force, "a force above 0"),
+    (values.Time, "a time above 0"),
 )
 """What the validators of a study ask of quantities, in words."""
 
@@ -207,7 +208,7 @@ def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
     return [" ".join([what, *(f"{_ENDS[name]} {_number(end)}" for name, end in ends.items())])]
 
 
-_PLURALS = tuple((f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "number", "whole number", "name"))
+_PLURALS = tuple((f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "time", "number", "whole number", "name"))
 _ENDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 

@@ -129,5 +129,6 @@ from stiction.surfaces.surrogates import (
     isotropic_surface as isotropic_surface,
     surrogate as surrogate,
 )
+from stiction.views.calibration import calibration_figure as calibration_figure
 from stiction.views.pair import pair as pair
 from stiction.views.result import Result as Result, read_result as read_result

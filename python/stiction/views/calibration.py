@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stiction._shown import png_of
 from stiction.studies.calibration import EXCLUDED, LEAST_VARIATION, UNLIKELY, Fit, Interface, highest_density
 from stiction.views.digits import finite, percent, with_interval, with_unit
 from stiction.views.point import RULES
@@ -108,7 +110,16 @@ def interfaces_text(found: Sequence[Mapping[str, str]]) -> str:
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Tests and fit over A/F beside the joint distribution of mu0 and tau0; 170 mm wide."""
+    """Tests and fit over A/F beside the joint distribution of mu0 and tau0; 170 mm wide.
+
+    Examples
+    --------
+    >>> from stiction import Ball, FrictionTest, calibrate, calibration_figure
+    >>> ball = Ball("5 mm", "3 GPa")
+    >>> tests = [FrictionTest(ball, load, coefficient=0.3, uncertainty=0.01) for load in (10.0, 100.0, 1000.0)]
+    >>> len(calibration_figure(calibrate(tests)).axes)
+    2
+    """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -117,6 +128,7 @@ def calibration_figure(interface: Interface) -> Figure:
         data, joint = figure.subplots(1, 2)
         _tests_panel(data, interface)
         _joint_panel(joint, interface)
+    vars(figure)["_repr_png_"] = partial(png_of, figure)
     return figure
 
 

@@ -1,0 +1,71 @@
+"""Draws docs/images/pla_silicone.png and prints what docs/from_a_test.md says of two silicones on polylactic acid.
+
+    python docs/scripts/pla_silicone.py pla_silicone.csv
+
+The file is that of github.com/tolstoys19/Friction-Measurements-Between-PLA-and-Silicone as a table of silicone, load,
+coefficient, standard deviation and cycles.
+"""
+
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas
+from matplotlib.figure import Figure
+from scipy.optimize import least_squares
+from scipy.special import erf
+from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_picture
+
+IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
+SHOWN = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
+FITTED = 50.0  # mN, from which on both laws are fitted
+LAST = 700.0  # mN; beyond it values jump, as by another range of the instrument
+COMMON = 0.02  # relative standard error of each mean beside its scatter
+
+
+def fits(load, coefficient, error):
+    """(mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough one, mN, and the residuals of both in errors."""
+    columns = np.stack([np.ones_like(load), 1 / load], axis=1) / error[:, np.newaxis]
+    flat = np.linalg.lstsq(columns, coefficient / error, rcond=None)[0]
+
+    def residuals(values):
+        return (values[0] + values[1] / load * erf(load / values[2]) - coefficient) / error
+
+    rough = least_squares(residuals, [1.0, 200.0, 100.0], bounds=(0, np.inf))
+    return flat, columns @ flat - coefficient / error, rough.x, rough.fun
+
+
+def main(path):
+    table = pandas.read_csv(path)
+    table = table[table["load (mN)"] <= LAST].sort_values("load (mN)")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(FULL_WIDTH, 66 * MILLIMETRE), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for (name, own), colour in zip(table.groupby("silicone"), (ALL, FORCE), strict=True):
+            load, coefficient = own["load (mN)"].to_numpy(float), own["coefficient"].to_numpy()
+            scatter = own["standard deviation"].to_numpy()
+            left.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)
+            right.errorbar(load, coefficient, scatter, fmt=".", color=colour, markersize=3, linewidth=0.5)
+            error = np.hypot(scatter / np.sqrt(own["cycles"].to_numpy()), COMMON * coefficient)
+            used = load >= FITTED
+            flat, of_flat, rough, of_rough = fits(load[used], coefficient[used], error[used])
+            there = dict(zip(load, coefficient, strict=True))
+            print(f"| {name} |", " | ".join(f"{there[each]:.2f}" if each in there else "" for each in SHOWN), "|")
+            for law, values, left_over in (("flat", flat, of_flat), ("rough", rough, of_rough)):
+                chi = float((left_over**2).sum())
+                print(f"  {law}: {np.round(values, 3)} chi2 {chi:.0f} of {used.sum() - len(values)}", file=sys.stderr)
+            if name.startswith("Dragon"):
+                fine = np.geomspace(load.min(), load.max(), 200)
+                right.plot(fine, flat[0] + flat[1] / fine, "--", color="black", label="full contact")
+                closing = rough[0] + rough[1] / fine * erf(fine / rough[2])
+                right.plot(fine, closing, color="black", label="contact that closes")
+        left.set(xlabel="normal load (mN)", ylabel="kinetic friction (mN)", xlim=(0, 700), ylim=(0, 1000))
+        right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
+        left.legend(loc="upper left")
+        right.legend(loc="upper right")
+        save_picture(figure, IMAGE)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
