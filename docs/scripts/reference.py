@@ -208,7 +208,9 @@ def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
     return [" ".join([what, *(f"{_ENDS[name]} {_number(end)}" for name, end in ends.items())])]
 
 
-_PLURALS = tuple((f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "time", "number", "whole number", "name"))
+_PLURALS = tuple(
+    (f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "time", "number", "whole number", "name")
+)
 _ENDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
