@@ -44,7 +44,7 @@ def took(call: Callable[[], object]) -> float:
 
 
 def medians(*calls: Callable[[], object], repeats: int = REPEATS) -> list[float]:
-    """Of each, all taken in turns."""
+    """Median time of each call, all taken in turns."""
     times = [[took(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 

@@ -28,7 +28,7 @@ BARS = {
         "aspher": r"512 x 512, mean pressure 0.03 .*",
     },
 }
-"""Of each task the other ways, and the row of the table that holds how many times our time they take."""
+"""Other ways of each task, and the row of the table that holds how many times our time they take."""
 
 
 def answers(table: str) -> dict[str, str]:

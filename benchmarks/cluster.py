@@ -22,13 +22,13 @@ from stiction.studies.result import bytes_of_member, stacked
 
 STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
 BLOCKS = 60
-"""Of repetitions, that are stored."""
+"""Blocks of repetitions that are stored."""
 
 KINDS = 7
 """Different repetitions."""
 
 TIMES = 3
-"""Of which the median is taken, one after another of each kind."""
+"""Runs of which the median is taken, one after another of each kind."""
 
 _task = runner.block_task
 

@@ -44,7 +44,7 @@ def steps(driver, slider: str) -> float:
 
 
 def largest_difference(driver, dataset: xarray.Dataset) -> float:
-    """Of values and ends of intervals at random points, relative to the library's."""
+    """Differences of values and ends of intervals at random points, relative to the library's."""
     random = np.random.default_rng(1)
     largest = 0.0
     for _ in range(POINTS):

@@ -166,7 +166,7 @@ DEV = ROOT / "dev"
 
 
 def dev_commands():
-    """Of its usage; none where it is not, as among the sources that a wheel is built from."""
+    """Commands of its usage; none where it is not, as among the sources that a wheel is built from."""
     usage = ast.get_docstring(ast.parse(DEV.read_text(encoding="utf-8"))) if DEV.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 

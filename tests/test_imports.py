@@ -107,3 +107,12 @@ def test_help_lists_every_command_with_the_module_that_adds_it():
         assert command.name == name
         assert command.callback.__module__ == f"stiction.cli.{module}"
     assert group.get_command(None, "juggle") is None
+
+
+@pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
+def test_docstrings_stand_alone(folder):
+    """Each is read without the line above it."""
+    for path in sorted((Path(__file__).parent.parent / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+                assert not str(node.value.value).startswith("Of "), f"{path}, line {node.lineno}"

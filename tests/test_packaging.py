@@ -135,7 +135,7 @@ def test_the_core_says_what_it_was_built_with():
 # ---- The sample scans -----------------------------------------------------------------------------------------------
 
 STEPS = 1.0
-"""Of the instrument's converter, that a height may lie elsewhere: another processor rounds the last bit otherwise."""
+"""Steps of the instrument's converter by which a height may differ: another processor rounds the last bit otherwise."""
 
 
 def test_the_sample_scans_are_what_their_script_writes(tmp_path, monkeypatch):

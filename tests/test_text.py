@@ -35,10 +35,6 @@ def test_files_are_read_within_bounds(tmp_path):
             content(place, 100)
     with pytest.raises(IsADirectoryError):
         content(tmp_path, 100)
-    (tmp_path / "link").symlink_to("file")
-    assert len(content(tmp_path / "link", 100)) == 100
-    with pytest.raises(NotReadableError, match="is a link"):
-        content(tmp_path / "link", 100, link=False)
 
 
 @pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])

@@ -185,7 +185,7 @@ def measured_lines(case: dict) -> list[Pair]:
 
 
 def measured(case: dict) -> dict:
-    """Of each pair: slopes, κ, contacts and friction by the half-space and by asperities, with both senses averaged."""
+    """Slopes, κ, contacts and friction of each pair by the half-space and by asperities, with both senses averaged."""
     together, boundary = pairs(case)
     return {"case": case, "pairs": [of_pair(case, *pair, boundary) for pair in together]}
 
@@ -310,7 +310,7 @@ FAMILIES = {
 }  # fmt: skip
 COLOURS = ("#0072B2", "#009E73", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "0.2")
 EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
-"""Of h', for the table."""
+"""Values of h' for the table."""
 SUMMED = {"points": "opposing, point by point", "opposing": "opposing, by patches", "all": "all rub"}
 
 

@@ -18,7 +18,7 @@ DOCS = Path(__file__).parents[1]
 
 MODULUS = 10.0
 SLOPE = 0.1
-"""Of each body, along the profile or in all directions."""
+"""Root-mean-square slope of each body, along the profile or in all directions."""
 MU0 = 0.4
 STRENGTHS = (0.0, 0.02)
 """tau0 in units of E*."""
@@ -28,7 +28,7 @@ HURST = (0.5, 0.8)
 CASES = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
 """Kind and longest over shortest wave: pairs."""
 WAVES = {"lines": 4, "surfaces": 2}
-"""Of the longest, in the length."""
+"""Number of the longest waves in the length."""
 POINTS = {"lines": 16, "surfaces": 8}
 """In the shortest wave."""
 RULES = ("opposing", "all")

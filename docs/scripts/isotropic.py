@@ -8,7 +8,7 @@ from stiction import Surface, half_space, isotropic_surface, levelled, self_affi
 OUT = Path(__file__).parent.parent / "generated/isotropic.md"
 WHOLE, PIECE, SPACING = 1024, 256, 0.1  # points, µm
 PAIRS = 6
-"""Of lines, and of pieces of the maps."""
+"""Pairs of lines, and of pieces of the maps."""
 MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
 PRESSURE = 0.02  # GPa
 

@@ -60,7 +60,7 @@ def pair(band: int, repetition: int, **how: float) -> tuple[Surface, Surface, fl
 
 
 def header(*names: str) -> list[str]:
-    """Of a table."""
+    """Head of a table."""
     return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
 
 
@@ -72,7 +72,7 @@ def interval(ratios: list[float]) -> str:
 
 
 def asperities() -> list[str]:
-    """Of asperities over the half-space, at equal elastic load."""
+    """Ratio of asperities to the half-space, at equal elastic load."""
     lines = header(
         "longest / shortest wave",
         "pressure / E\\* h'",

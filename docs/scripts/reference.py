@@ -40,7 +40,7 @@ def pages(docs: Path) -> dict[str, str]:
 
 
 def verdicts(table: Path, columns: Sequence[int]) -> str:
-    """Of a table of claims and their numbers the claims alone, and these columns."""
+    """Claims of a table of claims and their numbers, and these columns."""
     head, rule, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import platform
 import re
@@ -120,33 +119,18 @@ class NotReadableError(Exception):
     """A file that is not of the expected kind."""
 
 
-def content(path: Path, most: int, *, link: bool = True) -> bytes:
-    """What a regular file holds; devices, pipes and, where asked, links are not opened to wait or to read without end.
+def content(path: Path, most: int) -> bytes:
+    """What a regular file holds; devices and pipes are not waited for.
 
     Raises a `NotReadableError` if it is another kind of file, or longer than `most` bytes, an `OSError` if it cannot be
     read.
     """
-    try:
-        file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | (0 if link else os.O_NOFOLLOW))
-    except OSError as error:
-        if error.errno == errno.ELOOP and not link:
-            raise NotReadableError("is a link") from None
-        raise
-    try:
-        status = os.fstat(file)
-        if stat.S_ISDIR(status.st_mode):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if not stat.S_ISREG(status.st_mode):
-            raise NotReadableError("is no regular file")
-        if status.st_size > most:
-            raise NotReadableError(f"is longer than {most} bytes")
-        # Thousands of chunks are read, and a stream would take twice as long to open as they to read.
-        found = os.read(file, status.st_size)
-        while len(found) < status.st_size and (more := os.read(file, status.st_size - len(found))):
-            found += more
-        return found
-    finally:
-        os.close(file)
+    status = path.stat()
+    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
+        raise NotReadableError("is no regular file")
+    if stat.S_ISREG(status.st_mode) and status.st_size > most:
+        raise NotReadableError(f"is longer than {most} bytes")
+    return path.read_bytes()
 
 
 def reason(error: OSError) -> str:

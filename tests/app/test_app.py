@@ -127,7 +127,7 @@ def finished(driver):
 
 
 def answer(driver):
-    """Of each rule the numbers that the page shows, in full, and the sentence."""
+    """Numbers that the page shows of each rule, in full, and the sentence."""
     lines = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
     rules = driver.execute_script(lines)
     shown = {each["rule"]: [float(each[name]) for name in ("value", "lower", "upper")] for each in rules}

@@ -1,17 +1,13 @@
 """Who may ask the server for what, and how much: by requests as nobody's browser would write them."""
 
-import fcntl
 import json
 import os
 import resource
 import shlex
-import shutil
 import signal
 import socket
 import stat
 import subprocess
-import tempfile
-import time
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
@@ -22,8 +18,7 @@ import pytest
 
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
-from app.served import Served, served, until, write_maps
-from stiction.app.run import private_folder
+from app.served import served, until, write_maps
 
 MOST_MEMORY = 400e6  # bytes: it has xarray and its own pages, and reads a scan at a time
 
@@ -90,7 +85,7 @@ def test_it_listens_on_this_computer_alone(app):
 
 
 def _own_address():
-    """Of this computer on whatever network it is; one that is not, if there is none."""
+    """Address of this computer on whatever network it is; one that is not, if there is none."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as some:
         try:
             some.connect(("198.51.100.1", 9))
@@ -202,31 +197,6 @@ def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
 
 
 @pytest.mark.soak
-def test_who_does_not_finish_a_request_is_let_go(app):
-    """A request whose head comes letter by letter, and one that never begins."""
-    slow = socket.create_connection(("127.0.0.1", int(app.port)))
-    silent = socket.create_connection(("127.0.0.1", int(app.port)))
-    begun = time.monotonic()
-    with slow, silent:
-        slow.sendall(b"GET / HTTP/1.1\r\n")
-        for client in (slow, silent):
-            client.settimeout(0.2)
-        open_ones = {slow, silent}
-        while open_ones and time.monotonic() - begun < 40:
-            for client in tuple(open_ones):
-                try:
-                    if client is slow:
-                        client.sendall(b"x")
-                    if client.recv(100) == b"":
-                        open_ones.discard(client)
-                except TimeoutError:
-                    pass
-                except OSError:
-                    open_ones.discard(client)
-    assert not open_ones
-
-
-@pytest.mark.soak
 def test_a_thousand_at_once_are_answered_or_refused(app):
     def ask(_):
         try:
@@ -251,61 +221,6 @@ def test_the_folder_is_private_and_goes(tmp_path):
         server.process.send_signal(signal.SIGINT)
         assert server.process.wait(60) == 0
         assert server.private() == []
-
-
-@pytest.mark.soak
-@pytest.mark.skipif(shutil.which("setpriv") is None, reason="nothing here ends a command with its server")
-def test_what_a_killed_server_leaves_the_next_one_removes(tmp_path):
-    """Its command ends by itself; a server that lives keeps its folder."""
-    with served(tmp_path, "--keep") as living, served(tmp_path, "--keep") as killed:
-        killed.enter()
-        upper, lower = (killed.take(path) for path in write_maps(tmp_path, 64))
-        options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"], ["shifts", "2000"]]
-        with killed.held(40):
-            killed.post("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
-            until(killed.jobs, lambda jobs: jobs[0]["finished"] > 0)
-            children = _children(killed.process.pid)
-            assert children
-            killed.process.kill()
-        killed.process.wait(60)
-        assert len(living.private()) == 2
-        until(lambda: [child for child in children if _is_alive(child)], lambda left: not left)
-        with served(tmp_path, "--keep") as later:
-            assert len(later.private()) == 2
-            assert isinstance(later, Served)
-            assert living.process.poll() is None
-
-
-@pytest.mark.parametrize("kind", ["pipe", "link", "folder"])
-def test_what_others_put_in_place_of_a_lock_is_left_alone(tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    lock = tmp_path / "stiction-app-x" / "lock"
-    lock.parent.mkdir()
-    (tmp_path / "file").touch()
-    {"pipe": os.mkfifo, "link": lambda path: path.symlink_to(tmp_path / "file"), "folder": os.mkdir}[kind](lock)
-    with private_folder() as folder:
-        assert folder.is_dir()
-    assert not folder.exists()
-    assert os.path.lexists(lock)
-
-
-def test_a_start_that_another_one_takes_for_dead_begins_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    flock, met = fcntl.flock, []
-
-    def meet(file, how):
-        """Another one begins between the file and its lock."""
-        if how == fcntl.LOCK_EX and not met:
-            met.extend(tmp_path.iterdir())
-            with private_folder():
-                pass
-            assert not met[0].exists()
-        flock(file, how)
-
-    monkeypatch.setattr(fcntl, "flock", meet)
-    with private_folder() as folder:
-        assert [folder] == list(tmp_path.iterdir())
-        assert folder not in met
 
 
 @pytest.mark.soak
@@ -334,15 +249,6 @@ def test_a_scan_for_which_there_is_no_room_is_a_sentence(app):
     assert list(app.private()[0].glob("*.partial")) == []
 
 
-@pytest.mark.soak
-def test_silent_connections_do_not_keep_the_owner_out(app):
-    with ExitStack() as stack:
-        for _ in range(150):
-            client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
-            client.sendall(b"GET / HTTP/1.1\r\n")
-        assert [app.ask("GET", "/jobs")[0] for _ in range(20)] == [200] * 20
-
-
 def test_a_result_whose_name_is_no_text_hides_no_other(app):
     for name in (b"fine", b"bad\xff"):
         folder = os.path.join(os.fsencode(app.folder), name)
@@ -353,16 +259,6 @@ def test_a_result_whose_name_is_no_text_hides_no_other(app):
     assert status == 200
     assert [each["name"] for each in json.loads(body)] == ["bad\N{REPLACEMENT CHARACTER}", "fine"]
     assert app.ask("POST", "/jobs", b'{"command": "open", "name": "bad\\udcff"}')[0] == 404
-
-
-@pytest.mark.soak
-def test_less_memory_than_it_would_leave_is_no_fault(tmp_path):
-    code = "import resource; resource.setrlimit(resource.RLIMIT_AS, (4 * 10**9, 4 * 10**9)); "
-    code += "from stiction.app import run; from stiction.cli.application import say; run.run(say=say)"
-    with served(tmp_path, code=code) as server:
-        server.enter()
-        until(lambda: _address_space(server.process.pid), lambda most: most == 4 * 10**9)
-        assert server.is_alive()
 
 
 @pytest.mark.soak
@@ -379,10 +275,6 @@ def test_first_answers_that_are_stopped_keep_nobody_waiting(app, tmp_path):
             app.post(f"/jobs/{job}/stop", {})
         assert app.ask("GET", f"/scans/{upper}")[0] == 200
         until(lambda: {each["state"] for each in app.jobs()[-6:]}, lambda states: states == {"stopped"})
-
-
-def _address_space(pid):
-    return resource.prlimit(pid, resource.RLIMIT_AS)[0]
 
 
 def test_a_command_that_the_system_ends_is_said(tmp_path):
@@ -406,12 +298,3 @@ def _children(parent):
             if int(status.read_text(encoding="utf-8").rpartition(")")[2].split()[1]) == parent:
                 found.append(int(status.parent.name))
     return found
-
-
-def _is_alive(pid):
-    try:
-        os.kill(pid, 0)
-    except OSError:
-        return False
-    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
-        return file.read().split()[2] != "Z"

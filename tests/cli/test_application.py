@@ -9,7 +9,6 @@ import pytest
 from command import assert_refused, stiction_command
 from stiction import read_spectrum
 from stiction.cli import application, main
-from stiction.studies import store
 from stiction.surfaces.measured.raw import FormatError
 
 TINY = [
@@ -24,15 +23,6 @@ def shell(script, *arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
 
 
-def test_streams_that_are_closed_do_not_matter(tmp_path):
-    done = shell('"$@" <&- >&- 2>&-', "run", "quick", *TINY, cwd=tmp_path)
-    assert done.returncode == 0
-    assert store.info(tmp_path / "quick").finished == 2
-    assert (tmp_path / "quick" / "area.png").exists()
-    done = shell('"$@" 2>&-', "run", "none.toml", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "")
-
-
 def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
     done = shell('"$@" | true', "run", "quick", *TINY, cwd=tmp_path)
     assert done.returncode == 0
@@ -45,11 +35,6 @@ def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
 def test_a_full_disk_behind_the_output_is_one_message(tmp_path):
     done = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_refused(done, "stiction: ", "No space left on device")
-
-
-def test_a_full_disk_behind_both_outputs_is_bad_input_without_a_word(tmp_path):
-    done = shell('"$@" > /dev/full 2>&1', "info", "nowhere", cwd=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
 
 
 @pytest.mark.parametrize(
@@ -71,22 +56,13 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "shift_jis"])
-def test_an_encoding_of_few_letters_spells_those_that_it_lacks(tmp_path, encoding):
+def test_letters_that_an_encoding_lacks_are_question_marks(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "stiction", "run", "quick", *TINY],
-        cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": encoding},
+        cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, b"")
-    said = done.stdout.decode(encoding)
-    assert "_s [95 %]" in said
-    assert ("\N{GREEK SMALL LETTER MU}" in said) == (encoding == "shift_jis")
-
-
-def test_letters_are_spelt_as_they_are_said():
-    assert (
-        "\u03bc_s \u03c4 \u0394 \u00b5m\u00b2 h\u0304 \u2603".encode("ascii", "stiction") == b"mu_s tau Delta um^2 h ?"
-    )
+    assert "?_s [95 %]" in done.stdout.decode("latin-1")
 
 
 def test_an_interruption_while_libraries_are_loaded_is_no_traceback(monkeypatch):
@@ -115,12 +91,8 @@ def test_no_threads_are_one_message(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("[surfaces]\npoints" + ".a" * 5000 + " = 1", "a key has more than 20 parts"),
-        ("a" + ".a" * 490_000 + " = 1", "a key has more than 20 parts"),
-        ("a" + ' . "a"' * 150_000 + " = 1", "a key has more than 20 parts"),
         ("[surfaces]\npoints = " + "{a=" * 900 + "1" + "}" * 900, "is not TOML"),
         ("[surfaces]\namplitude = " + "[" * 300 + "]" * 300, "surfaces.amplitude[0]"),
-        ("[surfaces]\namplitude = " + "[{a.a.a.a.a.a.a.a.a=" * 90 + "1" + "}]" * 90, "surfaces.amplitude[0]"),
         ("k" * 990_000 + " = 1", "kkk: unknown key"),
         ('"\\u001b[31mred\\u0007" = 1', "\\x1b[31mred\\x07: unknown key"),
         ('"a\\nstiction: all is well" = 1', "a\\nstiction: all is well: unknown key"),
@@ -135,13 +107,6 @@ def test_a_hostile_study_is_one_short_message(tmp_path, content, words):
     assert done.stderr.replace("\n", "").isprintable()
     assert len(done.stderr) < 1000
     assert all(line.startswith("stiction: s.toml: ") for line in done.stderr.splitlines())
-
-
-@pytest.mark.parametrize("option", ["surfaces.points={" + "a" + ".a" * 5000 + "=1}", "surfaces" + ".a" * 5000 + "=1"])
-def test_a_hostile_option_is_one_short_message(tmp_path, option):
-    done = stiction_command("run", "quick", "--set", option, cwd=tmp_path)
-    assert_refused(done, "stiction: ")
-    assert len(done.stderr) < 1000
 
 
 def test_a_pipe_or_a_device_is_no_study(tmp_path):

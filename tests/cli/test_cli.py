@@ -1,8 +1,6 @@
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,7 +8,7 @@ import stiction
 import typer
 from command import assert_refused, stiction_command
 from stiction import Study, study_names
-from stiction.cli.application import COMMANDS, LEAST_MEMORY, app
+from stiction.cli.application import COMMANDS, app
 from stiction.studies import store
 
 TINY = [
@@ -193,19 +191,3 @@ def test_bad_input_is_one_message_and_status_2(tmp_path, arguments, words):
     (tmp_path / "binary.toml").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe\x00")
     (tmp_path / "file").write_text("")
     assert_refused(stiction_command(*arguments, cwd=tmp_path), *words)
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
-@pytest.mark.parametrize("limit", [437_500, 1_100_000])
-def test_limited_memory_ends_with_a_result_or_one_sentence(tmp_path, limit):
-    # Where all but the OpenBLAS of SciPy found room, that tried for ever to get some.
-    command = [sys.executable, "-m", "stiction", "run", "quick", *TINY, "--output", "out"]
-    done = subprocess.run(
-        ["sh", "-c", f'ulimit -v {limit}; exec "$@"', "sh", *command],
-        cwd=tmp_path, timeout=120, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    said = [line for line in done.stderr.splitlines() if not line.startswith(("to compute", "repetitions"))]
-    assert done.returncode == 0 or len(said) == 1, done.stderr
-    assert ".so" not in done.stderr, "the sentence of the loader"
-    if limit * 1024 < LEAST_MEMORY:
-        assert_refused(done, "memory is limited")

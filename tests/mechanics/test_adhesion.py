@@ -4,24 +4,24 @@ from reference.least_energy import least_energy
 from stiction import Surface, dmt, half_space, jkr, maugis_dugdale, self_affine_surface, tabor_parameter
 
 OF_GAPS = 1e-3
-"""Of the range of adhesion, between two solutions; where bodies are soft the least energy is flat."""
+"""Difference between two solutions over the range of adhesion; where bodies are soft the least energy is flat."""
 
 STABLE = 0.03
-"""Of the pull-off force, inside which the least energy holds and outside which it does not."""
+"""Fraction of the pull-off force inside which the least energy holds and outside which it does not."""
 
 OF_MEAN_GAP = 1e-4
-"""Of the contact load, between loads at one mean gap, each to a tolerance of 1e-5 of it."""
+"""Difference over the contact load between loads at one mean gap, each to a tolerance of 1e-5 of it."""
 
 OF_POINTS = 1e-3
-"""Of the grid, at whose points under a vanishing pressure two solvers may differ."""
+"""Fraction of the grid at whose points under a vanishing pressure two solvers may differ."""
 
 ROUND_OFF = 1e-12
 
 OF_PERIODS = 0.02
-"""Of a ball's pull-off force, between a period of 20 radii of its contact and a piece of 10 without what is beyond."""
+"""Difference over a ball's pull-off force between a period of 20 radii of its contact and a piece of 10 alone."""
 
 OF_LAWS = 0.06
-"""Of the pull-off force, between an exponential attraction and one that ends at its range."""
+"""Difference over the pull-off force between an exponential attraction and one that ends at its range."""
 
 
 def ball(tabor, *, points=64, length=10.0):

@@ -393,7 +393,7 @@ def test_no_hardness_is_too_low(shape, boundary, ratio):
 
 
 def test_true_area_under_a_hardness_is_that_of_finer_grids():
-    """Of 16 points in the shortest wave against 64."""
+    """The shortest wave has 16 points in one and 64 in the other."""
     loads, fine = [0.005, 0.03], rough((512, 512), longest=2, shortest=8, seed=3)
     for hardness in (0.7, 0.2, 0.04):
         areas = []

@@ -95,7 +95,7 @@ def ellipse(longer, shorter):
 
 
 def semi_axes(longer, shorter, overlap):
-    """Of the ellipse, and K."""
+    """Semi-axes of the ellipse, and K."""
     k, first = ellipse(longer, shorter)
     second = ellipe(1 - k**2)
     if k > 1 - 1e-6:

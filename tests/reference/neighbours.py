@@ -40,7 +40,7 @@ def of_quantity(quantity, positions, correlation, random, trials=20000):
 
 
 def judged(interval, values, truth, best):
-    """Of intervals of values (trials, positions): the share that covers, the width over the best, the share given."""
+    """Share of intervals of values (trials, positions) that cover, width over the best, and share that is given."""
     ends = np.array([interval(each)[1:] for each in values])
     ends = ends[np.isfinite(ends).all(axis=1)]
     covered = (ends[:, 0] <= truth) & (truth <= ends[:, 1])

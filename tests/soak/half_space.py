@@ -22,9 +22,9 @@ from reference import dense_half_space
 PROBLEMS, SEED, HARD = 200, 2026, 1000
 TOLERANCE = 1e-6
 ROUND_OFF = 1e-9
-"""Of the checks that are made anew, in the unit of the error."""
+"""Tolerance of the checks that are made anew, in the unit of the error."""
 SUMS = 1e-12
-"""Of a load over hardness, by sums of up to 262 144 numbers."""
+"""Round-off of a load over hardness, by sums of up to 262 144 numbers."""
 MODULUS = 10.0
 
 

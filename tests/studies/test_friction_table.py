@@ -109,7 +109,7 @@ def test_other_materials_cost_nothing(dataset):
 
 
 def test_intervals_are_those_of_a_jackknife(dataset, table):
-    """Of two pairs left out in turn by hand; the width is held to the spread of the pairs' own coefficients."""
+    """Two pairs are left out in turn by hand; the width is held to the spread of the pairs' own coefficients."""
     at = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
     mean, lower, upper = at.values
     assert lower < mean < upper

@@ -11,8 +11,8 @@ from stiction.surfaces.cut_off import transmission
 ROUND_OFF = 1e-12
 
 WEIGHTS = 1e-6
-"""Of heights. Weights sampled from the Gaussian differ from those of its transform cut at the Nyquist wave number by
-exp(-ln 2 (λ_c/2Δx)²), which is less than this from nine points on."""
+"""Error of heights. Weights sampled from the Gaussian differ from those of its transform cut at the Nyquist wave number
+by exp(-ln 2 (λ_c/2Δx)²), which is less than this from nine points on."""
 
 FEW_WEIGHTS = 1e-4  # of an amplitude, what the weights left out take at wavelengths of two to five points
 

@@ -25,10 +25,10 @@ ROUND_OFF = 1e-12
 FIT_ROUND_OFF = 1e-9
 
 RING = 0.1
-"""Of a density that is even in rings of a quarter of an octave, over which the known one falls by up to a half."""
+"""Error of a density that is even in rings of a quarter of an octave, over which the known one falls up to a half."""
 
 SCATTER = 0.1
-"""Of the rms gradient that one line of some hundred waves has, and of area and friction of a few pairs of pieces."""
+"""Scatter of the rms gradient of one line of some hundred waves, and of area and friction of a few pairs of pieces."""
 
 
 class TestSurrogate:
@@ -172,7 +172,7 @@ def test_units_do_not_matter_and_seeds_do():
 
 
 def test_area_and_friction_are_those_of_the_map():
-    """Of pieces of 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
+    """Pieces have 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
     bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
 
     def answers(pairs):

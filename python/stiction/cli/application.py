@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import codecs
+import io
 import os
 import re
-import resource
 import shutil
 import signal
 import sys
 import textwrap
-import unicodedata
 import warnings
 from _thread import interrupt_main, start_new_thread
 from collections.abc import Callable
@@ -23,17 +21,11 @@ from typer.core import TyperCommand, TyperGroup
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import reason
-from stiction._text import LONGEST_LINE, bytes_text, named, printable
+from stiction._text import LONGEST_LINE, named, printable
 from stiction.cli import INTERRUPTED
 
 BAD_INPUT = 2  # exit status
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-LEAST_MEMORY = 1_000_000_000
-"""Bytes of address space that a command begins with, where it is limited.
-
-Libraries and threads take about 500 million. With 440 to 550 million a thread of Python 3.11 that finds none for a call
-ends, which is noticed, or neither begins nor ends, which cannot be told from work; and libraries abort."""
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 """What the parser raises of options: click's UsageError, of the copy of click that typer brings or imports."""
@@ -71,14 +63,10 @@ def tell(text: str) -> None:
     try:
         typer.echo("\n".join(printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")))
     except OSError as error:
-        _to_nowhere(sys.stdout)
+        # What takes nothing more leads to nowhere: Python flushes what is left, and would fail once more.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
-
-
-def _to_nowhere(stream: Any) -> None:
-    """Lead a stream that takes nothing more to nowhere: Python flushes what is left, and would fail once more."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -108,7 +96,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Contact laws": {"table": ("table", "Friction, true area and stiffness of rough surfaces for another code.")},
 }
-"""Of each group the commands, the module that adds each, and a line of help, which is printed without the modules."""
+"""Commands by group, each with the module that adds it and a line of help, which is printed without the modules."""
 
 STATUSES = f"""Exit status: 0 done, {BAD_INPUT} bad input (one message says what), {INTERRUPTED} interrupted."""
 
@@ -152,7 +140,6 @@ class _Commands(TyperGroup):
         modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
         if cmd_name not in modules:
             return None
-        _take_memory()
         import_module(f"stiction.cli.{modules[cmd_name]}")
         return typer.main.get_command(_ADDED[cmd_name])
 
@@ -196,18 +183,11 @@ def command(name: str, *lines: str) -> Callable[[Function], Function]:
 
 def start() -> int:
     """Run the command that the arguments are; its exit status."""
-    _open_streams()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # ? for letters that its encoding lacks
     warnings.showwarning = show_warning
     sys.unraisablehook = _interrupt_again
-    try:
-        return _started()
-    except OSError:  # standard error itself takes nothing more
-        for stream in (sys.stdout, sys.stderr):
-            _to_nowhere(stream)
-        return BAD_INPUT
-
-
-def _started() -> int:
     try:
         return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except UsageError as error:
@@ -242,60 +222,6 @@ def _started() -> int:
     except SystemExit:  # by the parser, whose help nobody reads to its end
         return 0
     return BAD_INPUT
-
-
-def _take_memory() -> None:
-    """Where memory is limited, load what tries for ever to get some while there is enough: the OpenBLAS of SciPy."""
-    most = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if most == resource.RLIM_INFINITY:
-        return
-    if most < LEAST_MEMORY:
-        raise ValueError(
-            f"memory is limited to {bytes_text(most)} here; at least {bytes_text(LEAST_MEMORY)} are needed"
-        )
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # each thread reserves 40 MB, whatever is computed
-    from scipy.linalg.blas import dgemm
-
-    dgemm(1.0, [[1.0]], [[1.0]])  # the first product reserves what the later ones use
-
-
-def _open_streams() -> None:
-    """Streams that were closed lead nowhere: what is opened next must not take their places. Others spell letters."""
-    while (file := os.open(os.devnull, os.O_RDWR)) <= 2:
-        os.set_inheritable(file, True)
-    os.close(file)
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, as long as the process
-        elif hasattr(stream := getattr(sys, name), "reconfigure"):
-            stream.reconfigure(errors="stiction")
-
-
-def _spelt(error: UnicodeError) -> tuple[str, int]:
-    """Letters that a stream has for those that its encoding lacks: mu for μ, ^2 for ²."""
-    assert isinstance(error, UnicodeEncodeError)
-    said = []
-    for letter in error.object[error.start : error.end]:
-        plain = unicodedata.normalize("NFKD", letter)
-        name = unicodedata.name(plain[0], "").split()
-        if letter in _SPELT:
-            said.append(_SPELT[letter])
-        elif name[:1] == ["GREEK"]:
-            said.append(name[-1].capitalize() if "CAPITAL" in name else name[-1].lower())
-        elif name[:1] == ["COMBINING"]:
-            continue
-        else:
-            power = "^" if unicodedata.decomposition(letter).startswith("<super>") else ""
-            said.append(power + (plain.encode("ascii", "ignore").decode() or "?"))
-    return "".join(said), error.end
-
-
-_SPELT = {
-    "µ": "u", "×": "x", "·": "*", "±": "+-", "–": "-", "≥": ">=", "≤": "<=", "°": " deg", "∝": "~", "√": "sqrt ",
-    "→": "->", "ß": "ss", "∇": "grad ",
-}  # fmt: skip
-
-codecs.register_error("stiction", _spelt)
 
 
 def _interrupt_again(ignored: Any) -> None:

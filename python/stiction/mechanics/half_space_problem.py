@@ -92,7 +92,7 @@ class Problem:
 
     @cached_property
     def slope(self) -> list[Floats]:
-        """Of the deformed interface along y and x, or x, at every point."""
+        """Slopes of the deformed interface along y and x, or x, at every point."""
         share = self.compliance_share
         interface = (1 - share) * self.lower + share * self.upper
         return [along.ravel() for along in slopes(interface, self.spacing, periodic=self.periodic)]
@@ -185,7 +185,7 @@ def problem_of(
     compliance_share: float,
     hardness: float | None,
 ) -> Problem:
-    """Of two bodies on one grid; the rest is checked."""
+    """Problem of two bodies on one grid; the rest is checked."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"

@@ -342,7 +342,7 @@ def heading(direction: Direction, *, line: bool) -> float:
 
 
 def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
-    """Of the upper and the lower body, given as one for both or as two."""
+    """Poisson's ratios of the upper and the lower body, given as one for both or as two."""
     values = float_array("poisson", poisson)
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
         raise ValueError(

@@ -14,8 +14,8 @@ from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
 LEVEL = 1e-6
-"""Of the root-mean-square slope in contact: a patch whose mean slope along the direction is less is level, and does not
-oppose. The pressures of a level patch, as of a ball on a flat, lean by 1e-9 of it at a tolerance of 1e-6."""
+"""Largest mean slope of a level patch, which does not oppose, over the root-mean-square slope in contact. The pressures
+of a level patch, as of a ball on a flat, lean by 1e-9 of that at a tolerance of 1e-6."""
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
@@ -95,10 +95,3 @@ def patch_sums(
     """
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))
-
-
-def sums(
-    force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats, sliding: Sliding
-) -> dict[str, Any]:
-    """The sums of a `HalfSpaceCurve` by a sliding rule; other arguments as for `patch_sums`."""
-    return patch_sums(force, area, slope, patch, directions).total(sliding)

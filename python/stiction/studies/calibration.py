@@ -454,7 +454,7 @@ def _of_curve(curve: Curve, load: float) -> _Friction:
 
 
 def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
-    """Of a result: means over members, directions too, and the scatter of the adhesive sum over members."""
+    """Means of a result over members and directions, and the scatter of the adhesive sum over members."""
     from stiction.studies.member_values import six_at
 
     dataset = getattr(result, "dataset", result)

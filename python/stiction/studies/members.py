@@ -63,7 +63,7 @@ class ProfileGenerator:
 
     @property
     def spacing(self) -> float:
-        """Of the points, µm."""
+        """Distance of neighbouring points, µm."""
         return self.extent / self.points
 
     def phases(self, repetition: int, side: Side) -> Floats:

@@ -1,7 +1,7 @@
 """The netCDF file of some members of a result: how it is made and read.
 
 A file whose checksum holds is as it was written, and trusted: its numbers are taken as they are. Compared are the study
-that it is of, its steps, and the shapes that the study says, so that no file takes more memory than it has bytes.
+that it is of and the shapes that this says.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -27,19 +26,11 @@ from stiction.studies.study import Study, study_from_text
 if TYPE_CHECKING:
     import xarray
 
-SAME = 1e-9
-"""Largest relative difference between a coordinate and what its study says: another machine may round otherwise."""
-
 TEXT_OF_BODIES = ("upper", "lower")
 NUMBERS_OF_BODIES = (
-    "shape",
-    "spacing_um",
-    "fraction_used",
-    "upper_spacing_um",
-    "lower_spacing_um",
-    "upper_extent_um",
+    "shape", "spacing_um", "fraction_used", "upper_spacing_um", "lower_spacing_um", "upper_extent_um",
     "lower_extent_um",
-)
+)  # fmt: skip
 """Attributes of a result of measured bodies, besides those of every result."""
 
 SEAL = b"stiction crc32 "
@@ -97,14 +88,10 @@ def _template(study: Study, count: int) -> bytes:
     return image.getvalue()
 
 
-def write(
-    dataset: xarray.Dataset, file: Path | io.BytesIO, *, growing: str | None = None,
-    chunks: Mapping[str, tuple[int, ...]] | None = None,
-) -> None:  # fmt: skip
+def write(dataset: xarray.Dataset, file: io.BytesIO) -> None:
     """Write a dataset to a netCDF file, of which no number means that one is missing.
 
-    This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one. A
-    dimension may be `growing` afterwards, and `chunks` are shapes of those of some variables.
+    This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one.
     """
     import h5netcdf
     from xarray.conventions import cf_encoder, encode_dataset_coordinates
@@ -114,27 +101,22 @@ def write(
         variable.encoding = {"_FillValue": None}
     variables, attributes = cf_encoder(variables, attributes)
     with h5netcdf.File(file, "w") as made:
-        made.dimensions = {str(dim): None if dim == growing else size for dim, size in dataset.sizes.items()}
+        made.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
         for name, value in attributes.items():
             made.attrs[str(name)] = value
         for name, variable in variables.items():
             values = variable.values
             dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
             data = values.astype(object) if values.dtype.kind == "U" else values
-            written = made.create_variable(
-                str(name), variable.dims, dtype, data=data, chunks=(chunks or {}).get(str(name))
-            )
+            written = made.create_variable(str(name), variable.dims, dtype, data=data)
             for attribute, value in variable.attrs.items():
                 written.attrs[attribute] = value
 
 
-def seal(file: BinaryIO) -> None:
-    """Put the checksum of a file, open for reading and writing, at its end."""
-    file.seek(0)
-    checksum = 0
-    while part := file.read(2**24):
-        checksum = zlib.crc32(part, checksum)
-    file.write(SEAL + b"%08x" % checksum)
+def seal(file: io.BytesIO) -> None:
+    """Put the checksum of a file at its end."""
+    file.seek(0, io.SEEK_END)
+    file.write(SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------------
@@ -144,18 +126,16 @@ def decoded(content: bytes) -> Members:
     """The members in a file; a `DamageError` if it is not the result of the study that it says."""
     with _opened(content) as file:
         study, version = _study(file)
-        numbers = _values(file, "repetition", np.dtype(np.int64))
-        arrays = {
-            name: _values(file, name, each.dtype, each.shape) for name, each in variables_of(study, numbers).items()
-        }
+        numbers = _values(file, "repetition")
+        arrays = {name: _values(file, name, each.shape) for name, each in variables_of(study, numbers).items()}
         of_bodies = About()
         if study.is_measured:
-            arrays |= {name: _values(file, name, dtype, numbers.shape) for name, dtype in OF_MEMBERS.items()}
+            arrays |= {name: _values(file, name, numbers.shape).astype(dtype) for name, dtype in OF_MEMBERS.items()}
             attributes: dict[str, Any] = {name: str(file.attrs[name]) for name in TEXT_OF_BODIES}
             attributes |= {name: np.atleast_1d(file.attrs[name]) for name in NUMBERS_OF_BODIES}
-            of_bodies = About(float(_values(file, "nominal_area", np.dtype(np.float64), ())), attributes)
+            of_bodies = About(float(_values(file, "nominal_area")), attributes)
         steps = {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
-        is_exact = [_is_exact(file, name, values) for name, (_, values) in steps.items()]
+        is_exact = [np.array_equal(_values(file, name), values) for name, (_, values) in steps.items()]
     return Members(study, version, numbers, arrays, of_bodies, all(is_exact))
 
 
@@ -164,12 +144,10 @@ def decoded_beside(content: bytes, names: Iterable[str]) -> xarray.Dataset:
     import xarray
 
     with _opened(content) as file:
-        for name in (*names, *file):
-            _dataset(file, name)
+        for name in names:
+            _values(file, name)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with xarray.open_dataset(io.BytesIO(content), **options) as dataset:
-            if dataset.nbytes > len(content):
-                raise DamageError("holds less than it says")
             dataset.load()
     attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
     dataset.attrs = {name: each.item() if each.size == 1 else each for name, each in attributes.items()}
@@ -204,31 +182,11 @@ def _parsed(text: str) -> Study:
         raise DamageError(f"has a study that cannot be read: {error}") from None
 
 
-def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
-    """A variable that stands in the file itself."""
-    found = file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
+    """Numbers or words of a variable that stands in the file itself, and in no other one."""
+    found = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
     if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
         raise DamageError(f"has no variable {name}")
-    return found
-
-
-def _values(file: h5py.File, name: str, dtype: np.dtype[Any], shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    found = _dataset(file, name)
-    if found.id.get_storage_size() < found.nbytes:  # numbers that were never written take memory and no bytes
-        raise DamageError(f"holds less of {name} than it says")
     if shape not in (None, found.shape):
         raise DamageError(f"has {name} of another shape: {found.shape}, not {shape}")
-    return np.asarray(found[...], dtype)
-
-
-def _is_exact(file: h5py.File, name: str, values: NDArray[Any]) -> bool:
-    """Whether a coordinate is that of the study to the last bit; an error if it is another one."""
-    if values.dtype.kind == "U":
-        is_exact = is_same = _dataset(file, name).asstr()[...].tolist() == values.tolist()
-    else:
-        numbers = _values(file, name, values.dtype, values.shape)
-        is_exact = np.array_equal(numbers, values)
-        is_same = is_exact or np.allclose(numbers, values, rtol=SAME, atol=0)
-    if not is_same:
-        raise DamageError(f"has another {name} than its study")
-    return bool(is_exact)
+    return np.asarray(found.asstr()[...] if h5py.check_string_dtype(found.dtype) else found[...])

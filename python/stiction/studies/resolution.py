@@ -125,7 +125,7 @@ class Seen:
         return plastic_wavelength(self.roughness, self.estimate, gradient, float(kappa_spread(np.array(contact_count))))
 
     def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Of finer, elastic scans: wavelengths (µm), and over them (value, lower, upper) gradients and area fractions.
+        """Wavelengths (µm) of finer, elastic scans, and over them (value, lower, upper) gradients and area fractions.
 
         The area fraction, on the interface, and the number of contacts are those of the scan.
         """

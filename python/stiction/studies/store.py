@@ -69,7 +69,7 @@ class Block:
 
     @property
     def name(self) -> str:
-        """Of the file."""
+        """Name of the file."""
         return f"{self.first:07d}-{self.last:07d}-{self.checksum:08x}.nc"
 
 
@@ -122,7 +122,7 @@ class Stored:
 
     @cached_property
     def version(self) -> str:
-        """Of the stiction that began the result; of this one, if nothing is finished yet."""
+        """Version of stiction that began the result; that of this one, if nothing is finished yet."""
         return self.begun.version if self.blocks else __version__
 
     @cached_property
@@ -226,7 +226,7 @@ class Stored:
         from stiction.studies.netcdf import DamageError, decoded
 
         try:
-            written = content(self.path / BLOCKS / block.name, MOST_MEMORY, link=False)
+            written = content(self.path / BLOCKS / block.name, MOST_MEMORY)
             if zlib.crc32(written) != block.checksum:
                 raise DamageError("is not what was written")
             members = decoded(written)
@@ -302,7 +302,7 @@ def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     from stiction.studies.netcdf import DamageError, decoded_beside
 
     try:
-        return decoded_beside(content(path, MOST_BESIDE, link=False), names)
+        return decoded_beside(content(path, MOST_BESIDE), names)
     except FileNotFoundError:
         return None
     except (OSError, NotReadableError, DamageError) as error:
@@ -367,7 +367,7 @@ def _listed(path: Path) -> tuple[Block, ...]:
 
 def _study(path: Path) -> Study:
     try:
-        text = content(path / STUDY, LONGEST_FILE, link=False).decode()
+        text = content(path / STUDY, LONGEST_FILE).decode()
     except (NotReadableError, UnicodeDecodeError) as error:
         raise StoreError(f"{named(path / STUDY)}: is no study: {printable(error)}") from None
     return study_from_text(text, str(path / STUDY))
@@ -433,7 +433,7 @@ def _check(stored: Stored) -> None:
 def _check_replaceable(path: Path, study: Study) -> None:
     """That a study without any block is the one that is asked for, or was written by a command."""
     try:
-        is_ours = content(path / STUDY, LONGEST_FILE, link=False).startswith(MARK.encode())
+        is_ours = content(path / STUDY, LONGEST_FILE).startswith(MARK.encode())
         differ = [] if is_ours else computed_otherwise(_study(path), study)
     except OSError as error:
         raise StoreError(f"{named(path / STUDY)}: cannot be read: {reason(error)}") from None

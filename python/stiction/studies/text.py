@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import json
-import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any, TypeVar, get_args
@@ -15,10 +14,6 @@ from pydantic_core import ErrorDetails
 from stiction._text import LONGEST_WORD, named, printable
 from stiction._units import shortened
 from stiction.studies.values import LIST, RANGE, Table
-
-MOST_PARTS = 20
-"""Largest number of parts of a dotted key: a study's have three, and a parser's time grows with their square."""
-
 
 _Kind = TypeVar("_Kind", bound=Table)
 
@@ -49,21 +44,10 @@ def as_toml(value: Any) -> str:
 
 def toml(text: str) -> dict[str, Any]:
     """What a TOML text says; a `ValueError` if it is not TOML, or is deeper than any study."""
-    if any(key.group().count(".") >= MOST_PARTS for key in _DOTTED.finditer(_STRINGS.sub("s", text))):
-        raise ValueError(f"a key has more than {MOST_PARTS} parts")
     try:
         return tomllib.loads(text)
     except RecursionError:
         raise ValueError("it is too deep") from None
-
-
-# Each of these takes a time that grows with the length of the text, whatever is in it.
-_STRINGS = re.compile(
-    r"""\"{3}(?:\\.|[^\\])*?(?:\"{3}|\Z)|'{3}.*?(?:'{3}|\Z)|"(?:\\.|[^"\\\n])*"?|'[^'\n]*'?|\#[^\n]*""", re.DOTALL
-)
-"""Strings and comments."""
-
-_DOTTED = re.compile(r"[\w-]+(?:[ \t]*\.[ \t]*[\w-]+)*")
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:

@@ -75,7 +75,7 @@ def words_of(kind: str, heights: Floats, spacing: tuple[float, ...], history: tu
 
 
 def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Taken:
-    """Of SurfaceTopography, whose first axis is x."""
+    """A topography of SurfaceTopography, whose first axis is x."""
     factor = _factor(name, other.unit or unit, kind)
     given = np.ma.asarray(other.heights())
     if np.ma.is_masked(given):
@@ -90,7 +90,7 @@ def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Taken:
 
 
 def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Taken:
-    """Of xarray: heights over y and x, or over x, each with its unit in ``attrs["units"]``."""
+    """An array of xarray: heights over y and x, or over x, each with its unit in ``attrs["units"]``."""
     wanted = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if wanted is None or set(other.dims) != set(wanted):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")

@@ -283,7 +283,7 @@ class MapPairs:
 
     @property
     def area(self) -> float:
-        """Of each piece, µm²."""
+        """Nominal area of each piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
@@ -369,7 +369,7 @@ class IsotropicPairs:
 
     @property
     def area(self) -> float:
-        """Of each piece, µm²."""
+        """Nominal area of each piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property

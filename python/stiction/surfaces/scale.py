@@ -405,7 +405,7 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Of each window of so many octaves its first bin, the one behind its last, exponent and standard deviation."""
+    """First bin, the one behind the last, exponent and standard deviation of each window of so many octaves."""
     width = octaves * math.log(2)
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))

@@ -54,7 +54,7 @@ class SpectrumPairs:
 
     @property
     def side(self) -> float:
-        """Of the surfaces that pieces are taken from, µm."""
+        """Side of the surfaces that pieces are taken from, µm."""
         return self._whole * self._step
 
     @property
@@ -70,7 +70,7 @@ class SpectrumPairs:
 
     @property
     def area(self) -> float:
-        """Of each piece, µm²."""
+        """Nominal area of each piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property

@@ -172,16 +172,6 @@ class Answer:
         return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
     @property
-    def judgement(self) -> str:
-        """The verdict and why; what to do about a fault as well."""
-        if not self.doubts:
-            return f"{self.verdict}."
-        if self.verdict == "Quote with care":
-            return f"{self.verdict}: {'; '.join(doubt.text for doubt in self.doubts)}."
-        faults = [doubt for doubt in self.doubts if doubt.severity == "fault"]
-        return f"{self.verdict}: " + " ".join(f"{doubt.text}; {doubt.cure}." for doubt in faults)
-
-    @property
     def sentence(self) -> str:
         """One sentence with its inputs: to quote, or why there is none to quote."""
         if self.verdict == "Do not quote":

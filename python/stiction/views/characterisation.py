@@ -323,7 +323,7 @@ class Characterisation:
 
     @cached_property
     def line_rows(self) -> list[Row]:
-        """Of a surface, what its lines along x and along y are like."""
+        """Rows about the lines of a surface along x and along y."""
         if not self.lines:
             return []
         sides, moments = self.lines, self._area[1]

@@ -31,7 +31,7 @@ FORM = 0.6
 """Fraction of the mean square height in a parabola, from which on it is form: of the longest waves it is half."""
 
 SPIKE = 12.0
-"""Of the usual second difference (median over 0.67), from which on a point stands out: by chance none does at 5."""
+"""Ratio to the usual second difference (median over 0.67) above which a point stands out: by chance none does at 5."""
 
 NOISE = 0.01  # fraction of the mean square slope in waves of an instrument, from which on it is said
 PEAK = 0.1  # fraction of the fourth spectral moment in one peak, from which on it is said

@@ -94,7 +94,7 @@ class Dialect:
 
     @property
     def number(self) -> re.Pattern[str]:
-        """Of which the groups are sign, whole digits, decimals and exponent."""
+        """Pattern whose groups are sign, whole digits, decimals and exponent."""
         return re.compile(_NUMBER.format(point=re.escape(self.point)), re.ASCII)
 
 
