@@ -11,7 +11,7 @@ from unittest import mock
 from stiction import cli
 
 
-def stiction_command(*arguments, cwd):
+def stiction_command(*arguments, cwd, columns=200):
     """The command in this process, as a shell would see it: a new interpreter for each would take most of the time."""
     out, err = io.StringIO(), io.StringIO()
     with (
@@ -20,7 +20,7 @@ def stiction_command(*arguments, cwd):
         contextlib.redirect_stderr(err),
         warnings.catch_warnings(),  # main() replaces how they are shown
         mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
-        mock.patch.dict(os.environ, {"COLUMNS": "200", "CI": "1"}),
+        mock.patch.dict(os.environ, {"COLUMNS": str(columns), "CI": "1"}),
     ):
         warnings.simplefilter("default")
         try:

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import typer
 from command import assert_refused, stiction_command
 from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, write_profile
 from stiction._errors import ArgumentError
-from stiction.cli.application import app
+from stiction.cli.application import app, tell
 from stiction.cli.options import announce_reader
 from stiction.studies import store
 from stiction.studies.at_load import at_load
@@ -191,7 +192,6 @@ def test_materials_have_names(where):
     with contextlib.chdir(where):
         said, measured = (asked(where, *MAPS, *given, *more).remarks[0] for more in ([], ["--hardness", "3 GPa"]))
     assert "brass" in said
-    assert "; --hardness says what was measured" in said
     assert measured.endswith("the hardness is that of --hardness")
 
 
@@ -315,14 +315,59 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
     done = stiction_command(*command, cwd=where)
     assert done.returncode == 0, done.stderr
-    assert "at first, by asperities at 3 positions" in done.stderr
+    assert "at first, by asperities: μ_s = " in done.stderr
     assert json.loads(done.stdout)["command"] == "pair"
     with contextlib.chdir(where):
         by_asperities = asked(where, *command[1:]).first_study
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
-    assert f"μ_s = {quoted(*value.sel(sliding='all').values.ravel())} if all contacts rub" in done.stderr
+    assert f"μ_s = {quoted(float(value.sel(sliding='all', statistic='mean').squeeze()))} if all contacts rub" in done.stderr
     again = stiction_command(*command, cwd=where)
     assert "at first" not in again.stderr, "what is there already has its answer"
+
+
+SCANS = Path(__file__).parents[2] / "examples" / "scans"
+STEEL_ON_BRASS = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa"]
+RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "200 kPa", "--load", "100 kPa"]
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    "given",
+    [
+        [SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", *STEEL_ON_BRASS, "--load", "10 mN",
+         "--mechanics", "half-space", "--offsets", 16],
+        pytest.param([SCANS / "ground_upper.x3p", SCANS / "ground_lower.x3p", *STEEL_ON_BRASS, "--load", "10 MPa",
+                      "--shifts", 4], marks=pytest.mark.soak),
+        [*MAPS, *RUBBER, "--shifts", 4],
+    ],
+    ids=["lapped", "ground", "rubber"],
+)  # fmt: skip
+def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where, given, tmp_path):
+    done = stiction_command("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
+    assert done.returncode == 0, done.stderr
+    lines = [line.replace(str(tmp_path / "out"), "out") for line in (done.stderr + done.stdout).splitlines()]
+    of_terminal = sum(1 + max(len(line) - 1, 0) // 80 for line in lines)
+    assert of_terminal <= 22, "one more says what asperities say at first, and the last is the prompt"
+    text = done.stdout
+    assert "μ_s" in text
+    assert sum(text.count(words) for words in ("Quote it", "Quote with care", "Do not quote")) in (1, 2)
+    assert not set(done.stderr) & {"\x1b"}
+    assert "warning" not in done.stderr, "of what the user has not given"
+    facts = [word for word in ("E* = ", "hardness 6", "μ0 = ", "positions alone") if text.count(word) > 1]
+    assert not facts, "each fact once"
+
+
+def test_number_and_verdict_are_bold_on_a_terminal_alone(capsys, monkeypatch):
+    lines = "μ_s = 0.29 [0.24, 0.42]  if all\nQuote with care; measure\nQuote withers\n"
+    tell(lines)
+    assert capsys.readouterr().out == lines
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("typer.echo", print)
+    tell(lines)
+    bold = capsys.readouterr().out
+    assert bold.count("\x1b[1m") == 2
+    assert "\x1b[1mμ_s = 0.29 [0.24, 0.42]\x1b[0m  if all" in bold
+    assert "\x1b[1mQuote with care\x1b[0m; measure" in bold
 
 
 def test_lines_and_asperities_have_no_first_answer(where):

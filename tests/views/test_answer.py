@@ -295,7 +295,7 @@ def test_materials_are_named_with_the_range_of_the_softer_hardness():
 def test_no_interface_is_stronger_than_the_softer_body(mu0, beyond):
     at = measured(load_share_at_hardness=0.9, mu0=(mu0,))
     doubts = [each.text for each in answers(at, with_materials(0.625))[0].doubts]
-    assert any("μ0 p + τ0 is 175 MPa and the softer body shears at 120 MPa" in text for text in doubts) == beyond
+    assert any("μ0 p + τ0 is 175 MPa, and the softer body shears at 120 MPa" in text for text in doubts) == beyond
 
 
 def test_without_adhesion_it_is_the_mu0_that_was_given():

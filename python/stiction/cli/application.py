@@ -37,6 +37,7 @@ def say(text: str, kind: str = "") -> None:
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
+    _clear()
     print("\n".join(lines), file=sys.stderr)
 
 
@@ -48,9 +49,16 @@ def interrupted(more: str = "") -> typer.Exit:
 
 
 def announce(text: str) -> None:
-    """Tell whoever watches a terminal what takes a moment."""
+    """Tell whoever watches a terminal what takes a moment, in a line that the next one takes the place of."""
     if is_watched():
-        say(text)
+        line = f"stiction: {printable(text, LONGEST_LINE)}"[: shutil.get_terminal_size().columns - 1]
+        _clear(f"{line}\r")
+
+
+def _clear(more: str = "") -> None:
+    """Empty the line of a terminal; not by way of a progress bar, which would print what moves the cursor."""
+    if is_watched():
+        print(f"\x1b[2K{more}", end="", file=sys.__stderr__ or sys.stderr, flush=True)
 
 
 def is_watched() -> bool:
@@ -60,13 +68,21 @@ def is_watched() -> bool:
 
 def tell(text: str) -> None:
     """Print what was asked for, on standard output; whoever stops listening does not stop the work."""
+    lines = [printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
+    if sys.stdout.isatty():
+        lines = [_ANSWER.sub(lambda found: typer.style(found[0], bold=True), line) for line in lines]
     try:
-        typer.echo("\n".join(printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")))
+        _clear()
+        typer.echo("\n".join(lines))
     except OSError as error:
         # What takes nothing more leads to nowhere: Python flushes what is left, and would fail once more.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
+
+
+_ANSWER = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
+"""What is bold on a terminal: number and verdict."""
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -156,7 +172,10 @@ class _Commands(TyperGroup):
 
 
 # Without rich's markup: loading what it takes would be half of the time that help takes.
-_PLAIN: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False}
+_PLAIN: dict[str, Any] = {
+    "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
+    "context_settings": {"help_option_names": ["-h", "--help"]},
+}  # fmt: skip
 
 app = typer.Typer(
     name="stiction",

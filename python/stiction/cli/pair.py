@@ -238,7 +238,7 @@ def pair(
     studies = asked.studies
     about(studies[0])  # refuses what cannot be pressed, before anything is written
     doubts = doubts_of_inputs(*asked.bodies, studies[0], [float(load) for load in asked.loads])
-    for remark in asked.remarks:
+    for remark in asked.remarks[0 if verbose else bool(asked.elasticity.source) :]:  # of materials the answer has it
         say(remark)
     rests: list[Callable[[], None]] = []
 
@@ -277,7 +277,7 @@ def announce_first(study: Study | None, executor: Executor) -> None:
 
     def told(done: Future[str]) -> None:
         if not done.cancelled() and done.exception() is None:  # where nothing touches there is nothing to say
-            announce(done.result())
+            say(done.result())
 
     if study is not None and is_watched():
         executor.submit(first_text, study).add_done_callback(told)

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from stiction.views.answer import Doubt
 
 
+MOST_DOUBTS = 2  # that `pair` says, so that number and verdict stay on a terminal of 24 lines
+
+
 def opened(directory: Path) -> Stored:
     """The result in a directory, and a warning if it is not finished."""
     from stiction.studies.store import StoreError, open_stored
@@ -62,7 +65,9 @@ def show_answer(
         return lambda: None
     if not as_json:
         measured = study.is_measured
-        tell(text.answer_text(at, study, verbose=verbose, beside=beside) if measured else text.overview_text(at, study))
+        most = MOST_DOUBTS if command == "pair" else None
+        said = text.answer_text(at, study, verbose=verbose, beside=beside, most=most) if measured else ""
+        tell(said or text.overview_text(at, study))
 
     def rest() -> None:
         besides: dict[str, Any] = {"over": stored.once(resolution_at), "onset": stored.once(onset_beside)}
@@ -85,9 +90,7 @@ def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str]
     drawings = drawn(stored, stored.path, first=True)
     page = stored.path / "report.html"
     save_report([stored], page, names=[stored.path.resolve().name])
-    said(f"wrote {page}: everything, to look at and to share")
-    figures = " and ".join(map(str, [stored.path / "result.csv", *drawings]))
-    said(f"wrote {figures}; stiction plot {stored.path} draws all figures")
+    said(f"wrote {page} (open it), {' and '.join(['result.csv', *(drawing.name for drawing in drawings)])}")
 
 
 def draw_result(

@@ -61,14 +61,15 @@ def complete(
     if friction := [each for each in other if each[0].startswith("friction.")]:
         say(f"{folder} was asked for other friction; its {before} repetitions are kept, and its table, page and "
             f"figures are replaced\n{differences_text(friction)}")  # fmt: skip
-    stored = filled(stored, part=part, executor=executor, progress=progress, say=said)
+    measured = stored.study.is_measured
+    stored = filled(stored, part=part, executor=executor, progress=progress, say=announce if measured else said)
     if part is not None:
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return stored
     fill_hardness(stored, executor)
-    if before < total:
+    if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
-    else:
+    elif before == total:
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{folder} holds this study already{by}")
     answered(stored)

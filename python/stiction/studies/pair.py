@@ -39,14 +39,8 @@ LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 MECHANICS = ("half-space", "asperities")
 
-SPHERES = (
-    "A profile says nothing about the third direction, so contacts were taken as spheres on a strip 1 µm thick. For "
-    "grooves across the scan add --lay grooves; for surfaces alike in all directions, --lay isotropic."
-)
-HALF_PLANES = (
-    "A profile says nothing about the third direction, so the surfaces were taken as grooved across the scan. For "
-    "surfaces alike in all directions add --lay isotropic."
-)
+SPHERES = "contacts are taken as spheres on a strip 1 µm thick; better add --lay grooves or isotropic"
+HALF_PLANES = "taken as grooved across the scan; if not, add --lay isotropic"
 
 Several = Any
 """One value or several: a number, a text with its unit, texts between commas, a list or an array of either."""
@@ -307,8 +301,7 @@ class Pair:
         """What is worth knowing of materials, and of profiles whose lay is not said."""
         known, remarks = self.elasticity, []
         if known.source and self.hardness is None:
-            advice = "; --hardness says what was measured" if known.hardness is not None else ""
-            remarks.append(f"{known.source}, {known.hardness_source}{advice}")
+            remarks.append(f"{known.source}, {known.hardness_source}")
         elif known.source:
             remarks.append(f"{known.source}; the hardness is that of --hardness")
         if self.are_profiles and self.lay is None and self.press == "lines":

@@ -201,7 +201,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
-    doubts = [*doubts_of(point, study, mean, status), *(each for each in beside if cut_off < each.cut_off)]
+    doubts = [*(each for each in beside if cut_off < each.cut_off), *doubts_of(point, study, mean, status)]
     return Answer(
         rules=rules, status=status, inputs=_inputs(point, study), note=_note(point, study),
         doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
@@ -294,7 +294,7 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
 def bracket_text(bracket: tuple[float, float]) -> str:
     """Between which ends every finer scan lies, in words."""
     low, high = (f"{end:.3f}" for end in bracket)
-    return f"every finer scan lies from {low} (μ0 + τ0/H) to {high} if all contacts rub, to second order in slopes"
+    return f"every finer scan lies from {low} (μ0 + τ0/H) to {high} if all contacts rub"
 
 
 def _inputs(point: xarray.Dataset, study: Study) -> str:
@@ -377,8 +377,7 @@ def _note(point: xarray.Dataset, study: Study) -> str:
     members = value_of(point, "members")
     made = study.surfaces.press == "surrogates"
     of = "pairs of random surfaces with these spectra" if made else "members"
-    what = "" if not study.is_measured else ", of all that is known"
-    words.append(f"95 % intervals over {members:.0f} {of}{what}" if members > 1 else f"95 % intervals{what}")
+    words.append(f"95 % intervals over {members:.0f} {of}" if members > 1 else "95 % intervals")
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
         reading = _READINGS.get(str(point.attrs.get("reading")), "the load has one of three meanings")

@@ -266,10 +266,10 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: Interval) -> It
         own, body = mu0 * float(hardness) + tau0, float(hardness) * SHEARED
         if own > body:
             text = (
-                f"where the pressure is the hardness, μ0 p + τ0 is {with_unit(own, 'GPa')} and the softer body shears "
-                f"at {with_unit(body, 'GPa')}"
+                f"at the hardness μ0 p + τ0 is {with_unit(own, 'GPa')}, and the softer body shears at "
+                f"{with_unit(body, 'GPa')}"
             )
-            yield Doubt(text, "there the body gives way before the interface, so less friction is possible", "caution")
+            yield Doubt(text, "there the body gives way first, and friction is less", "caution")
     if study.is_measured and tau0 == 0 and mu0 > 0 and abs(value.value / mu0 - 1) < ONLY_MU0:
         text = f"τ0 is 0, so this is the μ0 that was given; these surfaces add {significant(value.value - mu0, 1)}"
         yield Doubt(text, "give --tau0, or measure both by stiction calibrate", "caution")

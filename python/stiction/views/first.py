@@ -6,12 +6,11 @@ from stiction.studies.members import about
 from stiction.studies.pressed import member_sums
 from stiction.studies.result import dataset_of, stacked
 from stiction.studies.study import Study
-from stiction.views.digits import quoted, with_unit
+from stiction.views.digits import quoted
 from stiction.views.point import RULES
 from stiction.views.result import Result
 
 MEMBERS = 4  # whose mean is the first answer
-LINES = 3  # answers that are shown, at most
 
 
 def first_result(study: Study) -> Result:
@@ -22,13 +21,6 @@ def first_result(study: Study) -> Result:
 
 
 def first_text(study: Study) -> str:
-    """The answers that the first members of a study of asperities give, a line each; an error if nothing touches."""
-    result = first_result(study)
-    members = result.dataset.sizes["repetition"]
-    lines = [f"at first, by asperities at {members} positions, while the half-space is solved:"]
-    for one in result.answers[:LINES]:
-        rules = ", ".join(
-            f"{quoted(rule.value, rule.lower, rule.upper)} {RULES[rule.rule]}" for rule in one.rules
-        )  # fmt: skip
-        lines.append(f"μ_s = {rules}, at {with_unit(one.at['load'], 'mN')}")
-    return "\n".join(lines)
+    """The answer that the first members of a study of asperities give, in a line; an error if nothing touches."""
+    one = first_result(study).answers[0]
+    return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rule]}"

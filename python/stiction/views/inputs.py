@@ -112,11 +112,11 @@ def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterato
     shortest = limit.wavelength if limit.slope_share > NOISE else 0.0
     if shortest:
         wave = with_unit(shortest, "um")
-        part = f"{percent(limit.slope_share)} of the mean square slope"
+        part = f"{100 * limit.slope_share:.0f} % of the mean square slope"
         text = f"waves below {wave} have {part} and are hardly the surface's: {REASONS[limit.reason]}"
         cure = f"--cutoff '{wave}' takes them off"
         if limit.slope_share > UNKNOWN:
-            cure += "; a second scan of the place would tell, and --cutoff none vouches for them"
+            cure += ", --cutoff none vouches for them"
         yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", shortest)
     if not isinstance(body, Profile):
         return

@@ -22,20 +22,19 @@ STATISTICS = ("mean", "lower", "upper")
 
 def onset_text(onset: xarray.Dataset) -> str:
     """One sentence: creep before sliding, what slips at half of the load, and the stiffness at rest."""
-    parts = []
-    creep = _ends(onset["displacement_at_sliding"], 1000.0)
+    parts, creep = [], _ends(onset["displacement_at_sliding"], 1000.0)
     if math.isfinite(creep[0]):
         parts.append(f"it creeps {quoted(*creep)} nm before it slides")
     slipped = _ends(onset["slipped_area"].sel(fraction=HALF), 100.0)
     parts.append(f"at half of the load {percent(slipped[0] / 100)} of the contact slips")
-    stiffness = _ends(onset["stiffness"])
-    if math.isfinite(stiffness[0]):
-        parts.append(f"its tangential stiffness at rest is {quoted(*stiffness)} mN/µm")
-    unloading = _ends(onset["unloading_stiffness"])
-    if math.isfinite(unloading[0]):
-        parts.append(f"its normal stiffness, unloading or by ultrasound, is {quoted(*unloading)} mN/µm")
+    ends = {words: _ends(onset[name]) for name, words in _STIFFNESSES.items()}
+    said = [f"{quoted(*each)} mN/µm {words}" for words, each in ends.items() if math.isfinite(each[0])]
+    parts += [f"stiffness at rest {', '.join(said)}"] if said else []
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
+
+
+_STIFFNESSES = {"stiffness": "tangential", "unloading_stiffness": "normal (unloading, ultrasonic)"}
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:

@@ -108,7 +108,7 @@ def _line(cells: Sequence[str], sizes: Sequence[int]) -> str:
 
 def result_text(
     at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (),
-    over: xarray.Dataset | None = None, onset: xarray.Dataset | None = None,
+    over: xarray.Dataset | None = None, onset: xarray.Dataset | None = None, most: int | None = None,
 ) -> str:  # fmt: skip
     """The answer of a result, its verdict and a table, for the terminal.
 
@@ -124,22 +124,31 @@ def result_text(
         As `doubts_of_inputs` gives them.
     over, onset : xarray.Dataset, optional
         What `resolution_at` and `onset_beside` give.
+    most : int, optional
+        Doubts that are said of one answer, the first ones, beside all faults; the others are counted.
     """
-    whole = answer_text(at, study, verbose=verbose, beside=beside)
+    whole = answer_text(at, study, verbose=verbose, beside=beside, most=most)
     return whole + beside_text(at, study, verbose=verbose, over=over, onset=onset)
 
 
-def answer_text(at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = ()) -> str:
+def answer_text(
+    at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (), most: int | None = None
+) -> str:
     """What `result_text` has without what lies beside a result."""
     found = answers(at, study, beside=beside)
     first = at.isel({name: 0 for name in CELLS if name in at.dims})
     point = next(points(first))
     slopes = slopes_text(found[0], point, study)
     parts = [history_text(at, study)] if verbose else []
-    parts += [answers_text(found), doubts_text(found), fitted(slopes) if slopes and verbose else ""]
-    if any(math.isfinite(one.value) for one in found):
-        parts += [quantities_text(first, study, verbose=verbose), axes_text(point, verbose=verbose)]
-        parts.append(directions_text(point) if verbose else "")
+    parts.append(f"{answers_text(found)}\n{doubts_text(found, None if verbose else most)}")
+    is_known = any(math.isfinite(one.value) for one in found)
+    quantities = quantities_text(first, study, verbose=verbose) if is_known else ""
+    if len(found) == 1 and not verbose:
+        parts.append("\n".join(filter(None, (_details(found[0]), quantities))))
+    else:
+        parts += [_details(found[0]) if len(found) == 1 else "", fitted(slopes) if slopes and verbose else "", quantities]
+    if is_known:
+        parts += [axes_text(point, verbose=verbose), directions_text(point) if verbose else ""]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -151,18 +160,19 @@ def beside_text(
     parts = []
     is_over = at.sizes.get("cut_off", 0) > 1
     if any(math.isfinite(one.value) for one in answers(at, study)):
-        if verbose or is_over:
+        if verbose:
             first = at.isel({name: 0 for name in CELLS if name in at.dims})
             parts.append(resolution_text(first, study, at if over is None and is_over else over))
         if onset is not None:
             parts.append(onset_block(onset) if verbose else fitted(onset_text(onset)))
-    return "".join(f"\n{part}\n" for part in parts if part)
+    return "".join(f"\n{part}\n" if verbose else f"{part}\n" for part in parts if part)
 
 
 def answers_text(found: Sequence[Answer]) -> str:
-    """The coefficients and their inputs: a block for one answer, a line for each of several."""
+    """The coefficients: a line for each rule of one answer, and a table of several with their inputs."""
     if len(found) == 1:
-        return _block(found[0])
+        words = (f"{_coefficient(found[0], index)}  {RULES[rule.rule]}" for index, rule in enumerate(found[0].rules))
+        return "\n".join(fitted(f"{'      ' if i else 'μ_s = '}{each}", hang=" " * 8) for i, each in enumerate(words))
     varying = [name for name in found[0].at if len({one.at[name] for one in found}) > 1]
     titles = [
         *(_TITLES.get(name, name) for name in varying),
@@ -200,25 +210,16 @@ def _coordinate(name: str, value: float) -> str:
     return with_unit(value, _UNITS[name]) if name in _UNITS and value else f"{value:.4g}"
 
 
-def _block(one: Answer) -> str:
-    """One answer: a line for each rule, what holds and what is not known, the inputs below."""
+def _details(one: Answer) -> str:
+    """What holds by an answer, where tests and finer scans lie, and the inputs."""
     lines = []
-    for index, rule in enumerate(one.rules):
-        words = f"{'μ_s = ' if index == 0 else '      '}{_coefficient(one, index)}  {RULES[rule.rule]}"
-        if index == 0 and one.most is not None:
-            words += f"; the width is mostly {_WIDTHS.get(one.most.words, one.most.words)}"
-        lines.append(fitted(words, hang=" " * 8))
     if one.parts is not None:
-        lines.append(fitted(parts_text(one), indent="  "))
-    lines += [fitted(words, indent="  ") for words in (budget_text(one), test_text(one), waited_text(one)) if words]
-    lines.append(fitted(f"at {one.inputs}; {one.note}", indent="  "))
+        lines.append(parts_text(one))
+    lines += [words for words in (test_text(one), waited_text(one)) if words]
     if one.bracket is not None:
         words = bracket_text(one.bracket)
-        lines.append(fitted(words[0].upper() + words[1:] + ".", indent="  "))
-    return "\n".join(lines)
-
-
-_WIDTHS = {POSITIONS: "the scatter over positions", FINER: "that of waves finer than the scan"}
+        lines.append(f"{words[0].upper()}{words[1:]}.")
+    return "\n".join(map(fitted, [*lines, f"At {one.inputs}; {one.note}."]))
 
 
 def parts_text(one: Answer) -> str:
@@ -230,15 +231,16 @@ def parts_text(one: Answer) -> str:
 
 
 def budget_text(one: Answer) -> str:
-    """What to measure next, and what it would leave."""
+    """What to measure next, and what it would leave; empty where nothing decides."""
     most = one.most
     if most is None:
         return ""
-    if most.words == POSITIONS:
-        return "More positions would narrow it."
     now, then = (from_to(low, high) for low, high in ((one.lower, one.upper), (most.lower, most.upper)))
-    what = "what finer waves change" if most.words == FINER else most.words
-    return f"If {what} were known, {now} would be {then}."
+    return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}"
+
+
+_MEASURES = {POSITIONS: "press more positions", FINER: "scan more finely"}
+"""How to get to know what is no input."""
 
 
 def test_text(one: Answer) -> str:
@@ -247,7 +249,7 @@ def test_text(one: Answer) -> str:
     if not math.isfinite(first.next_test[0]):
         return ""
     alone = f"; positions alone: {from_to(*first.positions)}" if first.positions != (first.lower, first.upper) else ""
-    return f"One test, one way, at one position: {from_to(*first.next_test)} (95 %){alone}."
+    return f"One test, one way: {from_to(*first.next_test)} (95 %){alone}."
 
 
 def waited_text(one: Answer) -> str:
@@ -257,10 +259,15 @@ def waited_text(one: Answer) -> str:
     return f"After waiting under load: {', '.join(after)}{rate}." if after else ""
 
 
-def doubts_text(found: Sequence[Answer]) -> str:
-    """The verdict on every answer, with its doubts and what to do about them."""
+def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
+    """The verdict on every answer, what to measure next of one, and its doubts with their cures, the first of them."""
     if len({(one.verdict, one.doubts) for one in found}) == 1:
-        return "\n".join([found[0].verdict, *(_doubt(doubt) for doubt in found[0].doubts)])
+        one, doubts = found[0], found[0].doubts
+        faults = sum(doubt.severity == "fault" for doubt in doubts)
+        said = doubts if most is None else doubts[: max(most, faults + 1)]
+        what = f"; {words}" if len(found) == 1 and (words := budget_text(one)) else ""
+        rest = [f"  {len(doubts) - len(said)} more: see the page, at or --json"] if len(doubts) > len(said) else []
+        return "\n".join([fitted(f"{one.verdict}{what}", hang="  "), *(_doubt(doubt) for doubt in said), *rest])
     # Doubts of one kind have one cure, and differ in their numbers.
     kinds: dict[tuple[str, str], list[Doubt]] = {}
     for doubt in (doubt for one in found for doubt in one.doubts):
@@ -269,8 +276,9 @@ def doubts_text(found: Sequence[Answer]) -> str:
         _doubt(same[0], f" ({len(same)} of {len(found)})")
         for same in sorted(kinds.values(), key=lambda same: same[0].severity != "fault")
     ]
-    rest = [f"  … and {len(lines) - MOST_DOUBTS} more (--json)"] if len(lines) > MOST_DOUBTS else []
-    return "\n".join(["Doubts, in the first answer that has each:", *lines[:MOST_DOUBTS], *rest])
+    shown = most or MOST_DOUBTS
+    rest = [f"  {len(lines) - shown} more: see the page, at or --json"] if len(lines) > shown else []
+    return "\n".join(["Doubts, in the first answer that has each:", *lines[:shown], *rest])
 
 
 MOST_DOUBTS = 6  # most doubts that are printed of several answers; JSON and CSV have all
@@ -302,7 +310,7 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     one = one.sel(sliding=rules_of(study)[0]) if "sliding" in one.dims else one
     loads = list(points(one))
     fraction = "contact_area_fraction" in one and has_nominal_area(loads[0], study)
-    rows = [["mean [95 %]", *(load_text(point, study) for point in loads)]]
+    rows: list[list[str]] = []
     for name in (*_SHOWN, *(_MORE if verbose else ())):
         hidden = {"contact_area": fraction and not verbose, "contact_area_fraction": not fraction}.get(name, False)
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
@@ -313,11 +321,15 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
             rows += _row(name, words, [point[name].sel(fraction_below=below, method="nearest") for point in loads])
     if verbose and "rms_gradient" in one:
         rows += _row("rms_gradient", QUANTITIES["rms_gradient"].short, [point["rms_gradient"] for point in loads])
-    return aligned(rows)
+    if len(loads) == 1 and study.is_measured and not verbose:
+        words = "; ".join(f"{name} {value} {unit}".rstrip() for name, unit, value in rows)
+        return fitted(f"{words[:1].upper()}{words[1:]}.")
+    heads = ["mean [95 %]", *(load_text(point, study) for point in loads)]
+    return aligned([heads, *([f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows)])
 
 
 def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list[str]]:
-    """A row, or none where no load has a number."""
+    """A row of the name, the unit and a cell for each load, or none where no load has a number."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
         values = [value for value in map(_largest, tables) if math.isfinite(value)]
@@ -329,7 +341,7 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
     cells = [_cell(table, factor) for table in tables]
     if all(cell == "none" for cell in cells):
         return []
-    return [[f"{words} ({shown})" if shown else words, *cells]]
+    return [[words, shown, *cells]]
 
 
 def _largest(table: xarray.DataArray) -> float:
