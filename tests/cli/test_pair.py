@@ -320,7 +320,8 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     with contextlib.chdir(where):
         by_asperities = asked(where, *command[1:]).first_study
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
-    assert f"μ_s = {quoted(float(value.sel(sliding='all', statistic='mean').squeeze()))} if all contacts rub" in done.stderr
+    mean = float(value.sel(sliding="all", statistic="mean").squeeze())
+    assert f"μ_s = {quoted(mean)} if all contacts rub" in done.stderr
     again = stiction_command(*command, cwd=where)
     assert "at first" not in again.stderr, "what is there already has its answer"
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction.cli.application import announce, command, is_watched, say, tell
+from stiction.cli.application import command, is_watched, say, tell
 from stiction.cli.options import (
     Channels,
     ColumnsOfEach,

@@ -23,7 +23,7 @@ from stiction.studies.hardness import hardness_beside
 from stiction.studies.interfaces import interface_of
 from stiction.studies.known import DRAWS, ENDS, Known, creep_of, inputs_of, relative_modulus, strata
 from stiction.studies.maps import study_of_result
-from stiction.studies.member_values import member_values
+from stiction.studies.member_values import PerLoad, member_values, six_at
 from stiction.studies.store import Stored
 
 if TYPE_CHECKING:
@@ -49,9 +49,6 @@ DECILES = 2.563103131089201
 
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
 """Variables that a coefficient's interval takes."""
-
-_UNIT = 1e-3
-"""Adhesive strength (GPa) by which the linear part of tau0 is read: small beside any modulus."""
 
 
 def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
@@ -86,11 +83,12 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     found = {name: np.full((*shape, 3), np.nan) for name in ("friction_known", "friction_next_test")}
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
-    linear, areas = _Linear.of(at, result), _Areas.of(at, study, result)
+    six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), _Areas.of(at, study, result)
     read = at[[name for name in _READ if name in at]]
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
-        one = _Point.of(read.isel(where), where, study, inputs, linear, areas, strength)
+        sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
+        one = _Point.of(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength)
         if one is None:
             continue
         found["friction_known"][place] = one.value, *one.interval()
@@ -121,37 +119,6 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         variables["friction_waited"] = ((*dims, "wait", "statistic"), waited, about)
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
     return at.assign(variables).assign_coords(coordinates)
-
-
-@dataclass(frozen=True)
-class _Linear:
-    """Both loads over the elastic one, linear in mu0 and tau0: means over members and directions at each place."""
-
-    elastic: xarray.DataArray
-    rub: xarray.DataArray
-    stick: xarray.DataArray
-    rub_normal: xarray.DataArray
-    stick_normal: xarray.DataArray
-
-    @classmethod
-    def of(cls, at: xarray.Dataset, result: Result) -> _Linear:
-        members = member_values(result, at["load"].values, mu0=[0.0, 1.0], tau0=[0.0, _UNIT], reading="elastic")
-        load, over = members["load"], ("repetition", "direction")
-        tangential, normal = ((members[f"{name}_load"] / load).mean(over) for name in ("tangential", "normal"))
-
-        def part(table: xarray.DataArray, mu0: int, tau0: int) -> xarray.DataArray:
-            return table.isel(mu0=mu0, tau0=tau0, drop=True)
-
-        rest, upward = part(tangential, 0, 0), part(normal, 0, 0)
-        return cls(
-            elastic=rest, rub=part(tangential, 1, 0) - rest, stick=(part(tangential, 0, 1) - rest) / _UNIT,
-            rub_normal=part(normal, 1, 0) - upward, stick_normal=(part(normal, 0, 1) - upward) / _UNIT,
-        )  # fmt: skip
-
-    def coefficients(self, where: Mapping[str, int]) -> tuple[float, ...]:
-        """The five numbers at one place."""
-        tables = (self.elastic, self.rub, self.stick, self.rub_normal, self.stick_normal)
-        return tuple(float(each.values[tuple(where[str(name)] for name in each.dims)]) for each in tables)
 
 
 @dataclass(frozen=True)
@@ -213,7 +180,7 @@ class _Point:
     names: tuple[str, ...]  # of what is not known exactly
     inputs: Mapping[str, Known]
     study: Study
-    friction: tuple[float, ...]  # as `_Linear.coefficients`
+    friction: PerLoad
     mu0: float
     tau0: float
     areas: _Areas
@@ -226,7 +193,7 @@ class _Point:
 
     @classmethod
     def of(
-        cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, linear: _Linear, areas: _Areas,
+        cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: _Areas,
         strength: tuple[Floats, Floats] | None = None,
     ) -> _Point | None:  # fmt: skip
         """From a point of what `at_load` gives; None where there is no coefficient, or no interval."""
@@ -252,7 +219,7 @@ class _Point:
             names = (*names, FINER)
         spread = float(point["spread_high"]) - float(point["spread_low"])
         return cls(
-            value, names, known, study, linear.coefficients(where), mu0, tau0, areas, where.get("load", 0), positions,
+            value, names, known, study, friction, mu0, tau0, areas, where.get("load", 0), positions,
             spread / (DECILES * value), int(point["ok"].min()), finest, strength,
         )  # fmt: skip
 
@@ -275,11 +242,12 @@ class _Point:
 
     def after(self, wait: float) -> tuple[float, float, float]:
         """The coefficient after some seconds under load, with its 95 % interval: the hardness has fallen meanwhile."""
-        creep, own = creep_of(self.study), self.areas.hardness
+        creep, hardness = creep_of(self.study), self.areas.hardness
         assert creep is not None, "a study that waits has its creep"
-        assert own is not None, "and a hardness"
-        area = self.areas.factor(self.load, np.array([own * wait**-creep.value]), 1.0)
-        value = self.value * self._coefficient(self.mu0, self.tau0, area) / self._coefficient(self.mu0, self.tau0, 1.0)
+        assert hardness is not None, "and a hardness"
+        area = self.areas.factor(self.load, np.array([hardness * wait**-creep.value]), 1.0)
+        own = self.friction.coefficient(self.mu0, self.tau0)
+        value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
         return float(value[0]), *_ends(self._draws({}, wait))
 
     def _draws(self, fixed: Mapping[str, float], wait: float = 1.0) -> Floats:
@@ -291,10 +259,10 @@ class _Point:
         columns, drawn, hardness, area = self.areas.kept[key]
         mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
         if self.strength is not None:  # in the order of what they give here, so that their quantiles are its
-            order = np.argsort(self._coefficient(*self.strength, 1.0))
+            order = np.argsort(self.friction.coefficient(*self.strength))
             place = order[(columns[INTERFACE] * order.size).astype(int)]
             mu0, tau0 = self.strength[0][place], self.strength[1][place]
-        found = self.value * self._coefficient(mu0, tau0, area) / self._coefficient(self.mu0, self.tau0, 1.0)
+        found = self.value * self.friction.coefficient(mu0, tau0, area) / self.friction.coefficient(self.mu0, self.tau0)
         found = np.broadcast_to(found, (DRAWS,))
         if FINER in columns and self.finest is not None:
             least = np.minimum(mu0 + tau0 / hardness, found)
@@ -317,10 +285,6 @@ class _Point:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
         return columns, drawn, hardness, self.areas.factor(self.load, softest, relative_modulus(self.study, drawn))
-
-    def _coefficient(self, mu0: Any, tau0: Any, area: Any) -> Any:
-        elastic, rub, stick, rub_normal, stick_normal = self.friction
-        return (elastic + mu0 * rub + tau0 * stick * area) / (1 + mu0 * rub_normal + tau0 * stick_normal * area)
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:

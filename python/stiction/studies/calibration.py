@@ -18,9 +18,10 @@ import numpy as np
 from stiction._checks import Floats, choice, number
 from stiction._units import in_core_units, loads_in_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
-from stiction.mechanics.friction import Curve
+from stiction.mechanics.friction import SIX, Curve
 from stiction.mechanics.model import Sliding
 from stiction.studies.known import sobol
+from stiction.studies.member_values import PerLoad, six_at
 from stiction.studies.study import study_of
 
 if TYPE_CHECKING:
@@ -99,21 +100,11 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Friction:
-    """Both forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
+class _Friction(PerLoad):
+    """What the surfaces of a test do at its load."""
 
-    elastic: float = 0.0
-    rub: float = 1.0
-    stick: float
-    rub_normal: float = 0.0
-    stick_normal: float = 0.0
     scatter: float = 0.0  # relative standard error of `stick`
     hardness: float = math.nan
-
-    def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """mu_s, where the true area is that many times the computed one."""
-        tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
-        return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
 
 @dataclass(frozen=True)
@@ -446,32 +437,21 @@ def _of_curve(curve: Curve, load: float) -> _Friction:
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _Friction(
-        elastic=at("tangential_elastic"), rub=at("tangential_frictional"), stick=at("tangential_adhesive"),
-        rub_normal=at("normal_frictional"), stick_normal=at("normal_adhesive"),
-        hardness=float(getattr(curve, "hardness", None) or math.nan),
-    )  # fmt: skip
+    return _Friction.of({name: at(name) for name in SIX}, hardness=float(getattr(curve, "hardness", None) or math.nan))
 
 
 def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
     """Means of a result over members and directions, and the scatter of the adhesive sum over members."""
-    from stiction.studies.member_values import six_at
-
     dataset = getattr(result, "dataset", result)
-    there = six_at(dataset, load).sel(sliding=sliding).isel(cut_off=0, missing_dims="ignore")
+    there = six_at(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six = {str(name): each.mean("direction").values.reshape(-1) for name, each in there.data_vars.items()}
     reached = np.isfinite(list(six.values())).all(axis=0)
     if not reached.any():
         raise ValueError(f"load must be one that the result reaches, got {load:g} mN")
     stick = six["tangential_adhesive"][reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
-    base = six["normal_elastic"][reached].mean()
-    mean = {name: float(each[reached].mean() / base) for name, each in six.items()}
-    return _Friction(
-        elastic=mean["tangential_elastic"], rub=mean["tangential_frictional"], stick=mean["tangential_adhesive"],
-        rub_normal=mean["normal_frictional"], stick_normal=mean["normal_adhesive"], scatter=spread,
-        hardness=float(study_of(dataset).contact.hardness or math.nan),
-    )  # fmt: skip
+    means = {name: each[reached].mean() for name, each in six.items()}
+    return _Friction.of(means, scatter=spread, hardness=float(study_of(dataset).contact.hardness or math.nan))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -56,20 +57,45 @@ def member_values(
     )
 
 
-def six_at(result: Result, load: float, *, of: Kind | None = None) -> xarray.Dataset:
-    """The six sums of each member at a load (mN) of its own, over cells, repetition, sliding and direction."""
+def six_at(result: Result, loads: Floats, *, of: Kind | None = None) -> xarray.Dataset:
+    """The six sums of each member at loads (mN) of its own, over cells, repetition, sliding, direction and load."""
     import xarray
 
     def six(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, off = _curves(piece, np.array([load]), ratio=step_of(piece) == "load")
-        dims = (*cells_of(piece), "repetition", *MOTIONS)
-        values = np.broadcast_arrays(*(off.at(each)[..., 0] for each in sums.values()))
-        kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims}}
+        sums, off = _curves(piece, loads, ratio=step_of(piece) == "load")
+        dims = (*cells_of(piece), "repetition", *MOTIONS, "load")
+        values = np.broadcast_arrays(*map(off.at, sums.values()))
+        kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
         return xarray.Dataset(
             {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece) | kept
         )
 
     return _of_all(result, of, six)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PerLoad:
+    """Both forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
+
+    elastic: float = 0.0
+    rub: float = 1.0
+    stick: float
+    rub_normal: float = 0.0
+    stick_normal: float = 0.0
+
+    @classmethod
+    def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
+        """From means of the six sums."""
+        per = {name: float(each / six["normal_elastic"]) for name, each in six.items()}
+        return cls(
+            elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
+            rub_normal=per["normal_frictional"], stick_normal=per["normal_adhesive"], **more,
+        )  # fmt: skip
+
+    def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
+        """mu_s, where the true area is that many times the computed one."""
+        tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
+        return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
 
 def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]) -> xarray.Dataset:

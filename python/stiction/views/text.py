@@ -146,7 +146,8 @@ def answer_text(
     if len(found) == 1 and not verbose:
         parts.append("\n".join(filter(None, (_details(found[0]), quantities))))
     else:
-        parts += [_details(found[0]) if len(found) == 1 else "", fitted(slopes) if slopes and verbose else "", quantities]
+        details = _details(found[0]) if len(found) == 1 else ""
+        parts += [details, fitted(slopes) if slopes and verbose else "", quantities]
     if is_known:
         parts += [axes_text(point, verbose=verbose), directions_text(point) if verbose else ""]
     return "\n\n".join(part for part in parts if part) + "\n"
