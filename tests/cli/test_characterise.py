@@ -97,7 +97,10 @@ def test_missing_points_are_interpolated_if_that_is_asked(folder):
     lines[100] = lines[100].split(",")[0] + ",nan"
     (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
     assert_refused(stiction_command("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
-    assert "1 missing points interpolated" in characterise("gaps.csv", "--missing", "interpolate", cwd=folder)[0]
+    for missing, done in (("interpolate", "interpolated"), ("mask", "masked")):
+        history, said, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
+        assert f"1 missing points {done}, 0.033 % of all; the largest hole has 1, at x 0.98 µm to 0.99 µm" in history
+        assert "outliers none" in words(said)
 
 
 def test_columns_are_those_asked_for(folder, profile):
@@ -205,7 +208,7 @@ def test_several_files_make_one_table(folder):
         (["heights.npy", "--unit", "um", "--spacing", "1um,2um"], "a profile, which has one spacing; two are given"),
         (["heights.npy", "--unit", "parrots"], "unit must be a unit of length"),
         (["scan.csv", "--spacing", "0.02 um"], "that the spacing is 0.01 µm, but spacing says 0.02 um"),
-        (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', got 'zero'"),
+        (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line', 'quadratic', got 'plane'"),
         (["scan.csv", "--row", "3"], "--row is for surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),

@@ -117,6 +117,8 @@ def value_at(study, key):
         (MAPS, ["--direction", "45,225"], "contact.direction", (45.0, 225.0)),
         (MAPS, ["--mechanics", "asperities"], "contact.curvature", "signed"),
         (MAPS, ["--missing", "interpolate"], "surfaces.upper.missing", "interpolate"),
+        (MAPS, ["--outliers", "mask"], "surfaces.lower.outliers", "mask"),
+        (MAPS, ["--crop", "0 um,4 um,0 um,5 um"], "surfaces.lower.crop", (0.0, 4.0, 0.0, 5.0)),
         (MAPS, ["--lines", 7], "ensemble.repetitions", 7),
         (MAPS, ["--lines", 500], "ensemble.repetitions", 64),
         (MAPS, ["--lines", 3, "--offsets", 2, "--travel", "1 um"], "ensemble.repetitions", 6),

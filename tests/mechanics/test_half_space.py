@@ -18,6 +18,7 @@ from stiction import (
     hertz_ellipse,
     hertz_line,
     hertz_sphere,
+    press,
     westergaard_contact_fraction,
     westergaard_gap,
     westergaard_pressure,
@@ -94,6 +95,35 @@ def test_agrees_with_dense_matrices(shape, boundary, pressed):
     )
     np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
     np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE)
+
+
+@pytest.mark.parametrize("shape", [(64,), (12, 15)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("hardness", [None, 0.5])
+@pytest.mark.parametrize("pressed", [0.02, 0.3])
+def test_nothing_touches_where_points_are_missing(shape, boundary, hardness, pressed):
+    body = rough(shape, longest=1, shortest=5)
+    missing = np.zeros(shape, bool)  # the summit, and a quarter of all
+    missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
+    lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
+    load, spacing = pressed * MODULUS * 0.05, np.array([1 / n for n in shape])
+    curve = half_space(flat_like(lower), lower, [load], boundary=boundary, hardness=hardness, tolerance=1e-11)
+    assert curve.error[0] <= 1e-11
+    found = curve.contact(0)
+    assert not found.pressure[missing].any()
+    assert np.isnan(found.gap[missing]).all()
+    gap = lower.heights[~missing].max() - lower.heights
+    bound = np.where(missing, 0.0, np.inf if hardness is None else hardness)
+    matrix = getattr(dense_half_space, f"{boundary}_matrix")(shape, spacing, MODULUS)
+    between = ((found.pressure > 0) & (found.pressure < bound)).ravel()
+    approach = float(np.mean((matrix @ found.pressure.ravel() + gap.ravel())[between]))
+    total = found.pressure.sum() if boundary == "periodic" else None
+    exact = dense_half_space.pressure(matrix, gap, approach, total=total, bound=bound)
+    np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
+    by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
+    np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
+    with pytest.raises(ValueError, match="all but half_space takes whole scans"):
+        press(flat_like(lower), lower, [0.1])
 
 
 @pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])

@@ -206,7 +206,10 @@ def test_missing_points_are_interpolated_inside_and_left_out_at_the_ends(file):
     path = file("x (um),z (nm)\n0,\n0.1,1000\n0.2,NaN\n0.3,***\n0.4,4000\n0.5,0\n0.6,--\n")
     profile = read_profile(path, missing="interpolate")
     assert profile.heights.tolist() == [1, 2, 3, 4, 0]
-    assert profile.history[-2:] == ("2 missing points interpolated", "2 missing points at its ends left out")
+    assert profile.history[-2] == "2 missing points at its ends left out"
+    assert profile.history[-1] == (
+        "2 missing points interpolated, 40 % of all; the largest hole has 2, at x 100 nm to 0.3 µm"
+    )
 
 
 def test_a_matrix_in_text_is_a_surface(file):
@@ -583,7 +586,7 @@ def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_ap
         ({"spacing": 0.1}, "spacing needs a length with its unit"),
         ({"spacing": "0.1 MPa"}, "spacing has the unit 'MPa'"),
         ({"spacing": "0 um"}, "spacing must be above 0"),
-        ({"missing": "zero"}, "missing must be one of 'error', 'interpolate'"),
+        ({"missing": "zero"}, "missing must be one of 'error', 'interpolate', 'mask'"),
         ({"channel": 1.5}, "channel must be a name or a number from 0 on, got 1.5"),
         ({"columns": (1, True)}, "columns must be a name or a number"),
         ({"columns": (0, 1, 2)}, "columns must be one of heights, or two of positions and heights"),
@@ -710,7 +713,7 @@ def test_missing_points_of_x3p(file):
     assert "has 1 missing points of 54, the first at row 2, column 4, from 0 on" in refusal(path, read_surface)
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (METRES[2, 3] + METRES[2, 5]) / 2)
-    assert surface.history[-1] == "1 missing points interpolated"
+    assert surface.history[-1].startswith("1 missing points interpolated, 1.9 % of all; the largest hole has 1, at x ")
     gaps = np.where(np.arange(9) == 4, np.nan, METRES[0])
     for data in (x3p(gaps), x3p(gaps, listed=True)):
         profile = read_profile(file(data, "b.x3p"), missing="interpolate")

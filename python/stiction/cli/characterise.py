@@ -12,7 +12,20 @@ from stiction._arguments import quantity_of
 from stiction._checks import choice
 from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import Channel, Columns, Json, MissingPoints, Spacing, Tip, Unit, given, measurement, option
+from stiction.cli.options import (
+    Channel,
+    Columns,
+    Crop,
+    Json,
+    MissingPoints,
+    Outliers,
+    Spacing,
+    Tip,
+    Unit,
+    given,
+    measurement,
+    option,
+)
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -57,6 +70,8 @@ def characterise(
     unit: Unit = None,
     spacing: Spacing = None,
     missing: MissingPoints = "error",
+    outliers: Outliers = "keep",
+    crop: Crop = None,
     channel: Channel = None,
     columns: Columns = None,
     row: Row = None,
@@ -84,7 +99,8 @@ def characterise(
     radius = None if tip is None else quantity_of("tip", tip, "length")
     found = []
     for file in files:
-        body = _levelled(_line(measurement(file, unit, spacing, missing, channel, columns), row, column), level)
+        read = measurement(file, unit, spacing, missing, channel, columns, outliers, crop)
+        body = _levelled(_line(read, row, column), level)
         try:
             body = body if shortest is None else cut_off(body, shortest)
         except ValueError as error:

@@ -66,7 +66,15 @@ Channels = Annotated[list[str] | None, _channel]
 ColumnsOfEach = Annotated[list[str] | None, _columns]
 Tip = Annotated[str | None, _tip]
 Tips = Annotated[list[str] | None, _tip]
-MissingPoints = Annotated[str, _reading("--missing error|interpolate", "What to do about points without a height.")]
+MissingPoints = Annotated[str, _reading(
+    "--missing error|mask|interpolate", "Of points without a height: press what is there, or put them on lines."
+)]  # fmt: skip
+Outliers = Annotated[str, _reading(
+    "--outliers keep|mask", "Take single points beyond 6 robust deviations of their neighbours for missing ones."
+)]  # fmt: skip
+_crop = _reading("--crop X0,X1[,Y0,Y1]", 'What to read of the file: "10 um,60 um", of a map along x and y.', False)
+Crop = Annotated[str | None, _crop]
+Crops = Annotated[list[str] | None, _crop]
 
 
 def option_of(argument: str) -> str:
@@ -79,7 +87,14 @@ _OPTIONS = {"upper": "UPPER", "lower": "LOWER", "upper_material": "--upper", "lo
 
 
 def measurement(
-    file: Path, unit: str | None, spacing: str | None, missing: str, channel: str | None, columns: str | None
+    file: Path,
+    unit: str | None,
+    spacing: str | None,
+    missing: str,
+    channel: str | None,
+    columns: str | None,
+    outliers: str = "keep",
+    crop: str | None = None,
 ) -> Profile | Surface:
     """What a file holds, by the options that every command takes for it."""
     from stiction.surfaces.measured.reading import read_measurement
@@ -90,7 +105,7 @@ def measurement(
     announce_reader(file)
     return read_measurement(
         file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
-        channel=channel, columns=_one_or_pair(columns),
+        channel=channel, columns=_one_or_pair(columns), outliers=outliers, crop=crop,  # type: ignore[arg-type]
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, refuse_missing
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -44,7 +44,8 @@ class HalfSpaceContact(Shown):
     ----------
     pressure : ndarray, GPa
     gap : ndarray, µm
-        Between the deformed bodies: 0 in contact, to the tolerance; below 0 where the hardness caps the pressure.
+        Between the deformed bodies: 0 in contact, to the tolerance; below 0 where the hardness caps the pressure; NaN
+        where points are missing.
     patches : ndarray of int
         Number of the patch that a point under pressure belongs to, from 1 on; 0 where there is no pressure. Points
         are connected with all their neighbours, on areas eight, and over the edges where periodic.
@@ -212,6 +213,7 @@ class HalfSpaceCurve(Curve):
         gap = problem.grids.displacement(pressure - one.attraction) + problem.gap - one.approach
         each = [one.on_grid(opposes[one.patch - 1]) for opposes in sums.opposing]
         opposing = np.array(each).reshape(*self._model.angles().shape, *pressure.shape)
+        gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share))
         pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))
         return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
@@ -321,9 +323,9 @@ def half_space(
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Two of a kind on the same grid.
+        Two of a kind on the same grid. Where points of one are missing nothing touches.
     loads : (k,) array_like of float, mN
-        Above 0 and strictly increasing; or text, "10 mN" or on the whole area "10 MPa", or a list of such. A profile
+        Above 0 and strictly increasing; or text, "10 mN" or on the measured area "10 MPa", or a list of such. A profile
         is 1 µm thick. Of bodies that adhere they are what is pressed from outside, of any sign: increasing as bodies
         come near, or decreasing as they are drawn apart.
     approaches : (k,) array_like of float, µm
@@ -383,7 +385,7 @@ def half_space(
     """
     from stiction.mechanics.half_space_problem import pressed, problem_of, steps_of
 
-    check_pair(upper, lower)
+    check_pair(upper, lower, whole=False)
     model = ContactModel(
         effective_modulus=modulus_for(effective_modulus, upper, lower), direction=direction, sliding=sliding
     )
@@ -409,11 +411,13 @@ def half_space(
         )
     )
     if work > 0:
+        for body in (upper, lower):
+            refuse_missing(body, "work_of_adhesion")
         from stiction.mechanics.adhesion import sticky
 
         problem = sticky(problem, work, length, float(model.effective_modulus))
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
-    loads = loads_in_core_units("loads", loads, problem.cell * problem.gap.size)
+    loads = loads_in_core_units("loads", loads, problem.area)
     name, steps = steps_of(problem, loads, in_core_units("approaches", approaches, "length"))
     warn_of_one_body(upper, lower)
     contacts = pressed(problem, name, steps, tolerance=tolerance, progress=progress)

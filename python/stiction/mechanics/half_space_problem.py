@@ -18,7 +18,7 @@ import stiction._core as _core
 from stiction._checks import Floats, float_array, read_only
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.patches import PatchSums, patch_sums, slopes
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, missing_of
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ class Problem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
+    missing: NDArray[np.bool_] | None = None  # where one body was not measured, and nothing touches
 
     @property
     def periodic(self) -> bool:
@@ -84,6 +85,11 @@ class Problem:
     def cell(self) -> float:
         """µm², of a grid point."""
         return float(np.prod(self.spacing)) * (THICKNESS if len(self.spacing) == 1 else 1.0)
+
+    @cached_property
+    def area(self) -> float:
+        """µm², nominal: of points that were measured in both."""
+        return self.cell * (self.gap.size - (0 if self.missing is None else int(self.missing.sum())))
 
     @property
     def has_approach(self) -> bool:
@@ -197,14 +203,16 @@ def problem_of(
             f"spacing must give cells of {np.finfo(np.float64).tiny:.0e} µm² or more whose sides differ by a factor of "
             f"at most {LONGEST_CELL:g}, got {upper.spacing!r} µm"
         )
-    gap = upper.heights - lower.heights
-    gap -= gap.min()
+    gap, missing = upper.heights - lower.heights, missing_of(upper, lower)
+    if missing is not None and missing.all():
+        raise ValueError("upper and lower must have points above each other that were measured in both")
+    gap -= gap.min() if missing is None else gap[~missing].min()
     if not gap.max() <= HIGHEST_GAP * max(spacing) * max(gap.shape):
         raise ValueError(
             f"upper and lower must have a gap of at most {HIGHEST_GAP:g} times their length, got {gap.max():.3g} µm"
         )
     grids = grids_of(gap.shape, spacing, effective_modulus, periodic=periodic)
-    return Problem(upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness)
+    return Problem(upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness, missing=missing)
 
 
 Asked = Literal["loads", "approaches"]
@@ -227,7 +235,7 @@ def steps_of(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | 
         raise ValueError(f"{name} must be above 0 {unit} and strictly increasing, got {asked!r}")
     gap, hardness = problem.gap, problem.hardness
     if name == "loads":
-        most = np.inf if hardness is None else hardness * problem.cell * gap.size
+        most = np.inf if hardness is None else hardness * problem.area
         if not steps.max() < most:
             raise ValueError(f"loads must be below hardness times area, {most:g} mN, got {loads!r}")
         return name, steps
@@ -256,7 +264,14 @@ def pressed(
     contacts: list[Pressed] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     bound = np.array([np.inf if problem.hardness is None else problem.hardness])
-    solver = _core.HalfSpaceSolver(problem.gap, problem.grids, bound=bound, tolerance=tolerance, threads=threads())
+    gap, scale = problem.gap, 1.0
+    if (missing := problem.missing) is not None:
+        # So deep that they are never reached, and a tolerance in proportion, as it is of the deviation of the gap.
+        there = gap[~missing]
+        moved = np.ptp(problem.grids.displacement(np.where(missing, 0.0, steps[-1] / problem.area)))
+        gap = np.where(missing, 2 * there.max() + 4 * (moved if name == "loads" else steps[-1]), gap)
+        scale = float(gap.std() / there.std()) if np.ptp(there) > 0 else 1.0
+    solver = _core.HalfSpaceSolver(gap, problem.grids, bound=bound, tolerance=tolerance / scale, threads=threads())
     near = None
     for step in steps.tolist():
         if name == "loads":
@@ -265,17 +280,25 @@ def pressed(
         else:
             solution = solver.at_approach(step, near=near, threads=threads(), progress=report)
         near = solution.pressure
-        if not solution.error <= tolerance:
+        if missing is not None and solution.pressure.reshape(gap.shape)[missing].any():
+            raise RuntimeError(f"no solution at {step:g}: missing points would touch")
+        if not solution.error * scale <= tolerance:
             raise RuntimeError(
-                f"no solution at {step:g} {'mN' if name == 'loads' else 'µm'}: error {solution.error:.2g} after "
+                f"no solution at {step:g} {'mN' if name == 'loads' else 'µm'}: "
+                f"error {solution.error * scale:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {tolerance:g}"
             )
-        contacts.append(pressed_of(problem, solution, step if name == "loads" else None))
+        contacts.append(pressed_of(problem, solution, step if name == "loads" else None, scale=scale))
     return contacts
 
 
 def pressed_of(
-    problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None, attraction: Floats | float = 0.0
+    problem: Problem,
+    solution: _core.HalfSpaceSolution | State,
+    load: float | None,
+    attraction: Floats | float = 0.0,
+    *,
+    scale: float = 1.0,
 ) -> Pressed:
     """What a solution is at a load (mN), or at that of its pressure."""
     hardness = np.inf if problem.hardness is None else problem.hardness
@@ -283,5 +306,5 @@ def pressed_of(
     found: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
     points, values, share, patch = map(read_only, found)
     load = float(values.sum()) * problem.cell if load is None else load
-    known = solution.approach, solution.error, solution.iterations
+    known = solution.approach, solution.error * scale, solution.iterations
     return Pressed(problem, load, points, values, share, patch, *known, attraction)

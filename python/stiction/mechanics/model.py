@@ -14,7 +14,7 @@ import numpy as np
 import stiction._core
 from stiction._checks import Floats, choice, number
 from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
-from stiction.surfaces.profile import MOST_POINTS, Profile
+from stiction.surfaces.profile import MOST_POINTS, Profile, refuse_missing
 from stiction.surfaces.surface import Surface
 
 Detection = Literal["cell", "gap-minimum"]
@@ -255,11 +255,13 @@ def shows_model(function: _Function) -> _Function:
     return function
 
 
-def check_pair(upper: Any, lower: Any) -> None:
-    """Two profiles or two surfaces on one grid; how many points they have is for the core to see."""
+def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
+    """Two profiles or two surfaces on one grid, and whole; how many points they have is for the core to see."""
     for name, body in (("upper", upper), ("lower", lower)):
         if not isinstance(body, (Profile, Surface)):
             raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+        if whole:
+            refuse_missing(body, "all but half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):
         raise ValueError(
             f"upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, missing_of
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -33,20 +33,22 @@ class Slopes:
     lower: list[Floats]
     steep: dict[str, NDArray[np.bool_]]  # where each body is steepest, as a mask
     limits: dict[str, float]  # the slope from which on it is
+    measured: Any = ...  # points that were measured in both
 
     @classmethod
     def of(cls, upper: Profile | Surface, lower: Profile | Surface) -> Slopes:
         """Those of a pair on one grid, by natural cubic splines."""
         along = {side: slopes_of(body) for side, body in (("upper", upper), ("lower", lower))}
         magnitude = {side: np.sqrt(sum(np.square(each) for each in values)) for side, values in along.items()}
-        limits = {side: float(np.quantile(each, 1 - STEEPEST)) for side, each in magnitude.items()}
-        return cls(
-            along["upper"], along["lower"], {side: magnitude[side] > limit for side, limit in limits.items()}, limits
-        )
+        missing = missing_of(upper, lower)
+        measured = ... if missing is None else ~missing
+        limits = {side: float(np.quantile(each[measured], 1 - STEEPEST)) for side, each in magnitude.items()}
+        steep = {side: magnitude[side] > limit for side, limit in limits.items()}
+        return cls(along["upper"], along["lower"], steep, limits, measured)
 
     def of_gap(self, angles: Floats) -> tuple[float, Floats]:
         """Root-mean-square gradient of the gap, and its root-mean-square slope along directions (degrees)."""
-        gap = [above - below for above, below in zip(self.upper, self.lower, strict=True)]
+        gap = [(above - below)[self.measured] for above, below in zip(self.upper, self.lower, strict=True)]
         squares = [float(np.square(each).mean()) for each in gap]
         if len(gap) == 1:
             return float(np.sqrt(squares[0])), np.full(angles.size, np.sqrt(squares[0]))

@@ -12,7 +12,7 @@ from stiction.studies.measured_files import Body, Facts, MeasuredBodies, Member
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import IsotropicPairs, MapPairs
 from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, levelled, rotated, turned_over
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.profile import Profile, part
 from stiction.surfaces.spectral_pairs import SpectrumPairs, spectrum_of
 from stiction.surfaces.surface import Surface
 
@@ -160,7 +160,8 @@ def overlap(upper: Surface, lower: Surface, place: tuple[int, int]) -> tuple[Sur
         first, last = max(0, moved), min(size_lower, moved + size_upper)
         of_lower.append(slice(first, max(first, last)))
         of_upper.append(slice(first - moved, max(first, last) - moved))
-    return (
-        Surface(upper.heights[tuple(of_upper)], spacing=upper.spacing, history=upper.history),
-        Surface(lower.heights[tuple(of_lower)], spacing=lower.spacing, history=lower.history),
+    one, other = (
+        Surface(body.heights[at], spacing=body.spacing, history=body.history, missing=part(body.missing, at))
+        for body, at in ((upper, tuple(of_upper)), (lower, tuple(of_lower)))
     )
+    return one, other

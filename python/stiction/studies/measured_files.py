@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
+import numpy as np
 from pydantic import ConfigDict, Field, PlainValidator
 
 from stiction._checks import Floats
@@ -18,11 +19,13 @@ from stiction._units import Quantity, quantity, shortened
 from stiction.studies.values import CutOffs, Length, Table, array_of, as_written, read_length, written
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.foreign import taken_from
+from stiction.surfaces.holes import largest_hole
 from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.measured.interpret import Missing, Outliers
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
-from stiction.surfaces.measured.writing import write_profile, write_surface
+from stiction.surfaces.measured.writing import with_gaps, write_profile, write_surface
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, lengths
@@ -42,6 +45,15 @@ def _column(value: object) -> Column:
     if isinstance(value, bool) or not isinstance(value, (str, int)) or (isinstance(value, int) and value < 0):
         raise ValueError(f"must be a name or a number from 0 on, got {shortened(value)}")
     return value
+
+
+def _crop(value: object) -> tuple[Quantity, ...] | None:
+    if value is None:
+        return None
+    texts = value.split(",") if isinstance(value, str) else value
+    if not isinstance(texts, (list, tuple)) or len(texts) not in (2, 4):
+        raise ValueError(f'must be "x0,x1" or "x0,x1,y0,y1", got {shortened(value)}')
+    return tuple(quantity(text.strip() if isinstance(text, str) else text, "length") for text in texts)
 
 
 def _one_or_two(read: Callable[[object], Any]) -> PlainValidator:
@@ -91,8 +103,10 @@ class MeasuredFile(Table):
     columns: Annotated[Column | tuple[Column, Column] | None, _one_or_two(_column)] = Field(
         default=None, description="Columns of positions and of heights, or of heights, of a table."
     )
-    missing: Literal["error", "interpolate"] = Field(
-        default="error", description="What to do about points without a height."
+    missing: Missing = Field(default="error", description="What to do about points without a height.")
+    outliers: Outliers = Field(default="keep", description="Whether single points that stand out are missing ones.")
+    crop: Annotated[tuple[Quantity, ...] | None, PlainValidator(_crop), as_written] = Field(
+        default=None, description="What to read of it: first and last x, and of a map first and last y."
     )
     tip: Length | None = Field(
         default=None, description="Radius of the stylus or probe; it says which waves are its own."
@@ -104,13 +118,14 @@ class MeasuredFile(Table):
         """A body in memory by a name; those of other libraries as ours. An `ArgumentError` if it is none."""
         if not isinstance(body, JoinedSpectrum):
             try:
-                heights, spacing, history = taken_from(name, body)
+                heights, spacing, history, missing = taken_from(name, body)
             except ValueError as error:
                 raise ArgumentError(f"{{{name}}}{{why}}", why=str(error).removeprefix(name)) from None
             kind: Any = Profile if heights.ndim == 1 else Surface
             body = kind(
-                heights, spacing=spacing[0] if kind is Profile else lengths("spacing", spacing), history=history
-            )
+                heights, spacing=spacing[0] if kind is Profile else lengths("spacing", spacing), history=history,
+                missing=missing,
+            )  # fmt: skip
         return cls(file=name, sha256=_checksum([body]), body=InMemory(body))
 
     @classmethod
@@ -132,7 +147,8 @@ class MeasuredFile(Table):
                 write_spectrum if ending == "csv" else write_profile if body.heights.ndim == 1 else write_surface
             )
             write(body, path)
-        return MeasuredFile(file=str(path)).known()
+        holes = not isinstance(body, JoinedSpectrum) and body.missing is not None
+        return MeasuredFile(file=str(path), missing="mask" if holes else "error").known()
 
     def read(self) -> Body:
         """The profile, surface or joined spectrum that the file holds, µm.
@@ -150,6 +166,15 @@ class MeasuredFile(Table):
                 f"{self.sha256[:12]}...; remove sha256 from the study to begin another one with it"
             )
         return _body(self.model_copy(update={"sha256": self.checksum()}))
+
+    def filled(self) -> Floats:
+        """Share of the points that are interpolated, and area (length, of a profile) of the largest such hole, µm."""
+        if self.missing != "interpolate" or self.body is not None or is_spectrum(Path(self.file)):
+            return np.zeros(2)
+        body = self.model_copy(update={"missing": "mask"}).read()
+        if isinstance(body, JoinedSpectrum) or body.missing is None:
+            return np.zeros(2)
+        return np.array([body.missing.mean(), largest_hole(body.missing)[0] * np.prod(body.spacing)])
 
     def checksum(self) -> str:
         """SHA-256 of the bytes of the file.
@@ -189,7 +214,7 @@ def _checksum(bodies: Sequence[Any]) -> str:
         if isinstance(body, JoinedSpectrum):
             found.update(repr(body.history).encode() + body.density.tobytes())
         else:
-            found.update(repr((body.spacing, body.history)).encode() + body.heights.tobytes())
+            found.update(repr((body.spacing, body.history)).encode() + with_gaps(body).tobytes())
     return found.hexdigest()
 
 
@@ -197,13 +222,13 @@ def _checksum(bodies: Sequence[Any]) -> str:
 def _body(file: MeasuredFile) -> Body:
     """The body in a file, known by its checksum, so that the two of a study are taken apart once."""
     if is_spectrum(Path(file.file)):
-        for name in ("unit", "spacing", "channel", "columns"):
+        for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
                 raise ValueError(f"{named(file.file)}: is a spectrum, which has no {name} to be given")
         return read_spectrum(file.file)
     return read_measurement(
         file.file, unit=file.unit, spacing=written(file.spacing), missing=file.missing, channel=file.channel,
-        columns=file.columns,
+        columns=file.columns, outliers=file.outliers, crop=written(file.crop),
     )  # fmt: skip
 
 

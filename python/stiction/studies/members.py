@@ -29,7 +29,7 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.surfaces.pairing import SIDES
-from stiction.surfaces.profile import Profile, Side, scaled_profile
+from stiction.surfaces.profile import Profile, Side, missing_of, scaled_profile
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
@@ -229,7 +229,23 @@ class Bodies:
         }
         for side, spacing, extent in zip(SIDES, facts.scanned_spacing, facts.scanned_extent, strict=True):
             attributes |= {f"{side}_spacing_um": spacing, f"{side}_extent_um": extent}
-        return About(nominal_area=float(facts.area), attributes=attributes)
+            if (filled := getattr(self._surfaces, side).filled()).any():
+                attributes[f"{side}_filled"] = filled
+        return About(nominal_area=float(facts.area) * self._measured(), attributes=attributes)
+
+    def _measured(self) -> float:
+        """Share of a member that was measured in both, a mean over the first ones, however many there are."""
+        if all(getattr(scan, "missing", None) is None for scan in self._scans):
+            return 1.0
+        found = []
+        with contextlib.suppress(ValueError):  # of fewer members
+            for index in range(_AVERAGED):
+                missing = missing_of(*self.member(index, float(self._surfaces.cells()["cut_off"][0])).pair)
+                found.append(1.0 if missing is None else 1 - float(missing.mean()))
+        return float(np.mean(found)) if found else 1.0
+
+
+_AVERAGED = 16  # members over which the measured area is averaged
 
 
 POINTS_OF_SCAN = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan

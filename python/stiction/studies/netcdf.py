@@ -33,6 +33,9 @@ NUMBERS_OF_BODIES = (
 )  # fmt: skip
 """Attributes of a result of measured bodies, besides those of every result."""
 
+FILLED = ("upper_filled", "lower_filled")
+"""Attributes of one whose missing points are interpolated: their share, and the largest hole (µm² or µm)."""
+
 SEAL = b"stiction crc32 "
 """End of an exported file, before the checksum of all that precedes: HDF5 may run for ever in a damaged file. HDF5
 reads no further than its own end, and whatever else writes into the file takes the seal off."""
@@ -132,7 +135,8 @@ def decoded(content: bytes) -> Members:
         if study.is_measured:
             arrays |= {name: _values(file, name, numbers.shape).astype(dtype) for name, dtype in OF_MEMBERS.items()}
             attributes: dict[str, Any] = {name: str(file.attrs[name]) for name in TEXT_OF_BODIES}
-            attributes |= {name: np.atleast_1d(file.attrs[name]) for name in NUMBERS_OF_BODIES}
+            names = (*NUMBERS_OF_BODIES, *(name for name in FILLED if name in file.attrs))
+            attributes |= {name: np.atleast_1d(file.attrs[name]) for name in names}
             of_bodies = About(float(_values(file, "nominal_area")), attributes)
         steps = {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
         is_exact = [np.array_equal(_values(file, name), values) for name, (_, values) in steps.items()]

@@ -88,6 +88,8 @@ class Pair:
     unit: Several = None
     spacing: Several = None
     missing: str | None = None
+    outliers: str | None = None
+    crop: Several = None
     channel: Several = None
     columns: Several = None
     tip: Several = None
@@ -122,13 +124,18 @@ class Pair:
     def _file(self, side: str, index: int) -> MeasuredFile:
         """One body; what says how files are read is for both, or for one after the other."""
         body, names = getattr(self, side), ("unit", "spacing", "channel", "columns")
-        table: dict[str, Any] = {"file": str(body), "missing": self.missing or "error"}
+        table: dict[str, Any] = {
+            "file": str(body), "missing": self.missing or "error", "outliers": self.outliers or "keep",
+        }  # fmt: skip
+        crops = [self.crop] if isinstance(self.crop, str) else list(self.crop or ())
+        if crops:
+            table["crop"] = crops[index % len(crops)]
         if self.tip is not None and np.size(self.tip):  # of the command none is an empty list
             radii = quantities_of("tip", self.tip, "length")
             table["tip"] = radii[index % len(radii)]
         if not isinstance(body, (str, Path)):
-            for name in (*names, "missing"):
-                if getattr(self, name) is not None:
+            for name in (*names, "missing", "outliers", "crop"):
+                if np.size(getattr(self, name) or ()) and getattr(self, name) not in ("error", "keep"):
                     raise ArgumentError(
                         f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
                     )
@@ -171,6 +178,11 @@ class Pair:
     # ---- What is pressed, and how ------------------------------------------------------------------------------------
 
     @property
+    def has_holes(self) -> bool:
+        """Whether points of one are masked."""
+        return any(getattr(body, "missing", None) is not None for body in self.bodies)
+
+    @property
     def press(self) -> str:
         """How members are made: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.lay == "isotropic":
@@ -180,7 +192,7 @@ class Pair:
     @property
     def by(self) -> tuple[str, ...]:
         """The mechanics, of which the first is that of the answer."""
-        usual = "asperities" if self.press == "lines" else "half-space"
+        usual = "asperities" if self.press == "lines" and not self.has_holes else "half-space"
         if self.check:
             return usual, MECHANICS[1 - MECHANICS.index(usual)]
         return (self.mechanics or usual,)
@@ -292,7 +304,7 @@ class Pair:
     @property
     def first_study(self) -> Study | None:
         """The study of an answer within a second, by asperities; None where they are the answer, or of lines."""
-        if self.press == "lines" or self.by[0] == "asperities":
+        if self.press == "lines" or self.by[0] == "asperities" or self.has_holes:
             return None
         return self._study(self._contact("asperities") | {"load": self.loads})
 
@@ -508,11 +520,14 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "along": ("x", "y"),
     "detection": ("gap-minimum", "cell"),
     "curvature": ("convex", "signed"),
-    "missing": ("error", "interpolate"),
+    "missing": ("error", "interpolate", "mask"),
+    "outliers": ("keep", "mask"),
 }
 
 _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
     (("lay",), lambda asked: asked.are_profiles, "is for two profiles; a map has its lay in it"),
+    (("mechanics", "check"), lambda asked: not asked.has_holes or "asperities" not in asked.by,
+     "presses asperities, which take whole scans: points of one are masked"),
     (("mechanics",), lambda asked: not asked.check, "must not be given beside {check}, which is both"),
     (("lines",), lambda asked: not asked.has_spectrum, "is not for a spectrum, of which surfaces are made"),
     (("lines",), lambda asked: not asked.are_profiles or (asked.press == "lines" and asked.has_surrogates),

@@ -80,8 +80,8 @@ def cut_off(body: Profile | Surface, wavelength: float, *, periodic: bool = Fals
         heights = _smoothed(heights, axis, length / step, periodic) if heights.shape[axis] > 1 else heights
     history = (*body.history, f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)")
     if isinstance(body, Profile):
-        return Profile(heights + mean, spacing=body.spacing, history=history)
-    return Surface(heights + mean, spacing=body.spacing, history=history)
+        return Profile(heights + mean, spacing=body.spacing, history=history, missing=body.missing)
+    return Surface(heights + mean, spacing=body.spacing, history=history, missing=body.missing)
 
 
 def transmission(wave_number: Floats, wavelength: float) -> Floats:

@@ -25,6 +25,8 @@ class Taken(NamedTuple):
     spacing: tuple[float, ...]
     """(Δx,) or (Δy, Δx), µm"""
     history: tuple[str, ...]
+    missing: Any = None
+    """Where nothing was measured, of a body of our own."""
 
 
 def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
@@ -35,7 +37,8 @@ def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
     unit, or points are missing.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
-        return Taken(other.heights, tuple(np.atleast_1d(other.spacing).tolist()), other.history)
+        spacing = tuple(np.atleast_1d(other.spacing).tolist())
+        return Taken(other.heights, spacing, other.history, getattr(other, "missing", None))
     kind = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
     if hasattr(other, "dims") and hasattr(other, "coords") and hasattr(other, "attrs"):
         return _of_data_array(name, other, kind, unit)

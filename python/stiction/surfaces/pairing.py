@@ -23,7 +23,7 @@ from stiction.surfaces.preparation import (
     resampled_piece,
     turned_over,
 )
-from stiction.surfaces.profile import Along, Profile, Side
+from stiction.surfaces.profile import Along, Profile, Side, part
 from stiction.surfaces.surface import Surface
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
@@ -232,7 +232,8 @@ def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profi
 def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
     """What is below a slider at an offset (µm)."""
     first = round(offset / lower.spacing)
-    return Profile(lower.heights[first : first + len(slider)], spacing=lower.spacing)
+    below = slice(first, first + len(slider))
+    return Profile(lower.heights[below], spacing=lower.spacing, missing=part(lower.missing, below))
 
 
 # ---- Areas -----------------------------------------------------------------------------------------------------------

@@ -6,9 +6,10 @@ import math
 from typing import Any, Literal, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice, number
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile
+from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, part
 from stiction.surfaces.surface import Surface
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
@@ -63,8 +64,9 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     if isinstance(body, Profile):
         choice("trend", trend, ProfileTrend)
         degree = {"mean": 0, "line": 1, "quadratic": 2}[trend]
-        heights = _without(body.heights, _orthogonal(body.heights.size, degree))
-        return Profile(heights, spacing=body.spacing, history=(*body.history, _LEVELLED[trend]))
+        heights = _without(body.heights, _orthogonal(body.heights.size, degree), body.missing)
+        history = (*body.history, _LEVELLED[trend])
+        return Profile(heights, spacing=body.spacing, history=history, missing=body.missing)
     if isinstance(body, Surface):
         choice("trend", trend, SurfaceTrend)
         rows, columns = body.heights.shape
@@ -72,7 +74,8 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
         along_y, along_x = _orthogonal(rows, degree), _orthogonal(columns, degree)
         basis = [along_y[j][:, np.newaxis] * along_x[i] for j in range(degree + 1) for i in range(degree + 1 - j)]
         step = "levelled by a polynomial of second degree" if trend == "quadratic" else _LEVELLED[trend]
-        return Surface(_without(body.heights, basis), spacing=body.spacing, history=(*body.history, step))
+        heights = _without(body.heights, basis, body.missing)
+        return Surface(heights, spacing=body.spacing, history=(*body.history, step), missing=body.missing)
     raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
 
 
@@ -91,12 +94,18 @@ def _orthogonal(points: int, degree: int) -> list[Floats]:
     return [np.ones(1), t, square - square.mean()][: degree + 1]
 
 
-def _without(heights: Floats, basis: list[Floats]) -> Floats:
+def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
     """Heights less their projections on orthogonal functions, one after the other, which keeps the digits.
 
-    Zero where only round-off is left, which would pass for roughness.
+    Where points are missing the fit is of all others. Zero where only round-off is left, which would pass for
+    roughness.
     """
     rest = heights
+    if missing is not None:
+        there = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
+        for factor, function in zip(np.linalg.lstsq(there, heights[~missing])[0].tolist(), basis, strict=True):
+            rest = rest - factor * function
+        return rest
     for function in basis:
         norm = np.broadcast_to(np.square(function), heights.shape).sum()
         rest = rest - (rest * function).sum() / norm * function
@@ -120,8 +129,9 @@ def turned_over(body: Profile | Surface) -> Profile | Surface:
     """
     history = (*body.history, "turned over")
     if isinstance(body, Surface):
-        return Surface(-body.heights[::-1], spacing=body.spacing, history=history)
-    return Profile(-body.heights, spacing=body.spacing, history=history)
+        missing = part(body.missing, slice(None, None, -1))
+        return Surface(-body.heights[::-1], spacing=body.spacing, history=history, missing=missing)
+    return Profile(-body.heights, spacing=body.spacing, history=history, missing=body.missing)
 
 
 @overload
@@ -154,24 +164,26 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     array([1., 2., 3., 4.])
     """
     if isinstance(body, Profile):
-        first, end, words = _piece("", len(body), body.spacing, start, stop)
-        heights = body.heights[first:end]
-        return Profile(heights, spacing=body.spacing, history=(*body.history, f"cropped to {words}"))
+        first, end, words = piece_of("", len(body), body.spacing, start, stop)
+        missing = part(body.missing, slice(first, end))
+        history = (*body.history, f"cropped to {words}")
+        return Profile(body.heights[first:end], spacing=body.spacing, history=history, missing=missing)
     starts, stops = ((each, each) if np.ndim(each) == 0 else each for each in (start, stop))
     if len(starts) != 2 or len(stops) != 2:
         raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
     (top, bottom, along_y), (left, right, along_x) = (
-        _piece(f" along {axis}", body.heights.shape[at], body.spacing[at], starts[at], stops[at])
+        piece_of(f" along {axis}", body.heights.shape[at], body.spacing[at], starts[at], stops[at])
         for at, axis in enumerate("yx")
     )
     return Surface(
         body.heights[top:bottom, left:right],
         spacing=body.spacing,
         history=(*body.history, f"cropped to {along_y} and {along_x}"),
+        missing=part(body.missing, (slice(top, bottom), slice(left, right))),
     )
 
 
-def _piece(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
+def piece_of(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
     """First point, the point behind the last, and words."""
     extent = points * spacing
     start = number("start", start, unit="µm")
@@ -257,16 +269,17 @@ def _finer(a: tuple[int, float], b: tuple[int, float]) -> tuple[float, int]:
 def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[int, int], align: Align) -> Surface:
     if (surface.spacing, surface.heights.shape) == (spacing, shape):
         return surface
-    heights = surface.heights
+    heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
-        heights = _splined(heights, surface.spacing[axis], spacing[axis], shape[axis], axis, align)
+        own, new, points = surface.spacing[axis], spacing[axis], shape[axis]
+        heights, missing = (_splined(each, own, new, points, axis, align) for each in (heights, missing))
     (dy, dx), (rows, columns) = spacing, shape
     step = f"splined to spacings of {dy:g} and {dx:g} µm, {rows} rows of {columns} points"
     if surface.spacing == spacing:
         step = f"cropped to its {_KEPT[align]} {rows} rows of {columns} points"
     elif align == "middle":
         step += " about its middle"
-    return Surface(heights, spacing=spacing, history=(*surface.history, step))
+    return Surface(heights, spacing=spacing, history=(*surface.history, step), missing=missing)
 
 
 def resampled_piece(
@@ -278,16 +291,18 @@ def resampled_piece(
     spacing already are taken as they are, others are interpolated by natural cubic splines, from enough points beyond
     the piece that its ends do not matter.
     """
-    heights = surface.heights
+    heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         own, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
         if own == step:
-            heights = np.take(heights, np.arange(first, first + points), axis=axis)
+            kept = (slice(None),) * axis + (slice(first, first + points),)
+            heights, missing = heights[kept], part(missing, kept)
             continue
         from scipy.interpolate import CubicSpline
 
         size = heights.shape[axis]
         places = np.minimum((first + np.arange(points)) * (step / own), size - 1)
+        missing = _beside_missing(missing, places, axis)
         begin = max(0, math.floor(places[0]) - _BEYOND)
         end = min(size, math.ceil(places[-1]) + 1 + _BEYOND)
         there = np.take(heights, np.arange(begin, end), axis=axis)
@@ -297,7 +312,15 @@ def resampled_piece(
         f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x) on, "
         f"spacings {dy:g} and {dx:g} µm"
     )
-    return Surface(np.asarray(heights), spacing=spacing, history=(*surface.history, step_taken))
+    return Surface(np.asarray(heights), spacing=spacing, history=(*surface.history, step_taken), missing=missing)
+
+
+def _beside_missing(missing: Any, places: Floats, axis: int) -> Any:
+    """A mask at places between the points of an axis: missing where one of the two points beside a place is."""
+    if missing is None:
+        return None
+    below, above = (np.take(missing, side(places).astype(np.intp), axis=axis) for side in _SIDES)
+    return below | above
 
 
 _BEYOND = 32  # points on each side from which on a natural spline does not feel its end
@@ -306,8 +329,10 @@ _BEYOND = 32  # points on each side from which on a natural spline does not feel
 _KEPT = {"start": "first", "middle": "middle"}
 
 
-def _splined(heights: Floats, own: float, spacing: float, points: int, axis: int, align: Align = "start") -> Floats:
-    """Heights along an axis at another spacing, by natural cubic splines; a grid of the same spacing as it is."""
+def _splined(heights: Any, own: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
+    """Heights along an axis at another spacing, by natural cubic splines, or a mask; the same spacing as it is."""
+    if heights is None:
+        return None
     last = heights.shape[axis] - 1
     # In steps of its own grid.
     ratio = spacing / own
@@ -319,6 +344,8 @@ def _splined(heights: Floats, own: float, spacing: float, points: int, axis: int
 
     # A position a rounding beyond the last point is the last point.
     places = np.minimum(start + np.arange(points) * ratio, last)
+    if heights.dtype == np.bool_:
+        return _beside_missing(heights, places, axis)
     return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(places))
 
 
@@ -360,7 +387,9 @@ def rotated(surface: Surface, angle: float) -> Surface:
     if rest == 0:
         heights = np.rot90(surface.heights, -int(quarters) % 4)
         spacing = surface.spacing if quarters % 2 == 0 else surface.spacing[::-1]
-        return Surface(heights, spacing=spacing, history=(*surface.history, f"rotated by {angle:g} degrees"))
+        missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarters) % 4)
+        history = (*surface.history, f"rotated by {angle:g} degrees")
+        return Surface(heights, spacing=spacing, history=history, missing=missing)
     if min(surface.heights.shape) < FEWEST_POINTS:
         raise ValueError(f"a surface of {surface.heights.shape} points can only be turned by multiples of 90 degrees")
     from scipy.interpolate import RectBivariateSpline
@@ -380,10 +409,17 @@ def rotated(surface: Surface, angle: float) -> Surface:
     from_y = (own[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
     from_x = (own[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    heights = spline.ev(np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1))  # of round-off at the sides
+    from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)  # of round-off at the sides
+    heights, missing = spline.ev(from_y, from_x), None
+    if surface.missing is not None:
+        ways = [(up(from_y).astype(np.intp), over(from_x).astype(np.intp)) for up in _SIDES for over in _SIDES]
+        missing = np.logical_or.reduce([surface.missing[way] for way in ways])
     lost = 1 - shape[0] * shape[1] / surface.heights.size
     step = f"rotated by {angle:g} degrees, {100 * lost:.0f} % cut off"
-    return Surface(heights, spacing=surface.spacing, history=(*surface.history, step))
+    return Surface(heights, spacing=surface.spacing, history=(*surface.history, step), missing=missing)
+
+
+_SIDES = (np.floor, np.ceil)
 
 
 def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]:
@@ -417,5 +453,7 @@ def _on_grid(profile: Profile, spacing: float, points: int, align: Align) -> Pro
     else:
         step = f"splined from a spacing of {profile.spacing:g} to {spacing:g} µm, {points} points"
         step += " about its middle" if align == "middle" else ""
-    heights = _splined(profile.heights, profile.spacing, spacing, points, 0, align)
-    return Profile(heights, spacing=spacing, history=(*profile.history, step))
+    heights, missing = (
+        _splined(each, profile.spacing, spacing, points, 0, align) for each in (profile.heights, profile.missing)
+    )
+    return Profile(heights, spacing=spacing, history=(*profile.history, step), missing=missing)

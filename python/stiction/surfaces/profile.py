@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only
@@ -35,12 +36,14 @@ class Profile(Shown):
         Distance between neighbouring points, above 0.
     history : tuple of str
         Where the heights come from and what was done to them, a short sentence for each step.
+    missing : (n,) array_like of bool, optional
+        Where nothing was measured, so that nothing touches there; heights there only bridge the holes.
 
     Raises
     ------
     ValueError
         If heights are not a one-dimensional array of at least 4 finite numbers, or the spacing is not above 0, or the
-        history is not a tuple of strings.
+        history is not a tuple of strings, or all points are missing.
 
     Examples
     --------
@@ -55,6 +58,7 @@ class Profile(Shown):
     heights: Floats = field(metadata={"unit": "µm"})
     spacing: float = field(kw_only=True, metadata={"unit": "µm"})
     history: tuple[str, ...] = field(default=(), kw_only=True)
+    missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=1)
@@ -65,10 +69,11 @@ class Profile(Shown):
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", number("spacing", self.spacing, unit="µm", above=0))
         object.__setattr__(self, "history", steps("history", self.history))
+        object.__setattr__(self, "missing", mask_of(self.missing, heights.shape))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only on the other side as well.
-        return partial(Profile, spacing=self.spacing, history=self.history), (self.heights,)
+        return partial(Profile, spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -106,6 +111,7 @@ class Profile(Shown):
         """
         scaled = scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
         object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
+        object.__setattr__(scaled, "missing", self.missing)
         return scaled
 
     def __repr__(self) -> str:
@@ -154,7 +160,7 @@ class Profile(Shown):
         taken = taken_from("other", other, unit=unit)
         if taken.heights.ndim != 1:
             raise ValueError("other must be a profile, got a surface; see Surface.from_")
-        return cls(taken.heights, spacing=taken.spacing[0], history=taken.history)
+        return cls(taken.heights, spacing=taken.spacing[0], history=taken.history, missing=taken.missing)
 
     def to_xarray(self) -> xarray.DataArray:
         """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
@@ -168,6 +174,36 @@ def steps(name: str, value: Any) -> tuple[str, ...]:
     if not isinstance(value, tuple) or not all(isinstance(step, str) for step in value):
         raise ValueError(f"{name} must be a tuple of strings, got {value!r}")
     return value
+
+
+def mask_of(value: Any, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
+    """A mask of missing points, read-only; None where no point is missing."""
+    if value is None:
+        return None
+    mask = np.array(value)
+    if mask.dtype != np.bool_ or mask.shape != shape or mask.all():
+        raise ValueError(f"missing must be a mask of shape {shape} that leaves points, got {mask.dtype} {mask.shape}")
+    return read_only(mask) if mask.any() else None
+
+
+def part(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
+    """What of a mask lies at an index."""
+    return None if mask is None else mask[index]
+
+
+def missing_of(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
+    """Where one of two bodies on a grid was not measured; None where both are whole."""
+    masks = [body.missing for body in (upper, lower) if body.missing is not None]
+    return np.logical_or.reduce(masks) if masks else None
+
+
+def refuse_missing(body: Any, what: str) -> None:
+    """Refuse a scan with holes for what takes whole ones."""
+    if body.missing is not None:
+        raise ValueError(
+            f"{what} takes whole scans, and {int(body.missing.sum())} points of one are masked: press it by the "
+            "half-space as it is, crop it, or interpolate"
+        )
 
 
 def scaled_profile(

@@ -7,11 +7,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
 from stiction._shown import Shown, axes_for
-from stiction.surfaces.profile import MOST_POINTS, Profile, steps
+from stiction.surfaces.profile import MOST_POINTS, Profile, mask_of, part, steps
 
 if TYPE_CHECKING:
     import xarray
@@ -35,11 +36,14 @@ class Surface(Shown):
         Distances between neighbouring rows and between neighbouring columns (Δy, Δx), above 0; one number for both.
     history : tuple of str
         Where the heights come from and what was done to them, a short sentence for each step.
+    missing : (rows, columns) array_like of bool, optional
+        Where nothing was measured, so that nothing touches there; heights there only bridge the holes.
 
     Raises
     ------
     ValueError
-        If heights are not such an array, or a spacing is not above 0, or the history is not a tuple of strings.
+        If heights are not such an array, or a spacing is not above 0, or the history is not a tuple of strings, or all
+        points are missing.
 
     Examples
     --------
@@ -56,6 +60,7 @@ class Surface(Shown):
     heights: Floats = field(metadata={"unit": "µm"})
     spacing: tuple[float, float] = field(kw_only=True, metadata={"unit": "µm"})
     history: tuple[str, ...] = field(default=(), kw_only=True)
+    missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=2)
@@ -66,10 +71,11 @@ class Surface(Shown):
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", lengths("spacing", self.spacing))
         object.__setattr__(self, "history", steps("history", self.history))
+        object.__setattr__(self, "missing", mask_of(self.missing, heights.shape))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only on the other side as well.
-        return partial(Surface, spacing=self.spacing, history=self.history), (self.heights,)
+        return partial(Surface, spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property
     def x(self) -> Floats:
@@ -90,12 +96,17 @@ class Surface(Shown):
     def row(self, index: int) -> Profile:
         """Return one row as a profile along x."""
         index = whole_number("index", index, least=0, most=self.heights.shape[0] - 1)
-        return Profile(self.heights[index], spacing=self.spacing[1], history=(*self.history, f"row {index}"))
+        return self._line(index, 1, f"row {index}")
 
     def column(self, index: int) -> Profile:
         """Return one column as a profile along y."""
         index = whole_number("index", index, least=0, most=self.heights.shape[1] - 1)
-        return Profile(self.heights[:, index], spacing=self.spacing[0], history=(*self.history, f"column {index}"))
+        return self._line((slice(None), index), 0, f"column {index}")
+
+    def _line(self, index: Any, axis: int, step: str) -> Profile:
+        mask = part(self.missing, index)
+        mask = None if mask is None or mask.all() else mask  # of a line without any point only the bridge is left
+        return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     @property
     def is_flat(self) -> bool:
@@ -123,7 +134,7 @@ class Surface(Shown):
         if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _OF_POINTS[measure], scaled):
             raise ValueError("a flat surface has no amplitude to scale")
         history = (*self.history, f"scaled to {measure} {amplitude:g} µm")
-        return Surface(scaled.reshape(self.heights.shape), spacing=self.spacing, history=history)
+        return Surface(scaled.reshape(self.heights.shape), spacing=self.spacing, history=history, missing=self.missing)
 
     def __repr__(self) -> str:
         """Show its size, its roughness and where it is from."""
@@ -171,7 +182,8 @@ class Surface(Shown):
         taken = taken_from("other", other, unit=unit)
         if taken.heights.ndim != 2:
             raise ValueError("other must be a surface, got a profile; see Profile.from_")
-        return cls(taken.heights, spacing=lengths("spacing", taken.spacing), history=taken.history)
+        spacing = lengths("spacing", taken.spacing)
+        return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
 
     def to_xarray(self) -> xarray.DataArray:
         """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction._checks import Floats, truth
 from stiction.surfaces.fractal import random_phases
-from stiction.surfaces.profile import Profile, Side
+from stiction.surfaces.profile import Profile, Side, refuse_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface, refuse_flat, rows_and_columns
 
@@ -85,6 +85,7 @@ def surrogate(
     """
     truth("periodic", periodic)
     refuse_flat(body)
+    refuse_missing(body, "a surrogate")
     if isinstance(body, Surface):
         return _surface_surrogate(body, seed, repetition, side, periodic)
     profile, mean = body, body.heights.mean()
@@ -240,6 +241,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Edges of the rings, C2D in them, and how many harmonics of the profile are in each."""
     truth("periodic", periodic)
     refuse_flat(profile)
+    refuse_missing(profile, "a surface of a profile's spectrum")
     spectrum = power_spectrum(profile, periodic=periodic)
     # A harmonic stands for half a step to both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing

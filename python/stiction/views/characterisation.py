@@ -11,8 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stiction._shown import units_of
+from stiction.surfaces.holes import OUTLYING, outliers_of
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import BENT, LineRoughness, lines_along_both, off_power_law
+from stiction.surfaces.measured.writing import with_gaps
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
     Derivative,
@@ -196,6 +198,11 @@ class Characterisation:
             along = f" along {'xy'[at]}" if self.spectrum is None else ""
             text = f"{count}{along}, {length_text(step)} apart, over {length_text(count * step)}"
             rows.append(Row("" if at else "points", (text,)))
+        if self.body.missing is not None:
+            rows.append(Row("", ("what follows is of heights with straight lines over the holes",)))
+        count = int(outliers_of(with_gaps(self.body)).sum())
+        text = f"{count} single points beyond {OUTLYING:g} deviations of their neighbours; --outliers mask masks them"
+        rows.append(Row("outliers", (text if count else "none",), (entry("outliers", count),)))
         rows += [*self._parameter_rows(), Row("friction by slope", (self._friction_text(),))]
         if self.spectrum is not None and isinstance(self.body, Profile):
             moments = spectral_moments(self.body, periodic=self.periodic)

@@ -32,6 +32,7 @@ FEWEST_CONTACTS, FEW_CONTACTS = 10, 10
 
 MERGED = 0.3  # true over nominal area from which on contacts are few because they have merged
 HALF = 0.5  # fraction of the load, of the members or of the length of a scan that decides
+FILLED = 0.02  # part of the points of a scan from which on it matters that they are interpolated
 COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
 SHEARED = 3**-1.5  # shear strength of a body over its hardness, of three yield strengths, by von Mises
 
@@ -285,6 +286,15 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         ratio = significant(max(steps) / min(steps), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so its fine waves are missing"
         yield Doubt(text, "scan both alike", "caution")
+    contact = value_of(point, "contact_area") / value_of(point, "contact_count")
+    for side in sides:
+        part, hole = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
+        if part > FILLED or hole > contact:
+            text = f"{side}: {percent(part)} of the points are interpolated"
+            text += f", in holes larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
+            if not hole > contact:
+                text = text.partition(",")[0]
+            yield Doubt(text, "--missing mask presses what was measured, --crop what is whole", "caution")
     if study.surfaces.press == "surrogates":
         piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
         whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)

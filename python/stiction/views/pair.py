@@ -64,7 +64,9 @@ def pair(
     seed: int | None = None,
     unit: str | Sequence[str] | None = None,
     spacing: Quantity | Sequence[Quantity] | None = None,
-    missing: Literal["error", "interpolate"] | None = None,
+    missing: Literal["error", "mask", "interpolate"] | None = None,
+    outliers: Literal["keep", "mask"] | None = None,
+    crop: str | Sequence[str] | None = None,
     channel: str | Sequence[str] | None = None,
     columns: str | Sequence[str] | None = None,
     tip: Quantity | Sequence[Quantity] | None = None,
@@ -104,7 +106,8 @@ def pair(
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps and asperities of lines.
     law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \
-    curvature, surrogates, seed, unit, spacing, missing, channel, columns, tip
+    curvature, surrogates, seed, unit, spacing, missing, outliers, crop, channel, columns, \
+    tip
         As the options of `stiction pair`.
     directory : path, optional
         Where the result is kept, as by ``--output``; by default as long as Python runs.

@@ -9,15 +9,19 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice
 from stiction._units import Quantity, quantity
+from stiction.surfaces.holes import OUTLYING, bridged, outliers_of, words_of_holes
 from stiction.surfaces.measured.raw import LENGTH_UNITS, FormatError, Raw, Stated, length_unit
 from stiction.surfaces.measured.table import UNEVEN, Chosen
+from stiction.surfaces.preparation import piece_of
 from stiction.surfaces.profile import FEWEST_POINTS, Profile
 from stiction.surfaces.surface import Surface
 
-Missing = Literal["error", "interpolate"]
+Missing = Literal["error", "interpolate", "mask"]
+Outliers = Literal["keep", "mask"]
 
 TELLING = 1000
 """Last printed digits that the length must have, if they make up for uneven positions: the spacing is then good to
@@ -38,11 +42,20 @@ class ReadOptions:
     missing: Missing
     channel: Chosen | None
     columns: tuple[Chosen, ...] | None
+    outliers: Outliers
+    crop: tuple[float, ...] | None  # first and last x, and of a surface y, µm
 
 
-def read_options(unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None) -> ReadOptions:
+def read_options(
+    unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
+    crop: Any = None,
+) -> ReadOptions:  # fmt: skip
     """Check what the caller says about a file."""
     choice("missing", missing, Missing)
+    choice("outliers", outliers, Outliers)
+    crop = crop.split(",") if isinstance(crop, str) else crop
+    if crop is not None and len(crop) not in (2, 4):
+        raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {crop!r}')
     pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
     if len(pair) != 2:
         raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
@@ -56,7 +69,7 @@ def read_options(unit: Any, spacing: Any, missing: Missing, channel: Any = None,
     columns = None if columns is None else tuple(columns)
     return ReadOptions(
         *_units(unit), (_length_option("spacing", pair[0]), _length_option("spacing", pair[1])), missing, channel,
-        columns,
+        columns, outliers, None if crop is None else tuple(_place("crop", each) for each in crop),
     )  # fmt: skip
 
 
@@ -91,8 +104,9 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile, list
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("turned round, because its positions decreased")
-    heights, filled = _line_without_gaps(heights, options.missing)
-    return Profile(heights, spacing=_sane(dx), history=(f"read from {name}", *raw.history, *steps, *filled)), doubts
+    heights, missing, filled = _without_gaps(heights, (_sane(dx),), options)
+    history = (f"read from {name}", *raw.history, *steps, *filled)
+    return Profile(heights, spacing=dx, history=history, missing=missing), doubts
 
 
 def to_surface(raw: Raw, name: str, options: ReadOptions) -> tuple[Surface, list[str]]:
@@ -114,9 +128,9 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> tuple[Surface, list
             raise FormatError(f"says that its spacing is {own:g} µm, but {dy:g} µm and {dx:g} µm are given")
     else:
         raise FormatError('holds no spacing; give it, as in "0.5 um", or "2 um" for rows and "0.5 um" for columns')
-    heights, filled = _area_without_gaps(heights, options.missing)
+    heights, missing, filled = _without_gaps(heights, (_sane(dy), _sane(dx)), options)
     history = (f"read from {name}", *raw.history, *steps, *filled)
-    return Surface(heights, spacing=(_sane(dy), _sane(dx)), history=history), []
+    return Surface(heights, spacing=(dy, dx), history=history, missing=missing), []
 
 
 # ---- Units and spacings ---------------------------------------------------------------------------------------------
@@ -140,6 +154,14 @@ def _length_option(name: str, text: Any) -> Quantity | None:
     if not length > 0:
         raise ValueError(f"{name} must be above 0, got {text!r}")
     return length
+
+
+def _place(name: str, text: Any) -> float:
+    """A position, µm, which may be 0."""
+    try:
+        return float(quantity(text.strip() if isinstance(text, str) else text, "length"))
+    except ValueError as error:
+        raise ValueError(f"{name} {error}") from None
 
 
 def _unit(what: str, of_file: str | None, of_caller: str | None) -> str:
@@ -290,41 +312,46 @@ def _sane(spacing: float) -> float:
 # ---- Missing points -------------------------------------------------------------------------------------------------
 
 
-def _line_without_gaps(heights: Floats, missing: Missing) -> tuple[Floats, list[str]]:
-    gaps = np.isnan(heights)
-    if not gaps.any():
-        return heights, []
-    _refuse_gaps(gaps, missing)
-    known = np.flatnonzero(~gaps)
-    first, end = int(known[0]), int(known[-1]) + 1
-    inside = int(gaps[first:end].sum())
-    outside = heights.size - (end - first)
-    steps = [f"{inside} missing points interpolated"] if inside else []
-    steps += [f"{outside} missing points at its ends left out"] if outside else []
-    return np.interp(np.arange(first, end), known, heights[known]), steps
-
-
-def _area_without_gaps(heights: Floats, missing: Missing) -> tuple[Floats, list[str]]:
-    gaps = np.isnan(heights)
-    if not gaps.any():
-        return heights, []
-    _refuse_gaps(gaps, missing)
-    filled = heights.copy()
-    for lines in (filled, filled.T):
-        for line in lines:
-            known = np.flatnonzero(~np.isnan(line))
-            if known.size:
-                inside = slice(known[0], known[-1] + 1)
-                line[inside] = np.interp(np.arange(known[0], known[-1] + 1), known, line[known])
-    left = int(np.isnan(filled).sum())
-    if left:
-        raise FormatError(
-            f"has {left} missing points at its edges without neighbours on both sides to interpolate from"
+def _without_gaps(
+    heights: Floats, spacing: tuple[float, ...], options: ReadOptions
+) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
+    """Cropped heights without outliers and bridged, where they are masked, and what was done."""
+    steps: list[str] = []
+    if options.crop is not None:
+        if len(options.crop) != 2 * heights.ndim:
+            raise FormatError(f"is cropped by {2 * heights.ndim} positions, got {len(options.crop)}")
+        ends = zip(
+            options.crop[::-2], options.crop[-2::-2], heights.shape, spacing, "yx"[2 - heights.ndim :], strict=True
         )
-    return filled, [f"{int(gaps.sum())} missing points interpolated"]
+        pieces = [piece_of(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in ends]
+        heights = heights[tuple(slice(first, end) for first, end, _ in pieces)]
+        steps.append(f"cropped to {' and '.join(words for _, _, words in pieces[::-1])}")
+    gaps, missing = np.isnan(heights), options.missing
+    if gaps.any():
+        _refuse_gaps(gaps, missing)
+    if options.outliers == "mask" and (outlying := outliers_of(heights)).any():
+        missing = "mask" if missing == "error" else missing
+        gaps, heights = gaps | outlying, np.where(outlying, np.nan, heights)
+        steps.append(f"{int(outlying.sum())} outliers beyond {OUTLYING:g} deviations of their neighbours taken out")
+    if heights.ndim == 1 and (gaps[0] or gaps[-1]):
+        known = np.flatnonzero(~gaps)
+        inside = slice(int(known[0]), int(known[-1]) + 1)
+        steps.append(f"{heights.size - (inside.stop - inside.start)} missing points at its ends left out")
+        heights, gaps = heights[inside], gaps[inside]
+    if not gaps.any():
+        return heights, None, steps
+    full = bridged(heights, beyond=missing == "mask")
+    if left := int(np.isnan(full).sum()):
+        raise FormatError(
+            f"has {left} missing points at its edges without neighbours on both sides to interpolate from; "
+            'missing="mask" (--missing mask) presses what is there'
+        )
+    done = "masked" if missing == "mask" else "interpolated"
+    steps.append(f"{int(gaps.sum())} missing points {done}, {words_of_holes(gaps, spacing)}")
+    return full, gaps if missing == "mask" else None, steps
 
 
-def _refuse_gaps(gaps: np.ndarray[Any, Any], missing: Missing) -> None:
+def _refuse_gaps(gaps: NDArray[np.bool_], missing: Missing) -> None:
     if gaps.all():
         raise FormatError("has no heights: all points are missing")
     if missing == "error":
@@ -332,5 +359,6 @@ def _refuse_gaps(gaps: np.ndarray[Any, Any], missing: Missing) -> None:
         at = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
             f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {at}, from 0 on; "
-            'missing="interpolate" (--missing interpolate) puts them on a line between their neighbours'
+            'missing="mask" (--missing mask) presses what is there, and missing="interpolate" (--missing interpolate) '
+            "puts them on a line between their neighbours"
         )

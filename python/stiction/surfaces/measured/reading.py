@@ -13,6 +13,7 @@ from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import read_instrument
 from stiction.surfaces.measured.interpret import (
     Missing,
+    Outliers,
     ReadOptions,
     read_options,
     to_profile,
@@ -54,6 +55,8 @@ def read_profile(
     missing: Missing = "error",
     channel: Chosen | None = None,
     columns: Chosen | Sequence[Chosen] | None = None,
+    outliers: Outliers = "keep",
+    crop: str | Sequence[str] | None = None,
 ) -> Profile:
     """Read a measured profile.
 
@@ -70,16 +73,20 @@ def read_profile(
     spacing : str, optional
         Distance between neighbouring points, as in "0.5 um". Needed where the file has neither positions nor a spacing;
         where it has, it must agree.
-    missing : {"error", "interpolate"}
-        What to do about points without a height, which are empty, NaN, or written as stars or dashes. "interpolate"
-        puts them on a straight line between their neighbours and leaves them out at the ends; how many is said in the
-        history.
+    missing : {"error", "interpolate", "mask"}
+        What to do about points without a height, which are empty, NaN, or written as stars or dashes. With "mask"
+        nothing touches where nothing was measured; "interpolate" puts them on a straight line between their neighbours.
+        Both leave them out at the ends of a profile; how many and where is said in the history.
     channel : str or int, optional
         Name or number, from 0 on, of what to read of a file of an instrument, or of the sheet of a workbook. By default
         the first of heights, or the only sheet; which one it is, and what else there is, is said in the history.
     columns : (str or int, str or int), or str or int, optional
         Of a table, names or numbers, from 0 on, of the columns of positions and of heights, or of heights alone. The
         unit in a name may be left out.
+    outliers : {"keep", "mask"}
+        Whether single points beyond 6 robust deviations of the median of their neighbours are taken for missing ones.
+    crop : str or sequence of str, optional
+        What to read of it: "x0,x1" with units, "10 um,50 um"; of a surface "x0,x1,y0,y1". Before all else is done.
 
     Returns
     -------
@@ -115,7 +122,7 @@ def read_profile(
     >>> read_profile(path).extent
     8.0
     """
-    return _read(path, read_options(unit, spacing, missing, channel, columns), to_profile)
+    return _read(path, read_options(unit, spacing, missing, channel, columns, outliers, crop), to_profile)
 
 
 def read_surface(
@@ -125,6 +132,8 @@ def read_surface(
     spacing: str | tuple[str, str] | None = None,
     missing: Missing = "error",
     channel: Chosen | None = None,
+    outliers: Outliers = "keep",
+    crop: str | Sequence[str] | None = None,
 ) -> Surface:
     """Read a measured surface.
 
@@ -135,7 +144,7 @@ def read_surface(
         Gwyddion may give width and height; a NumPy array (.npy); X3P; with the package openpyxl (``pip install
         "stiction[excel]"``) a workbook (.xlsx); or, with the package SurfaceTopography installed (``pip install
         "stiction[formats]"``), what that reads.
-    unit, missing, channel
+    unit, missing, channel, outliers, crop
         As for `read_profile`. Missing points lie on a line between their neighbours in the row, and where these are
         missing too, in the column.
     spacing : str or (str, str), optional
@@ -161,7 +170,7 @@ def read_surface(
     >>> read_surface(path, unit="nm", spacing="0.1 um")
     Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm, not levelled; read from map.npy
     """
-    return _read(path, read_options(unit, spacing, missing, channel), to_surface)
+    return _read(path, read_options(unit, spacing, missing, channel, None, outliers, crop), to_surface)
 
 
 def read_measurement(
@@ -172,12 +181,14 @@ def read_measurement(
     missing: Missing = "error",
     channel: Chosen | None = None,
     columns: Chosen | Sequence[Chosen] | None = None,
+    outliers: Outliers = "keep",
+    crop: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
     """Read a measured profile or surface, whichever the file holds.
 
     Parameters
     ----------
-    path, unit, missing, channel, columns
+    path, unit, missing, channel, columns, outliers, crop
         As for `read_profile`.
     spacing : str or (str, str), optional
         As for `read_surface`; a profile has one.
@@ -201,7 +212,7 @@ def read_measurement(
     >>> read_measurement(path).spacing
     0.5
     """
-    return _read(path, read_options(unit, spacing, missing, channel, columns), to_profile_or_surface)
+    return _read(path, read_options(unit, spacing, missing, channel, columns, outliers, crop), to_profile_or_surface)
 
 
 def _read(

@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
+from stiction._checks import Floats
 from stiction._files import new_file
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
@@ -46,13 +49,13 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     with _new_file(path) as partial:
         if Path(path).suffix.lower() == ".npy":
             with partial.open("wb") as binary:
-                write_npy(binary, profile.heights, (profile.spacing,), profile.history)
+                write_npy(binary, with_gaps(profile), (profile.spacing,), profile.history)
             return
         with partial.open("w", encoding="utf-8", newline="\n") as file:
             file.write(f"# spacing: {profile.spacing!r} um\n")
             file.writelines(_history(profile))
             file.write("x (um),z (um)\n")
-            pairs = zip(profile.x.tolist(), profile.heights.tolist(), strict=True)
+            pairs = zip(profile.x.tolist(), with_gaps(profile).tolist(), strict=True)
             file.writelines(f"{x!r},{z!r}\n" for x, z in pairs)
 
 
@@ -85,7 +88,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     with _new_file(path) as partial:
         if Path(path).suffix.lower() == ".npy":
             with partial.open("wb") as binary:
-                write_npy(binary, surface.heights, surface.spacing, surface.history)
+                write_npy(binary, with_gaps(surface), surface.spacing, surface.history)
             return
         columns = surface.heights.shape[1]
         if columns < FEWEST_COLUMNS:
@@ -98,7 +101,12 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
                 file.write(f"# spacing along {axis}: {spacing!r} um\n")
             file.writelines(_history(surface))
             file.write("# heights (um)\n")
-            file.writelines(",".join(map(repr, row)) + "\n" for row in surface.heights.tolist())
+            file.writelines(",".join(map(repr, row)) + "\n" for row in with_gaps(surface).tolist())
+
+
+def with_gaps(body: Profile | Surface) -> Floats:
+    """Heights, NaN where points are missing."""
+    return body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)
 
 
 def _history(body: Profile | Surface) -> list[str]:

@@ -1,0 +1,148 @@
+import numpy as np
+import pytest
+from stiction import (
+    Profile,
+    Surface,
+    cropped,
+    cut_off,
+    levelled,
+    on_common_grid,
+    pair,
+    read_measurement,
+    read_profile,
+    read_surface,
+    rotated,
+    self_affine,
+    self_affine_surface,
+    turned_over,
+    write_profile,
+    write_surface,
+)
+from stiction.surfaces.holes import outliers_of
+
+HOLE = np.s_[20:44, 30:50]
+READ = {"unit": "um", "spacing": "0.1 um"}
+ASKED = {"load": "5 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "100 GPa", "hardness": "2 GPa", "onset": 0}
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1)
+
+
+@pytest.fixture
+def path(whole, tmp_path):
+    heights = whole.heights.copy()
+    heights[HOLE] = np.nan
+    np.save(tmp_path / "hole.npy", heights)
+    return tmp_path / "hole.npy"
+
+
+def test_masks_follow_the_points_through_all_that_is_done_to_a_scan(whole, path, tmp_path):
+    scan = read_surface(path, missing="mask", **READ)
+    missing = np.isnan(np.load(path))
+    assert np.array_equal(scan.missing, missing)
+    assert np.array_equal(scan.heights[~missing], whole.heights[~missing])
+    assert scan.history[-1] == (
+        "480 missing points masked, 12 % of all; the largest hole has 480, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
+    )
+    ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)  # marks the points as heights
+    for move in (turned_over, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
+        assert np.array_equal(move(scan).missing, np.abs(move(ones).heights) == 1)
+    for same in (levelled(scan, "quadratic"), cut_off(scan, 0.5), scan.with_amplitude(1.0), Surface.from_(scan)):
+        assert np.array_equal(same.missing, missing)
+    assert np.array_equal(scan.row(25).missing, missing[25])
+    assert np.array_equal(scan.column(31).missing, missing[:, 31])
+    assert scan.row(0).missing is None
+    tilted = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
+    left = np.where(missing, 0, levelled(tilted, "plane").heights - levelled(scan, "plane").heights)
+    assert np.abs(left).max() < 1e-12  # what bridges a hole does not tilt the plane
+    fine = Surface(np.zeros((130, 130)), spacing=0.049)
+    resampled = on_common_grid(scan, fine)[0].missing
+    y, x = (0.049 * np.arange(points) for points in resampled.shape)  # missing where a neighbour on an axis is
+    assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
+    turned = rotated(scan, 30.0).missing
+    assert turned.sum() == pytest.approx(missing.sum(), rel=0.25)
+    for body, write, read in ((scan, write_surface, read_surface), (scan.row(25), write_profile, read_profile)):
+        for ending in (".npy", ".csv"):
+            file = (tmp_path / type(body).__name__).with_suffix(ending)
+            write(body, file)
+            again = read(file, missing="mask")
+            assert np.array_equal(again.missing, body.missing)
+            assert np.array_equal(again.heights[~again.missing], body.heights[~body.missing])
+
+
+def test_a_hole_at_the_edge_is_masked_and_the_ends_of_a_profile_are_left_out(tmp_path):
+    corner = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
+    np.save(tmp_path / "corner.npy", corner)
+    with pytest.raises(ValueError, match='missing="mask"'):
+        read_surface(tmp_path / "corner.npy", missing="interpolate", **READ)
+    scan = read_surface(tmp_path / "corner.npy", missing="mask", **READ)
+    assert np.array_equal(scan.missing, np.isnan(corner))
+    assert (scan.heights == 1).all()
+    np.save(tmp_path / "line.npy", np.array([np.nan, 1, 2, np.nan, 4, 5, np.nan]))
+    line = read_profile(tmp_path / "line.npy", missing="mask", **READ)
+    assert line.heights.tolist() == [1, 2, 3, 4, 5]
+    assert line.missing.tolist() == [False, False, True, False, False]
+
+
+def test_what_is_cropped_is_read_alone(whole, path):
+    with pytest.raises(ValueError, match="480 missing points"):
+        read_surface(path, **READ)
+    piece = read_surface(path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ)
+    assert np.array_equal(piece.heights, whole.heights[10:, :25])
+    assert piece.history[-1] == "cropped to 0 to 2.5 µm along x and 1 to 6.4 µm along y"
+    for crop, why in (("1 um,9 um,0 um,1 um", "within the extent"), ("0 um,1 um", "by 4 positions, got 2"),
+                      ("0 um,1 um,2 um", "x0,x1"), ("0,1", "unit of length")):  # fmt: skip
+        with pytest.raises(ValueError, match=why):
+            read_measurement(path, crop=crop, **READ)
+
+
+@pytest.mark.parametrize("hurst", [0.2, 0.8])
+def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp_path):
+    options = {"hurst_exponent": hurst, "rms": 0.02, "spacing": 0.1}
+    for body in (self_affine(1, points=4000, **options), self_affine_surface(1, shape=(128, 128), **options)):
+        assert not outliers_of(body.heights).any()
+        heights, usual = body.heights.copy(), float(np.abs(np.diff(body.heights)).mean())
+        flat = heights.reshape(-1)
+        spikes = np.arange(210, flat.size - 210, 613)
+        spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # not at an edge
+        flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
+        flat[[2000, 2001]] += 20 * usual  # a feature of two points
+        found = outliers_of(heights)
+        assert np.array_equal(np.flatnonzero(found), spikes)
+        np.save(tmp_path / f"{heights.ndim}.npy", heights)
+        for missing, mask in (("error", True), ("mask", True), ("interpolate", False)):
+            scan = read_measurement(tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing, **READ)
+            assert np.abs(scan.heights - body.heights)[found].max() < 10 * usual
+            assert (scan.missing is not None) == mask
+            assert any(f"{spikes.size} outliers" in step for step in scan.history)
+    assert not outliers_of(np.full(20, np.nan)).any()
+
+
+def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whole, path):
+    masked = pair(path, path, missing="mask", shifts=8, **READ, **ASKED)
+    kept = pair(
+        read_surface(path, missing="mask", **READ), read_surface(path, missing="mask", **READ), shifts=8, **ASKED
+    )
+    full, filled = (
+        pair(whole, whole, shifts=8, **ASKED),
+        pair(path, path, missing="interpolate", shifts=8, **READ, **ASKED),
+    )
+    assert masked.value == pytest.approx(kept.value, rel=1e-9)
+    part = masked.nominal_area / full.nominal_area
+    assert 0.6 < part < 0.9
+    area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
+    assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # of the same pressure on less area
+    doubt = "12 % of the points are interpolated, in holes larger than the contacts"
+    assert any(doubt in each.text for each in filled.doubts)
+    assert not any("interpolated" in each.text for each in masked.doubts)
+    for refused, why in (({"mechanics": "asperities"}, "take whole scans"), ({"surrogates": 2}, "takes whole scans")):
+        with pytest.raises(ValueError, match=why):
+            pair(path, path, missing="mask", **READ, **ASKED, **refused)
+
+
+@pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])
+def test_a_mask_that_is_none_is_refused(mask):
+    with pytest.raises(ValueError, match="missing must be a mask"):
+        Profile(np.zeros(4), spacing=1.0, missing=mask)
