@@ -1,5 +1,6 @@
 """A result in its folder: what is there, what is continued, and what is refused."""
 
+import contextlib
 import errno
 import io
 import itertools
@@ -555,14 +556,16 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
     assert swept
 
 
-INTERRUPTED = """
-import signal, sys, threading
+INTERRUPTED = r"""
+import os, signal, sys, threading
 from stiction import Study
 from stiction.studies import runner
 study, sums, interrupted = Study.from_toml("s.toml"), runner.member_sums, threading.Event()
+def tell(word):  # in one piece: print() writes the end of a line by itself, and another thread between both
+    os.write(1, f"{word}\n".encode())
 def held(study, member):
     if member >= 20:
-        print("held", flush=True)
+        tell("held")
         interrupted.wait()
     return sums(study, member)
 def interrupt(*of):
@@ -571,9 +574,9 @@ def interrupt(*of):
 signal.signal(signal.SIGINT, interrupt)
 runner.member_sums = held
 runner.block_size = lambda study: 8
-print("begun", flush=True)
+tell("begun")
 try:
-    runner.fill(study, "r", say=lambda text: print("ready", flush=True))
+    runner.fill(study, "r", say=lambda text: tell("ready"))
 except KeyboardInterrupt:
     sys.exit(130)
 """
@@ -582,9 +585,13 @@ except KeyboardInterrupt:
 def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path):
     study = repetitions(1000)
     (tmp_path / "s.toml").write_text(study.to_toml())
-    with subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
-    ) as process:
+    with (
+        subprocess.Popen(
+            [sys.executable, "-c", INTERRUPTED], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
+        ) as process,
+        contextlib.ExitStack() as whatever_happens,
+    ):
+        whatever_happens.callback(process.kill)  # which does nothing to one that has ended
         assert process.stdout.readline() == b"begun\n"
         wanted = {b"ready\n", b"held\n"}  # each thread is held, and says so, in any order
         while wanted and (line := process.stdout.readline()):
