@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 from points import generated, generated_study, interval, measured, measured_study
-from stiction.views.answer import KAPPA, READINGS_DIFFER, answer, answers, slopes_text
+from stiction.views.answer import KAPPA, ORIGIN, READINGS_DIFFER, answer, answers, headlines, slopes_text
 from stiction.views.doubts import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
 from stiction.views.point import RULES, over_text, points
-from stiction.views.text import answers_text
+from stiction.views.text import answer_text, answers_text
 
 
 def one(at, study):
@@ -239,6 +239,36 @@ def test_a_cut_off_belongs_to_the_inputs():
     said = answers(measured(cut_offs=(0.0, 0.5)), measured_study())
     assert "taken off" not in said[0].sentence
     assert "waves below 500 nm taken off" in said[1].sentence
+
+
+def test_while_the_origin_of_waves_is_not_known_the_interval_covers_both_readings():
+    at = measured(cut_offs=(0.0, 0.5), loads=(1.0, 10.0), half=0.02, all_rub=0.25)
+    for name in ("friction_all_round", "friction_coefficient"):
+        at[name][{"cut_off": 0}] *= 0.84
+    known = at["friction_all_round"].isel(cut_off=[0, 1])  # a budget in which the hardness decides
+    at["friction_known"] = known
+    at["friction_if_known"] = known.expand_dims(input=["hardness"])
+    at["width_if_known"] = known.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
+    at = at.assign_coords(input_words=("input", ["the hardness"]))
+    doubt = Doubt("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", "fault", 0.4)
+    found = answers(at, measured_study(hardness=2.0), beside=[doubt])
+    assert [one.covered for one in found] == [True, True, False, False]
+    assert [one.verdict for one in found] == ["Do not quote"] * 2 + ["Quote with care"] * 2
+    shown = headlines(found)
+    assert [one.at["cut_off"] for one in shown] == [0.5, 0.5]
+    for one in shown:
+        assert (one.value, one.lower, one.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
+        assert one.doubts[0].text.startswith(f"{doubt.text}; with them μ_s is 0.210 [0.206, 0.214]")
+        assert [(left.words, left.lower) for left in one.budget] == [
+            (ORIGIN, pytest.approx(0.245)), ("the hardness", pytest.approx(0.2058)),
+        ]  # fmt: skip
+        assert one.most.words == ORIGIN
+    assert all(one.bracket is None for one in found[:2])
+    alone = answers(at, measured_study(hardness=2.0))
+    assert headlines(alone) == alone
+    text = answer_text(at, measured_study(hardness=2.0), beside=[doubt])
+    assert "none" not in text.splitlines()[1]
+    assert "Do not quote" not in text
 
 
 def test_numbers_of_several_members_are_told_beside_the_mean():

@@ -13,7 +13,7 @@ from stiction.studies.pair import Pair
 from stiction.studies.resolution import resolution_at
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
-from stiction.views.answer import answers
+from stiction.views.answer import answers, headlines
 from stiction.views.asked import at_asked_loads
 from stiction.views.first import first_result
 from stiction.views.report import report_page
@@ -52,7 +52,7 @@ def main() -> None:
 def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     source, study, beside, command = result.source, result.study, result.beside, asked["command"]
     at = at_asked_loads(source)
-    answer = answer_record(answers(at, study, beside=beside)[0])
+    answer = answer_record(headlines(answers(at, study, beside=beside))[0])
     texts = {"page.html": report_page([source], names=[asked["name"]])}
     if isinstance(source, Stored) and command:
         over, onset = source.once(resolution_at), source.once(onset_beside)

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 READINGS_DIFFER = 0.01  # relative difference between the readings of a load from which on the answer says which it is
+ORIGIN = "waves of unknown origin"  # as a part of the uncertainty
 DECIDES = 0.1  # part of the width of an interval that an input has to take away, if it were known, to be named
 
 OTHER_KAPPA = 0.2
@@ -115,6 +116,8 @@ class Answer:
         What holds the bodies by that rule: mu0, adhesion on the true area, and the slopes.
     waited : tuple of Waited
         By that rule, after each time that the study waits.
+    covered : bool
+        Whether it is one of two readings of a scan, and the interval of the other one covers it.
     """
 
     rules: tuple[RuleValue, ...]
@@ -127,6 +130,7 @@ class Answer:
     budget: tuple[Left, ...] = ()
     parts: tuple[float, float, float] | None = None
     waited: tuple[Waited, ...] = ()
+    covered: bool = False
 
     @property
     def value(self) -> float:
@@ -166,6 +170,16 @@ class Answer:
         return self.rules[1:]
 
     @property
+    def faults(self) -> tuple[Doubt, ...]:
+        """Doubts for which it is not to be quoted."""
+        return tuple(doubt for doubt in self.doubts if doubt.severity == "fault")
+
+    @property
+    def unknown(self) -> tuple[Doubt, ...]:
+        """Faults that a cut-off takes away: waves of which it is not known whose they are."""
+        return tuple(doubt for doubt in self.faults if math.isfinite(doubt.cut_off))
+
+    @property
     def verdict(self) -> str:
         """Whether the value is to be quoted: "Quote it", "Quote with care" or "Do not quote"."""
         severities = {doubt.severity for doubt in self.doubts}
@@ -175,7 +189,7 @@ class Answer:
     def sentence(self) -> str:
         """One sentence with its inputs: to quote, or why there is none to quote."""
         if self.verdict == "Do not quote":
-            faults = "; ".join(doubt.text for doubt in self.doubts if doubt.severity == "fault")
+            faults = "; ".join(doubt.text for doubt in self.faults)
             return f"There is no coefficient to quote at {self.inputs}: {faults}."
         first, *others = self.rules
         words = f"μ_s = {quoted(first.value, first.lower, first.upper)} {RULES[first.rule]}"
@@ -189,7 +203,54 @@ def answers(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -
 
     Doubts `beside` come from the bodies and not from the result, as `doubts_of_inputs` gives them.
     """
-    return [answer(point, study, beside=beside) for point in points(at)]
+    found = [answer(point, study, beside=beside) for point in points(at)]
+    return [_with_both_readings(one, found) for one in found] if any(one.unknown for one in found) else found
+
+
+def headlines(found: Sequence[Answer]) -> list[Answer]:
+    """Those to print: without the readings that the interval of another one covers."""
+    return [one for one in found if not one.covered]
+
+
+def _with_both_readings(one: Answer, found: Sequence[Answer]) -> Answer:
+    """An answer without waves of unknown origin whose interval covers that with them; or that one, covered."""
+
+    def like(others: Sequence[Answer]) -> list[Answer]:
+        return [each for each in others if {**each.at, "cut_off": 0.0} == {**one.at, "cut_off": 0.0}]
+
+    if one.unknown:
+        return replace(one, covered=any(not each.unknown for each in like(found)))
+    other = next((each for each in like(found) if each.unknown), None)
+    if other is None or not math.isfinite(other.value):
+        return one
+    rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
+    both = {left.words: left for left in other.budget}
+    budget = [Left(ORIGIN, one.lower, one.upper, one.upper - one.lower)]
+    for left in one.budget:
+        same = both.get(left.words, left)
+        low, high = min(left.lower, same.lower), max(left.upper, same.upper)
+        budget.append(Left(left.words, low, high, high - low))
+    value = other.rules[0]
+    doubts = [
+        Doubt(
+            f"{each.text}; with them μ_s is {quoted(value.value, value.lower, value.upper)}, which the interval covers",
+            "scan the place twice, or give the --tip or a --cutoff", "caution",
+        )
+        for each in other.unknown
+    ]  # fmt: skip
+    order = tuple(sorted(budget, key=lambda left: left.width))
+    return replace(one, rules=rules, budget=order, doubts=(*one.faults, *doubts, *one.doubts[len(one.faults) :]))
+
+
+def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
+    """A value with intervals that cover those of another reading."""
+    ends = [
+        (float(np.fmin(low, other_low)), float(np.fmax(high, other_high)))
+        for (low, high), (other_low, other_high) in (
+            ((one.lower, one.upper), (other.lower, other.upper)), (one.next_test, other.next_test)
+        )
+    ]  # fmt: skip
+    return replace(one, lower=ends[0][0], upper=ends[0][1], next_test=ends[1])
 
 
 def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> Answer:

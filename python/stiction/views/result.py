@@ -74,25 +74,29 @@ class Result:
         return answer.answers(self._asked, self.study, beside=self.beside)
 
     @property
+    def _first(self) -> Answer:
+        return answer.headlines(self.answers)[0]
+
+    @property
     def value(self) -> float:
         """The coefficient of static friction to quote first; NaN where there is none."""
-        return self.answers[0].value if self.answers[0].rules else float("nan")
+        return self._first.value if self._first.rules else float("nan")
 
     @property
     def interval(self) -> tuple[float, float]:
         """The ends of its 95 % interval, of everything that is known: inputs, positions and finer waves."""
-        first = self.answers[0]
+        first = self._first
         return (first.lower, first.upper) if first.rules else (float("nan"), float("nan"))
 
     @property
     def of_positions(self) -> tuple[float, float]:
         """The ends of the 95 % interval of the mean over positions alone, at the middle of all inputs."""
-        return self.answers[0].rules[0].positions
+        return self._first.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
         """Between which ends one more test lies with 95 %, in one direction, at one position."""
-        return self.answers[0].rules[0].next_test
+        return self._first.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
@@ -102,7 +106,7 @@ class Result:
         """
         import pandas
 
-        one = self.answers[0]
+        one = self._first
         whole = one.upper - one.lower
         rows = [(left.words, left.lower, left.upper, left.width, 1 - left.width / whole) for left in one.budget]
         return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
@@ -110,17 +114,17 @@ class Result:
     @property
     def verdict(self) -> str:
         """One of "Quote it", "Quote with care" and "Do not quote"."""
-        return self.answers[0].verdict
+        return self._first.verdict
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Why it is to be quoted with care or not at all, and what to do about it."""
-        return self.answers[0].doubts
+        return self._first.doubts
 
     @property
     def sentence(self) -> str:
         """The answer in one sentence, with everything that it depends on."""
-        return self.answers[0].sentence
+        return self._first.sentence
 
     @cached_property
     def _asked(self) -> xarray.Dataset:

@@ -16,7 +16,7 @@ from stiction.mechanics.quantities import ONSET, QUANTITIES
 from stiction.studies.budget import FINER, POSITIONS
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
-from stiction.views.answer import Answer, Doubt, answers, bracket_text, slopes_text
+from stiction.views.answer import ORIGIN, Answer, Doubt, answers, bracket_text, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.views.doubts import OF_ASPERITIES, doubted
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
@@ -135,8 +135,8 @@ def answer_text(
     at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (), most: int | None = None
 ) -> str:
     """What `result_text` has without what lies beside a result."""
-    found = answers(at, study, beside=beside)
-    first = at.isel({name: 0 for name in CELLS if name in at.dims})
+    found = headlines(answers(at, study, beside=beside))
+    first = at.sel({name: found[0].at[name] for name in CELLS if name in at.dims})
     point = next(points(first))
     slopes = slopes_text(found[0], point, study)
     parts = [history_text(at, study)] if verbose else []
@@ -240,7 +240,7 @@ def budget_text(one: Answer) -> str:
     return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}"
 
 
-_MEASURES = {POSITIONS: "press more positions", FINER: "scan more finely"}
+_MEASURES = {ORIGIN: "scan the place twice", POSITIONS: "press more positions", FINER: "scan more finely"}
 """How to get to know what is no input."""
 
 

@@ -18,7 +18,7 @@ from stiction.studies.resolution import resolution_at
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
-from stiction.views.answer import answers
+from stiction.views.answer import Answer, answers, headlines
 from stiction.views.asked import at_asked_loads
 from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
@@ -27,6 +27,7 @@ from stiction.views.figures.ensemble import area_figure, friction_figure, motion
 from stiction.views.figures.loads import cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.figures.surfaces import length_scales_figure, profiles_figure
+from stiction.views.inputs import doubts_of_study
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
 
@@ -186,16 +187,20 @@ def _of_measured(
         yield from _of_profiles(result, study, read)
 
 
+def _headline(result: Any, study: Study) -> Answer:
+    return headlines(answers(at_asked_loads(result), study, beside=doubts_of_study(study)))[0]
+
+
 def _budget(result: Any, study: Study, *, title: str) -> Figure:
     from stiction.views.figures.budget import budget_figure
 
-    return budget_figure(answers(at_asked_loads(result), study)[0], title=title)
+    return budget_figure(_headline(result, study), title=title)
 
 
 def _waiting(result: Any, study: Study, *, title: str) -> Figure:
     from stiction.views.figures.waiting import waiting_figure
 
-    return waiting_figure(answers(at_asked_loads(result), study)[0], title=title)
+    return waiting_figure(_headline(result, study), title=title)
 
 
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
