@@ -580,30 +580,9 @@ def test_many_repetitions_leave_out_their_intervals(monkeypatch, result):
     assert '"hasIntervals": false' in report_page(result)
 
 
-@pytest.mark.parametrize("gap", ["repetition", "approach"])
-def test_nothing_makes_no_page(result, gap):
-    with pytest.raises(ReportError, match=gap):
-        report_page(result.isel({gap: []}))
-
-
-@pytest.mark.parametrize(("name", "bad"), [("tangential_adhesive", np.inf), ("amplitude", np.nan)])
-def test_what_is_not_finite_makes_no_page(result, name, bad):
-    wrong = result.copy(deep=True)
-    if name in wrong.coords:
-        wrong = wrong.assign_coords({name: [bad] * wrong.sizes[name]})
-    else:
-        wrong[name].values[1, 0, 3, 2] = bad
-    with pytest.raises(ReportError, match=name):
-        report_page(wrong)
-
-
-def test_a_part_of_a_result_makes_no_page(result, maps):
-    for data, name in ((result, "crossed_count"), (maps, "tangential_elastic"), (maps, "nominal_area")):
-        with pytest.raises(ReportError, match=name):
-            report_page(data.drop_vars(name))
-    picture = contact_picture(maps)
-    with pytest.raises(ReportError, match="contact_force"):
-        report_page(maps, picture=picture.drop_vars("contact_force"))
+def test_nothing_makes_no_page(result):
+    with pytest.raises(ReportError, match="repetition"):
+        report_page(result.isel(repetition=[]))
 
 
 def test_a_page_is_called_by_its_study_or_its_files(result, maps):

@@ -38,7 +38,7 @@ DRAWN = ("share_beyond_hertz", "share_below_grid")  # figures of validity that h
 def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) -> PageResult:
     """What a page says of a result of generated bodies, called by a name, or by that of its study where this is empty.
 
-    Raises a `ReportError` if it is too large for a page or has no members, or one of its numbers is not finite.
+    Raises a `ReportError` if it is too large for a page or has no members.
     """
     step = study.step
     averages, members = _averages(result, study)
@@ -116,10 +116,8 @@ def _coordinates(averages: xarray.Dataset, result: xarray.Dataset | Stored) -> x
 
 
 def _averages(result: xarray.Dataset | Stored, study: Study) -> tuple[xarray.Dataset, int]:
-    """Means over the members (..., dimension, amplitude, step), finite only if every number is, and their number."""
-    if not isinstance(result, Stored):
-        _check_dataset(result, study)
-    elif not len(result.finished):
+    """Means over the members (..., dimension, amplitude, step), and their number."""
+    if not _count(result):
         raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
     averages, members = means_of_solved(result)
     if not members:
@@ -133,29 +131,7 @@ def _averages(result: xarray.Dataset | Stored, study: Study) -> tuple[xarray.Dat
             f"the result has {values} pairs times {'approaches' if study.step == 'approach' else 'loads'}, more than "
             f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
         )
-    free = study.by_half_space  # of free half-planes no approach is known
-    for name in study.sums():
-        if not (free and name == "approach"):
-            _check_finite(name, averages[name].values)
     return averages, members
-
-
-def _check_dataset(dataset: xarray.Dataset, study: Study) -> None:
-    for name in ("fractal_dimension", "amplitude", "repetition", study.step):
-        if not dataset.sizes.get(name):
-            raise ReportError(f"the result has nothing along {name!r}; a page needs one repetition or more")
-    for name in ("fractal_dimension", "amplitude", study.step, *study.sums()):
-        if name not in dataset.variables:
-            raise ReportError(f"the result has no {name}; a page is made of what `run` returns")
-    for name in ("fractal_dimension", "amplitude", study.step):
-        _check_finite(name, dataset[name].values)
-    if not (np.diff(dataset[study.step].values) > 0).all():
-        raise ReportError(f"the result has a {study.step} that does not rise; a page is made of what `run` returns")
-
-
-def _check_finite(name: str, values: NDArray[Any]) -> None:
-    if not np.isfinite(values).all():
-        raise ReportError(f"the result has a {name} that is not finite; a page needs numbers")
 
 
 def _validity(data: xarray.Dataset) -> dict[str, dict[str, Any]]:

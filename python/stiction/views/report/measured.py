@@ -69,17 +69,10 @@ def page_of_measured(
     """What a page says of a result of measured bodies, called by a name, or by those of its files where this is empty.
 
     A picture is what `contact_picture` returns; `with_picture`, of a result that has the page for itself, that beside a
-    stored result is taken where none is given. Raises a `ReportError` if something that a page needs is not in the
-    result, or it is too large.
+    stored result is taken where none is given. Raises a `ReportError` if the result is too large.
     """
     dataset = result.dataset() if isinstance(result, Stored) else result
     step = study.step
-    for dim in ("cut_off", "repetition", step):
-        if not dataset.sizes.get(dim):
-            raise ReportError(f"the result has nothing along {dim!r}; a page needs one member or more")
-    for scalar in ("nominal_area", "effective_modulus"):
-        if scalar not in dataset.coords or not float(dataset[scalar]) > 0:
-            raise ReportError(f"the result has no {scalar} above 0; a page is made of what `run` returns")
     quantities = _quantities(dataset)
     plain = list(
         dict.fromkeys(["normal_elastic", *(part for each in quantities for part in (each["of"], *each["over"]))])
@@ -235,20 +228,12 @@ FEWEST_WAVES = 16  # rows and columns from which on a map has a spectrum
 
 
 def pictured(picture: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
-    """Facts and packed numbers of a picture as `contact_picture` makes it.
-
-    Raises a `ReportError` if something is not there, or is no number.
-    """
-    try:
-        along_y, along_x = picture["height_y"].values, picture["height_x"].values
-        bodies = [picture[f"{side}_height"].transpose("height_y", "height_x").values for side in ("lower", "upper")]
-        table = np.stack([picture[f"contact_{name}"].values for name in COLUMNS]).astype(np.float64)
-        load, member = float(picture.attrs["load_mN"]), int(picture.attrs["member"])
-        moved = [float(picture.attrs[name]) for name in ("x", "y")]
-    except (KeyError, TypeError, ValueError) as error:
-        raise ReportError(f"the picture is not what `contact_picture` makes: {error}") from None
-    if not all(np.isfinite(each).all() for each in (*bodies, along_y, along_x, table)) or min(bodies[0].shape) < 2:
-        raise ReportError("the picture has heights or contacts that are no numbers")
+    """Facts and packed numbers of a picture as `contact_picture` makes it."""
+    along_y, along_x = picture["height_y"].values, picture["height_x"].values
+    bodies = [picture[f"{side}_height"].transpose("height_y", "height_x").values for side in ("lower", "upper")]
+    table = np.stack([picture[f"contact_{name}"].values for name in COLUMNS]).astype(np.float64)
+    load, member = float(picture.attrs["load_mN"]), int(picture.attrs["member"])
+    moved = [float(picture.attrs[name]) for name in ("x", "y")]
     dy, dx = float(along_y[1] - along_y[0]), float(along_x[1] - along_x[0])
     ranges, packs, spectra = [], {}, []
     for side, body in zip(("lower", "upper"), bodies, strict=True):

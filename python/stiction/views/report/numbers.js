@@ -279,41 +279,25 @@ function edges(centres) {
 /** Value, status and whether it is trusted, and sound by every figure of validity, over (load, dimension): of a quantity,
  * or of the width of the interval of friction. */
 function mapOf(result, quantity, a, loads, mu0, tau0) {
-  const {dimensions, steps} = result.facts;
-  const grid = () => loads.map(() => new Array(dimensions.length).fill(null));
-  const map = {value: grid(), status: grid(), trusted: grid(), isSound: grid()};
+  const {dimensions, validity: figures} = result.facts;
   const isWidth = quantity === "width";
-  const of = isWidth ? "friction" : quantity;
-  dimensions.forEach((_, d) => {
-    const curves = meanCurves(result, d, a, mu0, tau0);
-    const values = curves.of(of);
-    const jack = isWidth ? jackknife(result, d, a, of, mu0, tau0) : null;
-    loads.forEach((load, l) => {
-      const index = crossing(curves.normal, 0, steps.length, load);
-      map.status[l][d] = statusOf(curves, index, load);
-      if (index < 0) return;
-      const fraction = fractionOf(curves.normal, 0, index, load);
-      const value = valueAt(values, 0, index, fraction);
-      map.value[l][d] = value / (of === "friction" ? load : 1);
-      if (isWidth) {
-        const [lower, upper] = interval(jack, value, load);
-        const width = (upper - lower) / (2 * Math.abs(value));
-        map.value[l][d] = Number.isFinite(width) ? width : null;
-      }
-      const validity = validityAt(result, curves, index, fraction);
-      map.trusted[l][d] = isTrusted(result.facts, validity);
-      map.isSound[l][d] = Object.entries(result.facts.validity).every(([name, {limit}]) => !(validity[name] > limit));
-    });
-  });
-  return map;
+  const columns = dimensions.map((_, d) => readOff(result, isWidth ? "friction" : quantity, d, a, loads, mu0, tau0, isWidth));
+  const grid = (of) => loads.map((_, l) => columns.map((column) => (column[l].status === "ok" ? of(column[l]) : null)));
+  const finite = (value) => (Number.isFinite(value) ? value : null);
+  return {
+    status: loads.map((_, l) => columns.map((column) => column[l].status)),
+    value: grid(({value, lower, upper}) => (isWidth ? finite((upper - lower) / (2 * Math.abs(value))) : value)),
+    trusted: grid(({trusted}) => trusted),
+    isSound: grid(({validity}) => Object.entries(figures).every(([name, {limit}]) => !(validity[name] > limit))),
+  };
 }
 
-/** What is known of a quantity at loads: value, interval, status and validity. */
-function readOff(result, quantity, d, a, loads, mu0, tau0) {
+/** What is known of a quantity at loads: value, interval where that is wanted, status and validity. */
+function readOff(result, quantity, d, a, loads, mu0, tau0, hasInterval = true) {
   if (result.facts.reading === "elastic") return loads.map((load) => meanOfMembers(result, quantity, d, a, load, mu0, tau0));
   const curves = meanCurves(result, d, a, mu0, tau0);
   const values = curves.of(quantity);
-  const jack = jackknife(result, d, a, quantity, mu0, tau0);
+  const jack = hasInterval ? jackknife(result, d, a, quantity, mu0, tau0) : null;
   return loads.map((load) => {
     const index = crossing(curves.normal, 0, curves.normal.length, load);
     const status = statusOf(curves, index, load);
