@@ -9,8 +9,7 @@ import typer
 
 from stiction._arguments import quantity_of
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import Json, option, refuse
-from stiction.cli.pair import EffectiveModulus, LowerMaterial, Poisson, UpperMaterial, Young
+from stiction.cli.options import ELASTICITY, MATERIALS, Json, option, refuse, with_options
 from stiction.cli.showing import opened, said_by
 
 _TESTS = 'Tests, a row each: "load (mN)", "force (mN)" or coefficient; uncertainty, pair, run, slid.'
@@ -33,16 +32,13 @@ Output = Annotated[Path | None, option("--output -o NAME", "Keep it for --interf
     "stiction calibrate forces.csv --ball '5 mm' --upper PMMA --lower glass",
     "stiction calibrate --pair ground --load '10 MPa' --measured '0.25±0.01'",
 )
+@with_options(ELASTICITY, MATERIALS)
 def calibrate(
     context: typer.Context,
     forces: Forces = None,
+    *,
     pair: Pairs = None,
     ball: BallRadius = None,
-    effective_modulus: EffectiveModulus = None,
-    young: Young = None,
-    poisson: Poisson = None,
-    upper_material: UpperMaterial = None,
-    lower_material: LowerMaterial = None,
     load: Load = None,
     measured: Measured = None,
     mu0: Mu0 = None,
@@ -52,6 +48,7 @@ def calibrate(
     outliers: Outliers = False,
     output: Output = None,
     as_json: Json = False,
+    **asked: Any,
 ) -> None:
     """Find mu0 and tau0 of an interface from friction tests on surfaces that were pressed, or on a ball.
 
@@ -72,11 +69,11 @@ def calibrate(
     if len(bodies) < len(pair or ()):
         raise ValueError("--pair must be folders of different names: by these the column pair calls them")
     if ball is not None:
-        elasticity = elasticity_of(effective_modulus, young, poisson, upper_material, lower_material)
+        elasticity = elasticity_of(**asked)
         radius = quantity_of("ball", ball, "length")
         bodies["ball"] = Ball(float(radius), elasticity.effective_modulus)
     else:
-        refuse(context, "is for --ball", "effective_modulus", "young", "poisson", "upper_material", "lower_material")
+        refuse(context, "is for --ball", *asked)
     if not bodies:
         raise ValueError("give what was tested: --pair DIR, or --ball RADIUS")
     if forces is not None:

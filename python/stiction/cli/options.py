@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import typer
 
 from stiction._text import named
-from stiction.cli.application import announce
+from stiction.cli.application import Function, announce
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -28,6 +30,59 @@ def option(
     takes = " ".join(flags.split()[len(names) :]) or None
     return typer.Option(*names, metavar=takes, help=means, show_default=usually, rich_help_panel=panel, min=least)
 
+
+def optional(
+    flags: str, means: str, usually: str | bool = True, *, kind: Any = str, panel: str, least: int | None = None
+) -> Any:
+    """The type of an argument that is None unless its option, as of `option`, is given."""
+    return Annotated[kind | None, option(flags, means, usually, panel=panel, least=least)]
+
+
+def with_options(*tables: Mapping[str, Any]) -> Callable[[Function], Function]:
+    """Let a command, behind its positional arguments, take options by their names and types, which `**asked` gets."""
+
+    def added(function: Function) -> Function:
+        signature = inspect.signature(function, eval_str=True)
+        own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
+        place = sum(each.kind is each.POSITIONAL_OR_KEYWORD for each in own)
+        more = [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=_usual(kind))
+            for table in tables
+            for name, kind in table.items()
+        ]
+        function.__signature__ = signature.replace(parameters=[*own[:place], *more, *own[place:]])  # type: ignore[attr-defined]
+        return function
+
+    return added
+
+
+def _usual(kind: Any) -> Any:
+    """Default of an option: a switch is off, what may be None is, and others must be given."""
+    of = get_args(kind)[0]
+    return False if of is bool else None if type(None) in get_args(of) else inspect.Parameter.empty
+
+
+_material = partial(optional, panel="Material")
+
+ELASTICITY = {
+    "effective_modulus": _material("--effective-modulus PRESSURE", 'E*, as in "10 GPa".', False),
+    "young": _material(
+        "--young PRESSURES",
+        'Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".', False,
+    ),
+    "poisson": _material("--poisson NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', False),
+}  # fmt: skip
+"""Elasticity by numbers."""
+
+MATERIALS = {
+    "upper_material": _material(
+        "--upper MATERIAL", "Instead of E*: what the slider is made of, by name, as in steel.", False
+    ),
+    "lower_material": _material(
+        "--lower MATERIAL", "What it is carried over; that of --upper by default.", False
+    ),
+}  # fmt: skip
+"""Materials of both bodies."""
 
 _reading = partial(option, panel="Reading files")
 _output = partial(option, panel="Output")
@@ -59,22 +114,29 @@ Spacing = Annotated[str | None, _spacing]
 Channel = Annotated[str | None, _channel]
 Columns = Annotated[str | None, _columns]
 
-# Of a command that reads two files: given once for both, or for one after the other.
-Units = Annotated[list[str] | None, _unit]
-Spacings = Annotated[list[str] | None, _spacing]
-Channels = Annotated[list[str] | None, _channel]
-ColumnsOfEach = Annotated[list[str] | None, _columns]
 Tip = Annotated[str | None, _tip]
-Tips = Annotated[list[str] | None, _tip]
-MissingPoints = Annotated[str, _reading(
-    "--missing error|mask|interpolate", "Of points without a height: press what is there, or put them on lines."
-)]  # fmt: skip
-Outliers = Annotated[str, _reading(
-    "--outliers keep|mask", "Take single points beyond 6 robust deviations of their neighbours for missing ones."
-)]  # fmt: skip
+_missing = _reading(
+    "--missing error|mask|interpolate",
+    "Of points without a height: press what is there, or put them on lines.",
+    "error",
+)
+_outliers = _reading(
+    "--outliers keep|mask",
+    "Take single points beyond 6 robust deviations of their neighbours for missing ones.",
+    "keep",
+)
+MissingPoints = Annotated[str, _missing]
+Outliers = Annotated[str, _outliers]
 _crop = _reading("--crop X0,X1[,Y0,Y1]", 'What to read of the file: "10 um,60 um", of a map along x and y.', False)
 Crop = Annotated[str | None, _crop]
-Crops = Annotated[list[str] | None, _crop]
+
+FILES = {
+    "unit": Annotated[list[str] | None, _unit], "spacing": Annotated[list[str] | None, _spacing],
+    "missing": Annotated[str | None, _missing], "outliers": Annotated[str | None, _outliers],
+    "crop": Annotated[list[str] | None, _crop], "channel": Annotated[list[str] | None, _channel],
+    "columns": Annotated[list[str] | None, _columns], "tip": Annotated[list[str] | None, _tip],
+}  # fmt: skip
+"""How two files are read, each option given once for both or for one after the other."""
 
 
 def option_of(argument: str) -> str:

@@ -13,152 +13,119 @@ import typer
 
 from stiction.cli.application import command, is_watched, say, tell
 from stiction.cli.options import (
-    Channels,
-    ColumnsOfEach,
-    Crops,
+    ELASTICITY,
+    FILES,
+    MATERIALS,
     Json,
-    MissingPoints,
-    Outliers,
-    Spacings,
-    Tips,
-    Units,
     Verbose,
     announce_reader,
     option,
+    optional,
+    with_options,
 )
 from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
-from stiction.studies.pair import ARGUMENTS, LAW, SEED, SHIFTS, Pair
+from stiction.studies.pair import LAW, SEED, SHIFTS, Pair
 from stiction.studies.store import STUDY, Stored
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:
     from stiction.views.answer import Doubt
 
-_pressed = partial(option, panel="What is pressed")
-_material = partial(option, panel="Material")
-_motion = partial(option, panel="Load and motion")
-_of_lines = partial(option, panel="Only for lines")
-_of_areas = partial(option, panel="Only for areas")
-_output = partial(option, panel="Output")
 UpperFile = Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")]
 LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")]
+_motion = partial(optional, panel="Load and motion")
+_material = partial(optional, panel="Material")
+_pressed = partial(optional, panel="What is pressed")
+_of_lines = partial(optional, panel="Only for lines")
+_of_areas = partial(optional, panel="Only for areas")
+_output = partial(option, panel="Output")
 
-# ---- What is pressed ------------------------------------------------------------------------------------------------
+MOTION = {
+    "load": Annotated[list[str], option(
+        "--load FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.',
+        panel="Load and motion",
+    )],
+    "mu0": _motion("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', False),
+    "tau0": _motion("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa"),
+    "interface": _motion(
+        "--interface NAME|FILE", "Instead of both: as stiction calibrate kept them or interfaces lists them.", False
+    ),
+    "direction": _motion(
+        "--direction DEGREES", 'Of areas, where the upper is about to move, from +x towards +y: "0,90".',
+        "the compass in 30",
+    ),
+}  # fmt: skip
 
-Mechanics = Annotated[str | None, _pressed(
-    "--mechanics half-space|asperities",
-    "The exact elastic answer (of lines: of half-planes), or a fast one.", "half-space of areas, asperities of lines",
-)]  # fmt: skip
-Check = Annotated[bool, _pressed("--check", "Press by the other mechanics as well, into DIR/NAME.")]
-LinesOfMaps = Annotated[
-    int | None,
-    _pressed(
+STRENGTH = {
+    "hardness": _material(
+        "--hardness PRESSURE",
+        "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.", False,
+    ),
+    "wait": _material(
+        "--wait TIMES", 'Under load before it is sheared, "1 min,1 h"; the hardness is that after 1 s.', False
+    ),
+    "creep": _material(
+        "--creep NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": hardness (t/1 s)^-m.', False
+    ),
+    "law": _material("--law hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW),
+    "yield_strength": _material("--yield-strength PRESSURE", "Of the softer body, for jackson-green.", False),
+}  # fmt: skip
+
+PRESSED = {
+    "mechanics": _pressed(
+        "--mechanics half-space|asperities", "The exact elastic answer (of lines: of half-planes), or a fast one.",
+        "half-space of areas, asperities of lines",
+    ),
+    "check": Annotated[
+        bool, option("--check", "Press by the other mechanics as well, into DIR/NAME.", panel="What is pressed")
+    ],
+    "lines": _pressed(
         "--lines N",
         "Press this many pairs of lines of two maps, not their areas; also the number of surrogates of lines.",
-        "128 of surrogates, and of a map and a profile",
-        least=1,
+        "128 of surrogates, and of a map and a profile", kind=int, least=1,
     ),
-]
-Lay = Annotated[str | None, _pressed(
-    "--lay grooves|isotropic",
-    "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.", "lines",
-)]  # fmt: skip
-Surrogates = Annotated[str | None, _pressed(
-    "--surrogates N|none|upper|lower|both",
-    "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
-)]  # fmt: skip
-Seed = Annotated[int | None, _pressed("--seed N", "Where the random phases of surrogates start.", str(SEED), least=0)]
-Level = Annotated[
-    str | None,
-    _pressed(
+    "lay": _pressed(
+        "--lay grooves|isotropic",
+        "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.", "lines",
+    ),
+    "surrogates": _pressed(
+        "--surrogates N|none|upper|lower|both",
+        "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
+    ),
+    "seed": _pressed("--seed N", "Where the random phases of surrogates start.", str(SEED), kind=int, least=0),
+    "level": _pressed(
         "--level TREND",
         "What is taken off each line: mean, line, quadratic or none; off each map: mean, plane or quadratic.",
         "line, plane",
     ),
-]
-CutOff = Annotated[
-    str | None,
-    _pressed(
+    "cutoff": _pressed(
         "--cutoff LENGTHS",
         'Take off waves shorter than this (Gaussian), "0.1 um"; several are pressed each; none vouches for all.',
         "waves that are hardly the surface's, off and on",
     ),
-]
+    "curvature": _pressed(
+        "--curvature convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"
+    ),
+}  # fmt: skip
 
-Curvature = Annotated[
-    str | None,
-    _pressed("--curvature convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"),
-]
+LINES = {
+    "offsets": _of_lines(
+        "--offsets N", "Positions along the lower profile.", "64, or 1 for several lines", kind=int, least=1
+    ),
+    "travel": _of_lines("--travel LENGTH", "The largest offset.", "half the length"),
+    "along": _of_lines("--along x|y", "Direction of the lines of maps.", "x"),
+    "detection": _of_lines("--detection gap-minimum|cell", "How contacts of asperities are found.", "gap-minimum"),
+}  # fmt: skip
 
-OnsetMembers = Annotated[int | None, _pressed(
-    "--onset N",
-    "Members of which it is computed how they begin to slide; 0 for none.", "16, of areas by the half-space 4", least=0,
+AREAS = {
+    "shifts": _of_areas("--shifts N", "Relative positions of maps.", str(SHIFTS), kind=int, least=1),
+    "rotate": _of_areas("--rotate DEGREES", "Turn the upper map in its plane.", False, kind=float),
+}
+
+OnsetMembers = Annotated[int | None, option(
+    "--onset N", "Members of which it is computed how they begin to slide; 0 for none.",
+    "16, of areas by the half-space 4", panel="What is pressed", least=0,
 )]  # fmt: skip
-
-# ---- Material -------------------------------------------------------------------------------------------------------
-
-EffectiveModulus = Annotated[str | None, _material("--effective-modulus PRESSURE", 'E*, as in "10 GPa".', False)]
-Young = Annotated[str | None, _material(
-    "--young PRESSURES",
-    'Instead of E*: Young\'s modulus of both bodies or of one after the other, "200 GPa,70 GPa".', False,
-)]  # fmt: skip
-Poisson = Annotated[str | None, _material("--poisson NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', False)]
-UpperMaterial = Annotated[
-    str | None, _material("--upper MATERIAL", "Instead of E*: what the slider is made of, by name, as in steel.", False)
-]
-LowerMaterial = Annotated[
-    str | None, _material("--lower MATERIAL", "What it is carried over; that of --upper by default.", False)
-]
-Hardness = Annotated[str | None, _material(
-    "--hardness PRESSURE",
-    "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.", False,
-)]  # fmt: skip
-Wait = Annotated[str | None, _material(
-    "--wait TIMES", 'Under load before it is sheared, "1 min,1 h"; the hardness is that after 1 s.', False,
-)]  # fmt: skip
-Creep = Annotated[str | None, _material(
-    "--creep NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": hardness (t/1 s)^-m.', False,
-)]  # fmt: skip
-ContactLaw = Annotated[
-    str | None, _material("--law hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW)
-]
-YieldStrength = Annotated[
-    str | None, _material("--yield-strength PRESSURE", "Of the softer body, for jackson-green.", False)
-]
-
-# ---- Load and motion ------------------------------------------------------------------------------------------------
-
-Mu0 = Annotated[str | None, _motion("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', False)]
-Tau0 = Annotated[str | None, _motion("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa")]
-Strength = Annotated[str | None, _motion(
-    "--interface NAME|FILE", "Instead of both: as stiction calibrate kept them or interfaces lists them.", False
-)]  # fmt: skip
-Loads = Annotated[
-    list[str], _motion("--load FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.')
-]
-Directions = Annotated[str | None, _motion(
-    "--direction DEGREES",
-    'Of areas, where the upper is about to move, from +x towards +y: "0,90".', "the compass in 30",
-)]  # fmt: skip
-
-# ---- Only for lines -------------------------------------------------------------------------------------------------
-
-Offsets = Annotated[
-    int | None, _of_lines("--offsets N", "Positions along the lower profile.", "64, or 1 for several lines", least=1)
-]
-Travel = Annotated[str | None, _of_lines("--travel LENGTH", "The largest offset.", "half the length")]
-LinesAlong = Annotated[str | None, _of_lines("--along x|y", "Direction of the lines of maps.", "x")]
-Detection = Annotated[
-    str | None, _of_lines("--detection gap-minimum|cell", "How contacts of asperities are found.", "gap-minimum")
-]
-
-# ---- Only for areas -------------------------------------------------------------------------------------------------
-
-Shifts = Annotated[int | None, _of_areas("--shifts N", "Relative positions of maps.", str(SHIFTS), least=1)]
-Rotation = Annotated[float | None, _of_areas("--rotate DEGREES", "Turn the upper map in its plane.", False)]
-
-# ---- Output ---------------------------------------------------------------------------------------------------------
-
 Folder = Annotated[Path, _output("--output -o DIR", "Where the results go.")]
 Replace = Annotated[bool, _output("--replace", "Write over the results of another pair.")]
 
@@ -173,49 +140,12 @@ Replace = Annotated[bool, _output("--replace", "Write over the results of anothe
     "    --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
     "stiction run pair --set ensemble.repetitions=200   # more positions",
 )
+@with_options(MOTION, ELASTICITY, MATERIALS, STRENGTH, PRESSED, LINES, AREAS, FILES)
 def pair(
-    context: typer.Context,
     upper: UpperFile,
     lower: LowerFile,
-    load: Loads,
-    mu0: Mu0 = None,
-    tau0: Tau0 = None,
-    interface: Strength = None,
-    direction: Directions = None,
-    effective_modulus: EffectiveModulus = None,
-    young: Young = None,
-    poisson: Poisson = None,
-    upper_material: UpperMaterial = None,
-    lower_material: LowerMaterial = None,
-    hardness: Hardness = None,
-    wait: Wait = None,
-    creep: Creep = None,
-    law: ContactLaw = None,
-    yield_strength: YieldStrength = None,
-    mechanics: Mechanics = None,
-    check: Check = False,
-    lines: LinesOfMaps = None,
-    lay: Lay = None,
-    surrogates: Surrogates = None,
-    seed: Seed = None,
-    level: Level = None,
-    cutoff: CutOff = None,
-    offsets: Offsets = None,
-    travel: Travel = None,
-    along: LinesAlong = None,
-    detection: Detection = None,
-    curvature: Curvature = None,
-    shifts: Shifts = None,
-    rotate: Rotation = None,
+    *,
     onset: OnsetMembers = None,
-    unit: Units = None,
-    spacing: Spacings = None,
-    missing: MissingPoints = "error",
-    outliers: Outliers = "keep",
-    crop: Crops = None,
-    channel: Channels = None,
-    columns: ColumnsOfEach = None,
-    tip: Tips = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,
@@ -223,6 +153,7 @@ def pair(
     replace: Replace = False,
     verbose: Verbose = False,
     as_json: Json = False,
+    **asked: Any,
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, with intervals.
 
@@ -238,11 +169,11 @@ def pair(
     check_folder(output)
     for file in (upper, lower):
         announce_reader(file)
-    asked = Pair(**{name: value for name, value in context.params.items() if name in ARGUMENTS})
-    studies = asked.studies
+    bodies = Pair(upper=upper, lower=lower, **asked)
+    studies = bodies.studies
     about(studies[0])  # refuses what cannot be pressed, before anything is written
-    doubts = doubts_of_inputs(*asked.bodies, studies[0], [float(load) for load in asked.loads])
-    for remark in asked.remarks[0 if verbose else bool(asked.elasticity.source) :]:  # of materials the answer has it
+    doubts = doubts_of_inputs(*bodies.bodies, studies[0], [float(load) for load in bodies.loads])
+    for remark in bodies.remarks[0 if verbose else bool(bodies.elasticity.source) :]:  # of materials the answer has it
         say(remark)
     rests: list[Callable[[], None]] = []
 
@@ -256,7 +187,7 @@ def pair(
     with executor_of(workers, scheduler) as executor:
         results: list[Stored] = []
         if replace or not (output / STUDY).exists():
-            announce_first(asked.first_study, executor)
+            announce_first(bodies.first_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
             result = fill_folder(

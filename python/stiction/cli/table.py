@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from stiction._arguments import listed, load_of, numbers_of, quantities_of, quantity_of
 from stiction.cli.application import command, tell
-from stiction.cli.options import option
+from stiction.cli.options import ELASTICITY, option, with_options
 from stiction.cli.running import Scheduler, Workers
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
@@ -18,7 +18,9 @@ TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
     "stiction table --effective-modulus '10 GPa' --hurst 0.8 --rms '20 nm,50 nm'",
     "stiction table --young '70 GPa' --poisson 0.2 --load '1 MPa,9 MPa' --mu0 0.4",
 )
+@with_options(ELASTICITY)
 def table_command(
+    *,
     hurst: Annotated[str, option("--hurst NUMBERS", "Hurst exponents of the surfaces.")] = ("0.5,0.7,0.9"),
     rms: Annotated[str, option("--rms LENGTHS", "Their root-mean-square heights Sq.")] = ("10 nm,30 nm,100 nm"),
     load: Annotated[
@@ -26,13 +28,6 @@ def table_command(
     ] = "1 MPa,3 MPa,10 MPa,30 MPa,100 MPa",
     mu0: Annotated[str, option("--mu0 NUMBERS", "Molecular friction coefficients.")] = ("0.2,0.4,0.6"),
     tau0: Annotated[str, option("--tau0 PRESSURES", "Adhesive shear strengths.")] = "0 MPa",
-    effective_modulus: Annotated[
-        str | None, option("--effective-modulus PRESSURE", 'E*, as in "10 GPa".', False)
-    ] = None,
-    young: Annotated[
-        str | None, option("--young PRESSURES", "Young's moduli instead, of both or one after the other.")
-    ] = None,
-    poisson: Annotated[str | None, option("--poisson NUMBERS", "Poisson's ratios, with --young.")] = None,
     extent: Annotated[str, option("--extent LENGTH", "Side of the square that is pressed, and its period.")] = "10 um",
     wavelengths: Annotated[
         str, option("--wavelengths SHORTEST,LONGEST", "Cut-off and roll-off of the surfaces.")
@@ -43,6 +38,7 @@ def table_command(
     workers: Workers = None,
     scheduler: Scheduler = None,
     output: Annotated[Path, option("--output -o DIR", "Where the results go.")] = Path("table"),
+    **asked: Any,
 ) -> None:
     """Friction, true area and stiffness of self-affine surfaces for the contact law of another code.
 
@@ -55,7 +51,7 @@ def table_command(
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
-    modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
+    modulus = elasticity_of(**asked).effective_modulus
     shortest, longest = _two_lengths(wavelengths)
     materials: dict[str, Any] = {"mu0": numbers_of("mu0", mu0), "tau0": quantities_of("tau0", tau0, "pressure")}
     study = table_study(

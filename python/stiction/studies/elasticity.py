@@ -26,13 +26,14 @@ class Elasticity:
 
 
 def elasticity_of(
-    modulus: Any = None, young: Any = None, poisson: Any = None, upper: str | None = None, lower: str | None = None
-) -> Elasticity:
+    effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
+    lower_material: str | None = None,
+) -> Elasticity:  # fmt: skip
     """What a modulus, or Young's moduli and Poisson's ratios, or materials say, of which one is needed.
 
-    The arguments are called effective_modulus, young, poisson, upper_material and lower_material in errors. Raises a
-    `ValueError` if none or several of these are given, or a value is none.
+    Raises a `ValueError` if none or several of these are given, or a value is none.
     """
+    modulus, upper, lower = effective_modulus, upper_material, lower_material
     named = "{upper_material} and {lower_material}"
     ways = {"{effective_modulus}": modulus, "{young}": young, named: upper or lower}
     chosen = [way for way, value in ways.items() if value is not None]
