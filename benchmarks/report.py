@@ -89,13 +89,13 @@ def rows() -> list[tuple[str, str]]:
         difference = largest_difference(driver, dataset)
         assert difference < 1e-6, difference
         driver.execute_script(WATCH)
-        of_mu0, *others = (steps(driver, name) for name in ("mu0", "tau0", "dimension", "load", "approach"))
+        of_mu0, *others = (steps(driver, name) for name in ("mu0", "tau0", "dimension", "load"))
         screenshot(driver, HERE.parent / "docs/images/report.png")
         size = page.stat().st_size
     return [
         ("size of the page, of 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
         ("to make it, and to open it", f"{made:.1f} s, {opened:.1f} s"),
         ("a step of the slider of mu0, until what is in view is drawn, median", f"{of_mu0:.0f} ms"),
-        ("of tau0, fractal dimension, load, approach", ", ".join(f"{each:.0f}" for each in others) + " ms"),
+        ("of tau0, fractal dimension, load", ", ".join(f"{each:.0f}" for each in others) + " ms"),
         (f"largest difference to the library, values and intervals at {POINTS} random points", f"{difference:.0e}"),
     ]  # fmt: skip

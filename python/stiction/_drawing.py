@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 HEIGHT_MAP = "cividis"
 _FINE = 0.5  # heights (µm) below which they are drawn in nm
-_BAR = 0.3  # about how much of the width the bar of the scale takes at most
+_BAR = 0.25  # about how much of the width the bar of the scale takes at most
 
 
 PRESSURE_MAP = "inferno"
@@ -62,25 +62,27 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     top = float(density.max())
     ax.set_ylim(max(float(mean[seen].min()) / 3, 1e-16 * top), 3 * top)
     ax.set_xlabel("wave number q (1/µm)")
-    plain_ticks(ax.xaxis, float(middle[0]), float(middle[-1]))
+    few_ticks(ax)
     ax.set_ylabel("power spectral density C1D (µm³)")
     above = ax.secondary_xaxis("top", functions=(_wavelength, _wavelength))
     above.set_xlabel("wavelength (µm)")
     return ax
 
 
-def scale_bar(ax: Axes, width: float, height: float) -> None:
-    """A bar of a round length in the lower right corner of a map that begins at (0, 0) and is so large (µm)."""
+def scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
+    """A bar of a round length in the lower right corner of a map with these ends: left, right, bottom, top (µm)."""
     from matplotlib.patheffects import withStroke
 
-    wanted = _BAR * width
+    left, right, bottom, top = box
+    wanted = _BAR * (right - left)
     power = 10.0 ** math.floor(math.log10(wanted))
     length = max(factor * power for factor in (1, 2, 5) if factor * power <= wanted)
-    x, y = 0.95 * width - length, 0.06 * height
-    halo = [withStroke(linewidth=3, foreground="black")]
-    ax.plot([x, x + length], [y, y], color="white", linewidth=2, path_effects=halo, solid_capstyle="butt")
+    x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
+    halo = [withStroke(linewidth=2.5, foreground="black")]
+    ax.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=halo, solid_capstyle="butt")
     shown = f"{length:g} µm" if length >= 1 else f"{1000 * length:g} nm"
-    ax.text(x + length / 2, y + 0.02 * height, shown, color="white", path_effects=halo, ha="center", va="bottom")
+    style |= {"color": "white", "path_effects": halo, "ha": "center", "va": "bottom"}
+    ax.text(x + length / 2, y + 0.015 * (top - bottom), shown, **style)
 
 
 def box_of(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
@@ -100,14 +102,22 @@ def colour_bar(ax: Axes, image: Any, text: str) -> None:
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
 
 
-def plain_ticks(axis: Any, low: float, high: float) -> None:
-    """Give a logarithmic axis of less than two decades plain numbers."""
+def few_ticks(axes: Axes) -> None:
+    """Give logarithmic scales plain numbers over two decades or less, and powers of ten alone over more than three."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-    if high < 100 * low:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 10 * low else (1.0, 3.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(NullLocator())
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() != "log":
+            continue
+        low, high = axis.get_view_interval()
+        if high > 1e3 * low:
+            axis.set_major_locator(LogLocator(numticks=8))
+            axis.set_minor_locator(NullLocator())
+        elif low >= 1e-4 and high <= 1e5:
+            subs = (1.0,) if high > 100 * low else (1.0, 3.0) if high > 20 * low else (1.0, 2.0, 5.0)
+            axis.set_major_locator(LogLocator(subs=subs))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_locator(NullLocator())
 
 
 # ---- Contact ---------------------------------------------------------------------------------------------------------
@@ -117,10 +127,9 @@ def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
     """True area (µm²) against the load (mN)."""
     if not ((load > 0) & (area > 0)).any():
         raise ValueError("nothing touches, so there is nothing to draw")
-    _over_load(ax, load)
-    ax.set_yscale("log")
+    ax.set(xscale="log", yscale="log", xlabel="normal load (mN)")
     ax.plot(load, area, color="#009e73", marker="o", markersize=3)
-    plain_ticks(ax.yaxis, float(area[area > 0].min()), float(area.max()))
+    few_ticks(ax)
     ax.set_ylabel("true contact area (µm²)")
     return ax
 
@@ -131,23 +140,17 @@ def draw_friction(
     """Friction coefficients against the load (mN), a line for each material (tau0 in GPa) and direction (degrees)."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
-    _over_load(ax, load)
+    ax.set(xscale="log", xlabel="normal load (mN)")
     axes = [*_of_material(mu0, tau0), *_of_directions(direction)]
     names = [", ".join(filter(None, each)) for each in product(*axes)]
     lines = np.reshape(coefficient, (-1, load.size))
     for name, line in zip(names, lines, strict=True):
         ax.plot(load, line, marker="o", markersize=3, label=name)
     ax.set_ylabel("coefficient of static friction")
+    few_ticks(ax)
     if 1 < len(lines) <= MOST_LINES:
         ax.legend(frameon=False, fontsize="small")
     return ax
-
-
-def _over_load(ax: Axes, load: Floats) -> None:
-    ax.set_xscale("log")
-    if (known := load[load > 0]).size:
-        plain_ticks(ax.xaxis, float(known.min()), float(known.max()))
-    ax.set_xlabel("normal load (mN)")
 
 
 def _of_material(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
@@ -175,7 +178,7 @@ def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[flo
     colour_bar(ax, image, "pressure (GPa)")
     ax.set_xticks([])
     ax.set_yticks([])
-    scale_bar(ax, box[1], box[3])
+    scale_bar(ax, box)
     return ax
 
 

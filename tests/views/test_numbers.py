@@ -7,17 +7,7 @@ import pytest
 from measured_results import lines_result, maps_result
 from scipy.special import stdtrit
 from small import SMALL
-from stiction import (
-    Study,
-    area_map,
-    contacts,
-    friction_map,
-    gentle_friction,
-    random_phases,
-    run,
-    stiffness_map,
-    weierstrass_mandelbrot,
-)
+from stiction import Study, area_map, friction_map, gentle_friction, run, stiffness_map
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load
 from stiction.studies.result import empty_dataset
@@ -27,7 +17,6 @@ from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.inputs import doubts_of_study
 from stiction.views.point import rules_of
 from stiction.views.report import report_page
-from stiction.views.report.example import MOST_CONTACTS, WINDOW
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
@@ -35,7 +24,6 @@ from page_numbers import PageNumbers
 
 AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
 MEASURED = 1e-9  # of measured bodies the page keeps every bit
-SHAPES = 2e-4  # the page keeps 1e-4 of what is only drawn
 READ_OFF = {"ok", "no-contact", "self-locked", "not-reached", "below-range"}
 
 
@@ -377,35 +365,6 @@ def test_quantiles_of_student(numbers):
     freedom = np.concatenate([np.linspace(1, 12, 50), np.geomspace(13, 1e5, 30)])
     found = numbers("(list) => list.map((freedom) => studentQuantile(0.975, freedom))", freedom.tolist())
     assert found == pytest.approx(stdtrit(freedom, 0.975), rel=1e-10)
-
-
-def test_contacts_in_the_window_are_those_of_the_whole_profiles(numbers, result):
-    pair = 2
-    surfaces, approaches = study_of(result).surfaces, result["approach"].values
-    d, a, k = 1, 1, 7
-    upper, lower = (
-        weierstrass_mandelbrot(
-            random_phases(SMALL.ensemble.seed, side=side, repetition=pair), surfaces.fractal_dimensions()[d],
-            extent=float(surfaces.extent), points=surfaces.points,
-        ).with_amplitude(surfaces.amplitudes()[a])
-        for side in ("upper", "lower")
-    )  # fmt: skip
-    example = numbers(
-        "(at) => exampleAt(facts, profiles, contacts, at)",
-        {"pair": pair, "dimension": d, "amplitude": a, "step": k, "shear": 1},
-    )
-    found = [[example["x"][0] + each["x"], *(each[name] for name in ("normal", "force", "opposes"))]
-             for each in example["contacts"]]  # fmt: skip
-    whole = contacts(upper, lower, approaches[k])
-    first = round(example["x"][0] / lower.spacing)
-    inside = (whole.index >= first) & (whole.index < first + WINDOW)
-    expected = np.stack([whole.centre[:, 0], whole.normal[:, 0], whole.force, whole.opposing], axis=1)[inside]
-    assert 1 < len(expected) < MOST_CONTACTS
-    assert example["leftOut"] == 0
-    assert np.array(found, float) == pytest.approx(expected, rel=SHAPES, abs=1e-4 * lower.spacing)
-    heights = 1000 * lower.heights[first : first + WINDOW]
-    drawn = np.array(example["lower"])
-    assert drawn - drawn[0] == pytest.approx(heights - heights[0], abs=SHAPES * np.abs(drawn).max())
 
 
 @pytest.mark.parametrize("value", [0.0, 5e-4, 0.1147, 0.99951, 17.251, 1234.0])

@@ -55,7 +55,7 @@ def pages(small_result, profile, surface, tmp_path_factory):
 
 
 KINDS = {
-    "study": {"map-0", "over", "friction", "area", "stiffness", "profiles"},
+    "study": {"map-0", "over", "friction", "area", "stiffness"},
     "maps": {"friction", "area", "stiffness", "contacts", "positions", "spectra"},
     "lines": {"friction", "area", "stiffness", "positions"},
     "profile": {"heights", "spectrum", "distribution"},

@@ -324,7 +324,6 @@ def test_other_quantities_amplitudes_loads_and_colours_are_picked(opened):
     assert len(set(seen)) == 4  # the last is the first
     Select(by_id(opened, "amplitude")).select_by_visible_text("100 nm")
     assert drawn() not in seen
-    assert "100 nm" in by_id(opened, "profiles-caption").text
     enter(opened, "load-high", 0.01)
     assert opened.execute_script("return loads.at(-1)") == 0.01
     enter(opened, "colour-high", 2)
@@ -351,18 +350,6 @@ def test_two_results_are_side_by_side(driver, result, tmp_path):
         assert found == pytest.approx(float(wanted["friction_coefficient"].squeeze()), rel=AGREEMENT)
     assert len(driver.find_elements("css selector", "#maps .plot svg")) == 2
     assert no_complaints(driver)
-
-
-@in_browser
-def test_profiles_come_nearer_with_the_approach(opened):
-    from selenium.webdriver.common.keys import Keys
-
-    heights = []
-    for key in (Keys.HOME, Keys.END):
-        press_keys(opened, "approach", key)
-        heights.append(np.array(opened.execute_script("return document.getElementById('profiles').drawn.upper")))
-    approaches = SMALL.contact.approaches()
-    assert heights[0] - heights[1] == pytest.approx(1000 * (approaches[-1] - approaches[0]))
 
 
 @in_browser

@@ -16,7 +16,6 @@ from stiction._shown import write_png
 from stiction.mechanics.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
@@ -61,8 +60,6 @@ AXES = {"x": "#0072b2", "y": "#d55e00"}  # of what is measured along an axis of 
 LOCKED = "#7a0019"  # where contacts lock themselves
 FRICTION_MAP = "plasma"
 """Colour map of friction coefficients; viridis is of fractal dimensions, cividis of heights, inferno of pressures."""
-HEIGHT_MAP = "cividis"
-PRESSURE_MAP = "inferno"
 SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: light first, dark last
 
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}
@@ -142,24 +139,6 @@ def spread_out(places: ArrayLike, least: float) -> Floats:
 def evenly_spread(count: int, most: int) -> NDArray[np.intp]:
     """At most so many indices out of `count`, evenly spread, both ends included."""
     return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))
-
-
-def few_ticks(axes: Axes) -> None:
-    """Give logarithmic scales plain numbers over two decades or less, and powers of ten alone over more than three."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
-    for axis in (axes.xaxis, axes.yaxis):
-        if axis.get_scale() != "log":
-            continue
-        low, high = axis.get_view_interval()
-        if high > 1e3 * low:
-            axis.set_major_locator(LogLocator(numticks=8))
-            axis.set_minor_locator(NullLocator())
-        elif low >= 1e-4 and high <= 1e5:
-            subs = (1.0,) if high > 100 * low else (1.0, 3.0) if high > 20 * low else (1.0, 2.0, 5.0)
-            axis.set_major_locator(LogLocator(subs=subs))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_locator(NullLocator())
 
 
 # ---- The file --------------------------------------------------------------------------------------------------------

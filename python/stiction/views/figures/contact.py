@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._drawing import PRESSURE_MAP, scale_bar
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.surfaces.profile import Profile
 from stiction.views.digits import with_unit
@@ -18,7 +19,6 @@ from stiction.views.style import (
     LOWER,
     MILLIMETRE,
     OPPOSING,
-    PRESSURE_MAP,
     STYLE,
     UPPER,
     WIDTH,
@@ -175,7 +175,6 @@ def _forces(
 
 
 _LARGEST = 60.0  # area (square points) of the mark of the contact that carries most
-BAR_FRACTION = 0.25  # about how much of the width the bar of the scale takes
 
 
 def contacts_figure(
@@ -215,7 +214,7 @@ def contacts_figure(
             title, f"{force.size} contacts at {with_unit(float(picture.attrs['load_mN']), 'mN')}", moved,
         ) if line), loc="left", fontsize=6, pad=3,
     )  # fmt: skip
-    scale_bar(axes, box_of(picture, "height"))
+    scale_bar(axes, box_of(picture, "height"), fontsize=6)
     if has_pressure:
         _pressure_panel(figure, drawn[1], picture, hardness)
         left, right, bottom, top = box_of(picture, "zoom")
@@ -247,22 +246,6 @@ def box_of(picture: xarray.Dataset, what: str) -> tuple[float, float, float, flo
         values = picture[f"{what}_{axis}"].values
         ends += [float(values[0]), float(2 * values[-1] - values[-2])]
     return ends[0], ends[1], ends[2], ends[3]
-
-
-def scale_bar(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """A bar of a round length in the lower right corner."""
-    from matplotlib.patheffects import withStroke
-
-    left, right, bottom, top = box
-    wanted = BAR_FRACTION * (right - left)
-    power = 10.0 ** np.floor(np.log10(wanted))
-    length = max(factor * power for factor in (1, 2, 5) if factor * power <= wanted)
-    x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
-    halo = [withStroke(linewidth=2.5, foreground="black")]
-    axes.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=halo, solid_capstyle="butt")
-    above = y + 0.015 * (top - bottom)
-    name = axes.text(x + length / 2, above, f"{length:g} µm", color="white", fontsize=6, path_effects=halo)
-    name.set(horizontalalignment="center", verticalalignment="bottom")
 
 
 def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:

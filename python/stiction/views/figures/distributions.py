@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction._drawing import few_ticks
 from stiction.views.digits import with_unit
 from stiction.views.style import (
     MILLIMETRE,
@@ -14,7 +15,6 @@ from stiction.views.style import (
     RULES,
     WIDTH,
     dimension_colours,
-    few_ticks,
     friction_parameters_text,
     label,
 )

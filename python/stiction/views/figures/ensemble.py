@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._drawing import few_ticks
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.at_load import means, reached_loads
 from stiction.studies.maps import area_map, friction_map
@@ -24,7 +25,6 @@ from stiction.views.style import (
     dimension_colours,
     direction_text,
     evenly_spread,
-    few_ticks,
     friction_parameters_text,
     label,
     spread_out,

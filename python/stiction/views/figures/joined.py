@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._drawing import few_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.spectral_resolution import KAPPA
-from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, MILLIMETRE, OPPOSING, STYLE, few_ticks
+from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, MILLIMETRE, OPPOSING, STYLE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

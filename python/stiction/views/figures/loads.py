@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._drawing import few_ticks
 from stiction.views.style import (
     AREA,
     MILLIMETRE,
@@ -15,7 +16,6 @@ from stiction.views.style import (
     RULES,
     WIDTH,
     direction_text,
-    few_ticks,
     friction_parameters_text,
     label,
 )

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._drawing import scale_bar
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.study import study_of
 from stiction.views.digits import with_unit
-from stiction.views.figures.contact import box_of, draw_heights, scale_bar
+from stiction.views.figures.contact import box_of, draw_heights
 from stiction.views.figures.ensemble import FRACTION_LIMIT, HEADLINE, dimension_axis, head, headlines, letter
 from stiction.views.onset import AMPLITUDES
 from stiction.views.style import (
@@ -140,7 +141,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     levels = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
     whole = box_of(onset, "slip")
     draw_heights(figure, drawn[0], onset["lower_height"].values, whole)
-    scale_bar(drawn[0], whole)
+    scale_bar(drawn[0], whole, fontsize=6)
     if of_points:
         _points(drawn[0], onset["slip"].values, whole, levels)
         _closer(drawn[1], onset, levels)

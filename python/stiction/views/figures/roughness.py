@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._drawing import HEIGHT_MAP
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import PowerSpectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, characterisation_of, length_text
-from stiction.views.style import AXES, FULL_WIDTH, HEIGHT_MAP, MILLIMETRE, STYLE, WIDTH
+from stiction.views.style import AXES, FULL_WIDTH, MILLIMETRE, STYLE, WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from stiction._drawing import HEIGHT_MAP
 from stiction.studies.members import ProfileGenerator, pair_of
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
-from stiction.views.style import HEIGHT_MAP, MILLIMETRE, WIDTH, evenly_spread, label
+from stiction.views.style import MILLIMETRE, WIDTH, evenly_spread, label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

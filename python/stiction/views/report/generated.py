@@ -16,9 +16,8 @@ from stiction.views.digits import with_unit
 from stiction.views.doubts import checks_of_ensemble
 from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.point import rules_of
-from stiction.views.report.example import Example
-from stiction.views.report.onset import dimension_panel
 from stiction.views.report.page import BYTES, CELLS, PageResult, ReportError, counted, motions_of, packed, way
+from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.sums import PAGE_RATIOS, means_of_solved, sums_of_ensemble
 
 if TYPE_CHECKING:
@@ -48,29 +47,29 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
     has_intervals = members > 1 and values * PER_MEMBER <= MOST_SUMS
     found = sums_of_ensemble(result, list(_CELLS), step, motions, has_sums=has_intervals)
     numbers = {"means": packed(found.means, BYTES["means"]), "sums": packed(found.sums, BYTES["sums"])}
-    example = None
-    if not (study.is_areal or study.by_half_space):
-        example = Example.of(_coordinates(averages, result), study)
-        numbers["profiles"] = packed(example.profiles, BYTES["profiles"])
-        numbers["contacts"] = packed(example.contacts, BYTES["contacts"])
     facts = found.facts | _facts_of(averages, study, result)
     facts |= {
         "name": name or _name_of(study), "hasIntervals": has_intervals, "repetitions": members,
         "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
-        "example": None if example is None else example.facts,
     }  # fmt: skip
     version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
-        version=str(version), there=_count(result), pictures=_pictures(result, study, facts),
+        version=str(version), there=_count(result), pictures=_pictures(result, study, averages),
     )  # fmt: skip
 
 
-def _pictures(result: xarray.Dataset | Stored, study: Study, facts: dict[str, Any]) -> str:
-    """How pairs begin to slide, where the study asks for it and something touches."""
-    if not facts["loads"] or not set(ONSET) & set(study.sums()):
+def _pictures(result: xarray.Dataset | Stored, study: Study, averages: xarray.Dataset) -> str:
+    """Two of the profiles in contact, and how pairs begin to slide if the study asks for it."""
+    if not (touching := averages["contact_count"].values.any(axis=(0, 1))).any():
         return ""
-    return dimension_panel(result.dataset() if isinstance(result, Stored) else result)
+    panels = []
+    if not (study.is_areal or study.by_half_space):
+        steps = averages["approach"].values[touching]
+        panels.append(profiles_panel(study, float(steps[steps.size // 2])))
+    if set(ONSET) & set(study.sums()):
+        panels.append(dimension_panel(result.dataset() if isinstance(result, Stored) else result))
+    return "".join(panels)
 
 
 _CELLS = ("fractal_dimension", "amplitude")
@@ -107,12 +106,6 @@ def _facts_of(averages: xarray.Dataset, study: Study, result: xarray.Dataset | S
 def _count(result: xarray.Dataset | Stored) -> int:
     """Members of a result that are there."""
     return len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
-
-
-def _coordinates(averages: xarray.Dataset, result: xarray.Dataset | Stored) -> xarray.Dataset:
-    """The coordinates of a result, its members included."""
-    members = result.finished if isinstance(result, Stored) else result["repetition"].values
-    return averages.coords.to_dataset().assign_coords(repetition=np.asarray(members))
 
 
 def _averages(result: xarray.Dataset | Stored, study: Study) -> tuple[xarray.Dataset, int]:

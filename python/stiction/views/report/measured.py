@@ -28,7 +28,6 @@ from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import over_text
 from stiction.views.point import points as points_of
-from stiction.views.report.onset import onset_panels
 from stiction.views.report.page import (
     CELLS,
     MOST_TEXT,
@@ -42,6 +41,7 @@ from stiction.views.report.page import (
     packed,
     way,
 )
+from stiction.views.report.pictures import onset_panels
 from stiction.views.report.sums import PAGE_RATIOS, sums_of_members
 from stiction.views.resolution import waves_text
 from stiction.views.text import budget_text, waited_text
@@ -118,7 +118,7 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
         "modulus": float(dataset["effective_modulus"]), "area": float(dataset["nominal_area"]),
         "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
-        "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset), "example": None, "picture": None,
+        "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset), "picture": None,
         "spectra": None,
     }  # fmt: skip
 

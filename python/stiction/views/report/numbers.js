@@ -571,46 +571,6 @@ function slopesAlone({facts, members}, d, directions, sliding, mu0, tau0) {
     {gradient: mean(gradient[d]), slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus, kappa}, sliding), 0) / directions.length;
 }
 
-// ---- Example profiles ----------------------------------------------------------------------------------------------
-
-/** Position in a list of indices of the one that is nearest to an index. */
-function nearest(indices, index) {
-  const distances = indices.map((each) => Math.abs(each - index));
-  return distances.indexOf(Math.min(...distances));
-}
-
-/** The contacts drawn of an example, from their packed rows, and how many are left out. */
-function exampleContactsOf({amplitudes, approaches, counts, leftOut}, packed, e, a, k, shear) {
-  const at = (e * amplitudes.length + a) * approaches.length + k;
-  const total = packed.length / 4;
-  const first = counts.slice(0, at).reduce((sum, count) => sum + count, 0);
-  const contacts = Array.from({length: counts[at]}, (_, i) => {
-    const [x, z, normal, force] = [0, 1, 2, 3].map((row) => packed[row * total + first + i]);
-    return {x, z, normal, force, opposes: shear * normal < 0};
-  });
-  return {contacts, leftOut: leftOut[at]};
-}
-
-/** A pair near to a dimension, amplitude and approach: x in µm, heights and approach in nm, and contacts. The upper body
- * moves to the right where shear is 1, to the left where it is -1. */
-function exampleAt(facts, profiles, contacts, {pair, dimension, amplitude, step, shear}) {
-  const {dimensions, amplitudes, approaches, starts, spacing, points} = facts.example;
-  const [d, a] = [nearest(dimensions, dimension), nearest(amplitudes, amplitude)];
-  const e = pair * dimensions.length + d;
-  const approach = 1000 * facts.steps[approaches[step]];
-  const factor = (1000 * facts.amplitudes[amplitudes[a]]) / facts.amplitudes[amplitudes[0]];
-  const body = (side) => {
-    const first = (2 * e + side) * points;
-    return Array.from(profiles.subarray(first, first + points), (z) => factor * z);
-  };
-  return {
-    dimension: dimensions[d], amplitude: amplitudes[a], approach,
-    x: Array.from({length: points}, (_, i) => starts[e] + i * spacing),
-    lower: body(0), upper: body(1).map((z) => z - approach),
-    ...exampleContactsOf(facts.example, contacts, e, a, step, shear),
-  };
-}
-
 // ---- Numbers as text ------------------------------------------------------------------------------------------------
 
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";

@@ -1,13 +1,18 @@
-"""How pairs begin to slide, as a page shows it: a curve and a map of what slips first, or over fractal dimension."""
+"""Pictures of a page that do not move: two profiles in contact, and how pairs begin to slide."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 
 from stiction._shown import picture_of
+from stiction.studies.contact_tables import Asperities
+from stiction.studies.members import pairs_of
+from stiction.studies.study import Study
+from stiction.views.digits import with_unit
+from stiction.views.figures.contact import contact_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.style import STYLE
 
@@ -33,7 +38,24 @@ _OVER_DIMENSION = (
     "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load they "
     "carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
 )
+_PROFILES = (
+    "Two of the profiles in contact",
+    "Two profiles, and the contact that carries most with the forces on the upper body.",
+    "The first pair, at a fractal dimension and an approach in the middle of those of the study.",
+)
 """Title, what is seen, and caption."""
+
+
+def profiles_panel(study: Study, approach: float) -> str:
+    """A panel of a pair of generated profiles at an approach (µm), as markup."""
+    cells, contact = study.surfaces.cells(), study.contact
+    dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
+    middle = dimensions[dimensions.size // 2 :][:1]
+    upper, lower = next(iter(pairs_of(study, 0, middle, amplitude)))
+    assert isinstance(contact, Asperities)
+    more: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
+    more |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
+    return _panel(_PROFILES, lambda: contact_figure(upper, lower, approach, **more))
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:

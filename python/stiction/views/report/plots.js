@@ -455,48 +455,6 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScat
   return [low, high];
 }
 
-// ---- Example profiles ----------------------------------------------------------------------------------------------
-
-/** The bodies and contacts of `exampleAt`; returns how many times heights are drawn larger than lengths. */
-function drawExample(place, shear, spacing, {x, lower, upper, approach, contacts}) {
-  const bottom = Math.min(...lower, ...upper);
-  const top = Math.max(...upper) + approach;
-  const pad = 0.06 * (top - bottom || 1);
-  const {X, Y, box, frame, inside, unit} = axes(place,
-    {low: x[0], high: Math.max(x.at(-1), x[0] + spacing), title: "position _x_ (µm)"},
-    {low: bottom - pad, high: top + pad, title: "height (nm)"});
-  const line = (heights) => path(heights.map((z, i) => [X(x[i]), Y(z)]));
-  for (const [heights, end, colour] of [[lower, box.bottom, "var(--lower)"], [upper, box.top, "var(--upper)"]])
-    inside.append(shape("path", {d: `${line(heights)}V${end}H${box.left}z`, style: `fill: ${colour}; fill-opacity: 0.25`}),
-      shape("path", {d: line(heights), style: `fill: none; stroke: ${colour}`}));
-  const perPixel = [(X.value(box.right) - x[0]) / frame.width, (top - bottom + 2 * pad) / frame.height]; // µm and nm
-  const strongest = Math.max(...contacts.map((contact) => contact.force));
-  for (const {x: cx, z, normal, force, opposes} of contacts) {
-    const length = (0.9 + 2.9 * Math.sqrt(force / strongest)) * unit; // in the direction that the force has in truth
-    const [fromX, fromY] = [X(x[0] + cx), Y(1000 * z)];
-    const [dx, dy] = [normal, -Math.sqrt(1 - normal ** 2)];
-    const [toX, toY] = [fromX + length * dx, fromY + length * dy];
-    const colour = opposes ? "var(--opposing)" : "var(--accent)";
-    const head = [[-0.6 * dx - 0.35 * dy, -0.6 * dy + 0.35 * dx], [-0.6 * dx + 0.35 * dy, -0.6 * dy - 0.35 * dx]]
-      .map(([px, py]) => [toX + unit * px, toY + unit * py]);
-    const r = 0.32 * unit;
-    const words = `${shown(force, 3)} mN, slope ${shown((Math.asin(-shear * normal) * 180) / Math.PI, 3)}°`;
-    inside.append(shape("g", {style: `fill: ${colour}; stroke: ${colour}; stroke-width: 2px`},
-      shape("title", {}, words),
-      shape("path", {d: path([[fromX, fromY], [toX, toY]])}),
-      shape("path", {d: `${path([[toX, toY], ...head])}z`, "stroke-width": 0.5}),
-      opposes
-        ? shape("path", {d: `M${fromX - 1.2 * r} ${fromY}l${1.2 * r} ${-1.2 * r}l${1.2 * r} ${1.2 * r}l${-1.2 * r} ${1.2 * r}z`,
-          style: "stroke: var(--paper)"})
-        : shape("circle", {cx: fromX, cy: fromY, r, style: "stroke: var(--paper)"})));
-  }
-  const label = (words, y, colour) => inside.append(shape("text", {x: box.left + 0.6 * unit, y,
-    style: `fill: ${colour}; paint-order: stroke; stroke: var(--paper); stroke-width: 4px; font-weight: 600`}, words));
-  label(`upper body, about to move ${shear > 0 ? "right →" : "left ←"}`, box.top + 1.2 * unit, "var(--upper)");
-  label("lower body", box.bottom - 0.6 * unit, "var(--lower)");
-  return perPixel[0] / (perPixel[1] / 1000);
-}
-
 // ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
 /** A smooth closed path through points (Catmull-Rom), so that no corner looks like data. */

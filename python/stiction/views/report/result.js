@@ -16,8 +16,6 @@ const state = {
   dimension: isMeasured ? 0 : Math.floor(first.dimensions.length / 2),
   load: 0,
   side: 0,
-  pair: 0,
-  approach: 0,
   range: null,
   quantity: "friction",
   colours: [0.1, 1],
@@ -379,38 +377,6 @@ function showSpectra() {
     {title: "density (µm⁴)", isLog: true, said: ({x, value}, name) => `${shown(value, 3)} µm⁴ at wavelength ${withUnit((2 * Math.PI) / x, "um")}, ${name}`});
 }
 
-// ---- Example profiles -----------------------------------------------------------------------------------------------
-
-const shear = () => (Math.cos((first.directions[first.ways[state.way].directions[0]] * Math.PI) / 180) > 0 ? 1 : -1);
-
-function showExample() {
-  const {facts: own, profiles, contacts} = results[0];
-  const seen = exampleAt(own, profiles, contacts,
-    {pair: state.pair, dimension: state.dimension, amplitude: state.amplitude, step: state.approach, shear: shear()});
-  const exaggeration = drawExample(byId("profiles"), shear(), own.example.spacing, seen);
-  byId("profiles").drawn = seen;
-  byId("profiles-caption").textContent = exampleCaption(seen, exaggeration);
-}
-
-function exampleCaption({dimension, amplitude, x, contacts, leftOut}, exaggeration) {
-  const words = [
-    `Pair ${state.pair + 1} at ${dimensionName(first.dimensions[dimension])}, amplitude ${lengthName(first.amplitudes[amplitude])}:`,
-    `${x.length} points of it around where the two first touch. Vertical exaggeration: ${shown(exaggeration, 2)}.`,
-  ];
-  const opposing = contacts.filter((contact) => contact.opposes).length;
-  const count = contacts.length + leftOut;
-  if (count) {
-    const strongest = Math.max(...contacts.map((contact) => contact.force));
-    words.push(
-      `${counted(count, "contact")} here at this approach; diamonds are on slopes that oppose`,
-      `the motion (${opposing}), circles are not (${contacts.length - opposing}). Arrows: the normal force on the upper`,
-      `body, in its true direction; lengths go with its square root, and the strongest is ${withUnit(strongest, "mN")}.`,
-    );
-  } else words.push("No contacts here at this approach.");
-  if (leftOut) words.push(`The ${leftOut} weakest are not drawn.`);
-  return words.join(" ");
-}
-
 // ---- Tables ---------------------------------------------------------------------------------------------------------
 
 const material = () => [state.mu0, state.tau0];
@@ -427,11 +393,6 @@ function mapRows(r) {
   return [["fractal dimension", "load (mN)", state.quantity, "status", "within validity", "mu0", "tau0 (MPa)"],
     ...loads.flatMap((load, l) => dimensions.map((dimension, d) => [dimension, load, maps[r].value[l][d] ?? NaN,
       maps[r].status[l][d], maps[r].trusted[l][d] ?? "", ...material()]))];
-}
-
-function exampleRows() {
-  const {x, lower, upper} = byId("profiles").drawn;
-  return [["x (um)", "lower (nm)", "upper (nm)"], ...x.map((at, i) => [at, lower[i], upper[i]])];
 }
 
 function contactRows() {
@@ -456,7 +417,7 @@ function pick(d, l) {
   Object.assign(state, {dimension: d, load: l, pointed: null}); // a finger that taps never leaves
   sliders.dimension.set(d);
   sliders.load.set(l);
-  redraw(...FRICTION, "profiles");
+  redraw(...FRICTION);
   return () => pick(...before);
 }
 
@@ -487,7 +448,7 @@ function connect() {
   sayIfStrong();
   const set = (key, ...places) => (value) => {
     state[key] = value;
-    redraw(...(places.length ? places : [...FRICTION, "profiles", "contacts"]));
+    redraw(...(places.length ? places : [...FRICTION, "contacts"]));
   };
   choice("rule", hasBothRules() && !drawings.maps ? [] : first.rules.map(ruleName), state.rule, set("rule"));
   choice("way", first.ways.map(({words}) => words), state.way, set("way"));
@@ -500,14 +461,13 @@ function connect() {
   const d = said.d === undefined ? NaN : Number(said.d);
   if (Number.isFinite(d)) state.dimension = nearest(first.dimensions, d);
   const dimension = index("dimension", {value: state.dimension, count: first.dimensions.length,
-    name: (at) => dimensionName(first.dimensions[at]), changed: (at) => { state.dimension = at; redraw(...FRICTION, "profiles"); }});
+    name: (at) => dimensionName(first.dimensions[at]), changed: (at) => { state.dimension = at; redraw(...FRICTION); }});
   dimension.show();
   sliders.dimension = dimension;
   byId("link").addEventListener("click", async () => {
     await navigator.clipboard.writeText(location.href).then(() => { byId("link").textContent = "Copied"; }, () => { byId("link").textContent = location.href; });
   });
   window.addEventListener("resize", () => redraw(...Object.keys(drawings)));
-  if (first.example) connectExample(said);
   connectLoads(said);
   if (!allLoads.length) return;
   connectMap(said);
@@ -519,17 +479,6 @@ function connect() {
   };
   if (drawings.maps) beginMap(said, Number.isFinite(d));
   sayParameters();
-}
-
-function connectExample(said) {
-  const {pairs, approaches} = first.example;
-  state.pair = Math.floor(numberOf(said.pair, 0, pairs - 1, 0));
-  state.approach = Math.floor(numberOf(said.step, 0, approaches.length - 1, Math.floor(approaches.length / 2)));
-  choice("pair", Array.from({length: pairs}, (_, i) => `${i + 1}`), state.pair, (value) => { state.pair = value; redraw("profiles"); });
-  index("approach", {value: state.approach, count: approaches.length, name: (at) => lengthName(first.steps[approaches[at]]),
-    changed: (value) => { state.approach = value; redraw("profiles"); }}).show();
-  toolbar(byId("profiles"), exampleRows);
-  interactive(byId("profiles"), {redrawn: () => redraw("profiles")});
 }
 
 function connectLoads(said) {
@@ -700,7 +649,7 @@ function connectCompass() {
   const count = first.directions.length;
   const set = (way) => {
     state.way = byId("way").value = way;
-    redraw(...FRICTION, "profiles", "contacts");
+    redraw(...FRICTION, "contacts");
   };
   const wayOf = (d) => first.ways.findIndex(({directions}) => directions.length === 1 && directions[0] === d);
   compass.addEventListener("keydown", (event) => {
@@ -733,7 +682,6 @@ function addressOf() {
   if (state.range && String(state.range) !== String(allLoads)) [values.low, values.high] = state.range;
   if (state.quantity !== "friction") values.show = state.quantity;
   if (state.isLocked) [values.dark, values.light] = state.colours;
-  if (first.example) Object.assign(values, {pair: state.pair, step: state.approach});
   if (first.picture) values.side = state.side;
   return values;
 }
@@ -742,17 +690,13 @@ function addressOf() {
 
 async function unpackAll() {
   for (const [r, result] of results.entries()) {
-    const {variables, perRepetition, rules, directions, example, picture} = result.facts;
+    const {variables, perRepetition, rules, directions, picture} = result.facts;
     const motions = rules.length * directions.length;
     const [means, sums] = [
       parts(variables, motions, await unpacked(`means-${r}`, isMeasured ? 8 : facts.bytes.means)),
       parts(perRepetition, motions, await unpacked(`sums-${r}`, isMeasured ? 8 : facts.bytes.sums)),
     ];
     result.motions = means.map((each, m) => ({means: each, sums: sums[m]}));
-    if (example) {
-      result.profiles = await unpacked(`profiles-${r}`, facts.bytes.profiles);
-      result.contacts = await unpacked(`contacts-${r}`, facts.bytes.contacts);
-    }
     if (picture) {
       contactColumns = await unpacked(`contacts-${r}`, facts.pictureBytes);
       for (const side of ["lower", "upper"]) heights.push(await inflated(`${side}-${r}`));
@@ -777,7 +721,6 @@ function hideOthers() {
     positions: !isMeasured || first.repetitions < 2,
     contacts: !first.picture,
     spectra: !first.spectra,
-    profiles: !first.example,
   };
   if (lacking.maps) {
     byId("map-panel").hidden = true;
@@ -795,7 +738,7 @@ start(async () => {
   if (ranges.length) allLoads = [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
   drawings = {maps: showMaps, readout: showReadout, over: showOver, friction: () => showCurve("friction"),
     area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), compass: showCompass, contacts: showContacts,
-    positions: showPositions, spectra: showSpectra, profiles: showExample};
+    positions: showPositions, spectra: showSpectra};
   hideOthers();
   if (!allLoads.length) {
     say("No pair of this study touches within its approaches: there is no load, no area and no friction to show.");

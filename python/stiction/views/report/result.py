@@ -21,7 +21,7 @@ from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
 from stiction.views.report.measured import CONTACT_BYTES, page_of_measured
-from stiction.views.report.page import BYTES, Page, PageResult, ReportError, escaped
+from stiction.views.report.page import BYTES, Page, PageResult, ReportError, escaped, panel
 
 if TYPE_CHECKING:
     import xarray
@@ -43,6 +43,32 @@ STATUSES = {
     ),
 }
 """What the legend of the map, and a sentence, say of each status."""
+
+
+_ALONG = "arrow keys move {}, plus and minus look closer"
+_SIDE = '<div class="row"><label for="side">Heights of the</label> <select id="side"></select></div>'
+_SPECTRA = (
+    '<p class="caption">Density of the squared height over waves of all directions, after a Hann window, of the pieces '
+    "that are shown above.</p>"
+)
+
+PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
+    "contacts": ("Contacts over the map", "Heights of a body with the contacts on them", {"above": _SIDE}),
+    "compass": (
+        "Friction around the compass", "Friction coefficient in every direction",
+        {"kind": "plot square crosshair", "more": "arrow keys turn the direction"},
+    ),
+    "over": ("", "Friction coefficient at the picked load", {"more": _ALONG.format("along it")}),
+    **{
+        name: (f"{words} against load", f"{words} against normal load", {"more": _ALONG.format("the load")})
+        for name, words in (
+            ("friction", "Friction coefficient"), ("area", "True contact area"), ("stiffness", "Normal stiffness"),
+        )
+    },
+    "positions": ("Single positions", "Friction coefficient of each pair", {}),
+    "spectra": ("Spectra", "Power spectra of both bodies over wave number", {"below": _SPECTRA}),
+}  # fmt: skip
+"""Title of each plot, what is seen, and what else its markup has."""
 
 
 def save_report(
@@ -136,6 +162,10 @@ def _page(results: list[PageResult]) -> Page:
             "percent": f"{100 * CONFIDENCE:g} %",
             "pairs": escaped(" and ".join(result.pairs for result in results)),
             "unfinished": "".join(result.unfinished() for result in results),
+            "panels": "".join(
+                panel(name, title, seen, **({"below": _caption(name)} | more))
+                for name, (title, seen, more) in PANELS.items()
+            ),
             "pictures": "".join(result.pictures for result in results),
             "studies": "".join(result.described(several) for result in results),
         },
@@ -143,3 +173,8 @@ def _page(results: list[PageResult]) -> Page:
         numbers={f"{name}-{r}": text for r, result in enumerate(results) for name, text in result.numbers.items()},
         versions=f"Computed by stiction {', '.join(sorted({result.version for result in results}))}",
     )
+
+
+def _caption(name: str) -> str:
+    live = ' aria-live="polite"' if name == "contacts" else ""
+    return f'<p class="caption" id="{name}-caption"{live}></p>'

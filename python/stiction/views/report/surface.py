@@ -13,7 +13,7 @@ from stiction.views.digits import percent, with_unit
 from stiction.views.figures.roughness import Panel, panels
 from stiction.views.inputs import doubts_of_scan
 from stiction.views.report.measured import grey
-from stiction.views.report.page import Page, deflated, escaped, listed
+from stiction.views.report.page import Page, deflated, escaped, listed, panel
 
 MUCH = 0.1  # fraction of the mean square slope in the shortest octave from which on a finer scan would find much more
 
@@ -38,7 +38,7 @@ def surface_page(body: Profile | Surface | Characterisation, *, name: str, comma
         As `characterisation_text`.
     """
     found = characterisation_of(body, **options)
-    plots = [_plot(panel) for panel in panels(found)]
+    plots = [_plot(each) for each in panels(found)]
     facts: dict[str, Any] = {"confidence": CONFIDENCE, "map": None, "plots": plots}
     numbers = {}
     titles = {"heights": "Heights"} | {plot["id"]: plot["name"] for plot in plots}
@@ -52,7 +52,7 @@ def surface_page(body: Profile | Surface | Characterisation, *, name: str, comma
         versions=f"Characterised by stiction {__version__}",
         words={
             "meaning": _meaning(found), "command": escaped(command), "table": _table([*found.rows, *found.line_rows]),
-            "plots": "".join(_panel(*each) for each in titles.items()),
+            "plots": "".join(panel(*each) for each in titles.items()),
         },
     )  # fmt: skip
 
@@ -101,26 +101,18 @@ def _table(rows: list[Row]) -> str:
     )
 
 
-def _panel(name: str, title: str) -> str:
-    return (
-        f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
-        f'<div id="{name}" class="plot" role="application" tabindex="0" '
-        f'aria-label="{title}; plus and minus look closer, 0 shows all"></div></section>'
-    )
-
-
-def _plot(panel: Panel) -> dict[str, Any]:
+def _plot(curves: Panel) -> dict[str, Any]:
     """A panel as the script of the page takes it."""
     series = []
-    for each in panel.series:
+    for each in curves.series:
         columns = {"x": each.x, "value": each.value, "lower": each.lower, "upper": each.upper}
         series.append(
             {"name": each.name, **{name: listed(column) for name, column in columns.items() if column is not None}}
             | ({"dash": "7 4"} if each.fitted else {})
         )
-    ends = [float(each.x[end]) for each in panel.series for end in (0, -1)]
+    ends = [float(each.x[end]) for each in curves.series for end in (0, -1)]
     return {
-        "id": panel.id, "name": panel.name, "series": series,
-        "x": {"low": min(ends), "high": max(ends), "isLog": panel.log, "title": panel.x},
-        "y": {"isLog": panel.log, "title": panel.y},
+        "id": curves.id, "name": curves.name, "series": series,
+        "x": {"low": min(ends), "high": max(ends), "isLog": curves.log, "title": curves.x},
+        "y": {"isLog": curves.log, "title": curves.y},
     }  # fmt: skip
