@@ -10,13 +10,12 @@ import numpy as np
 
 from stiction._checks import Floats, number, read_only, whole_number
 from stiction._shown import Readable
-from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
 from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, lengths, rows_and_columns
-from stiction.surfaces.surrogates import isotropic_spectrum
+from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 TRUSTED_POINTS = 8
 """Points of the shortest wave that is taken from a scan: a pixel that takes a mean leaves 95 % of its power."""
@@ -156,8 +155,6 @@ class JoinedSpectrum(Readable):
         spacing : float or (float, float), µm
         """
         rows, columns = rows_and_columns(shape, least=4)
-        from scipy.fft import ifft2
-
         steps = lengths("spacing", spacing)
         q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
         q = np.hypot(q_y[:, np.newaxis], q_x)
@@ -165,11 +162,8 @@ class JoinedSpectrum(Readable):
         with np.errstate(divide="ignore"):
             density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
         power = np.where(inside, density, 0.0) * (rows * columns / (steps[0] * steps[1]))
-        random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
-        phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
-        waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)  # whose real part halves the power
         step = f"a random surface of this spectrum, seed {seed}, repetition {repetition}"
-        return Surface(ifft2(waves, overwrite_x=True).real, spacing=steps, history=(*self.history, step))
+        return Surface(gaussian_heights(power, seed, repetition, side), spacing=steps, history=(*self.history, step))
 
 
 def joined_spectrum(

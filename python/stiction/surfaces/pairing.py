@@ -336,8 +336,36 @@ class MapPairs:
         return levelled(resampled_piece(body, self.spacing, origin, self.shape), self.level)
 
 
+class SquarePairs:
+    """Pairs of square pieces of random surfaces, of so many points along each side and a step (µm) between them."""
+
+    _whole: int
+    _step: float
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """µm, of rows and columns."""
+        return self._step, self._step
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
+        points = self._whole - self._whole // REACH
+        if points < FEWEST_POINTS:
+            raise ValueError(
+                f"at least {FEWEST_POINTS} rows and columns must be pressed, got {points} at a spacing of "
+                f"{self._step:g} µm"
+            )
+        return points, points
+
+    @property
+    def area(self) -> float:
+        """Nominal area of each piece, µm²."""
+        return float(np.prod(self.shape) * np.prod(self.spacing))
+
+
 @dataclass(frozen=True, eq=False)
-class IsotropicPairs:
+class IsotropicPairs(SquarePairs):
     """Pairs of isotropic surfaces of which two profiles may be sections."""
 
     upper: Profile  # levelled, heights of the upper body up
@@ -350,28 +378,13 @@ class IsotropicPairs:
         step = min(self.upper.spacing, self.lower.spacing)
         return resampled(self.upper, step), resampled(self.lower, step)
 
-    @property
-    def spacing(self) -> tuple[float, float]:
-        """µm, of rows and columns."""
-        step = self._both[0].spacing
-        return step, step
+    @cached_property
+    def _step(self) -> float:  # type: ignore[override]
+        return self._both[0].spacing
 
     @cached_property
-    def _whole(self) -> int:
+    def _whole(self) -> int:  # type: ignore[override]
         return min(*(len(each) for each in self._both), MOST_POINTS)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
-        points = self._whole - self._whole // REACH
-        if points < FEWEST_POINTS:
-            raise ValueError(f"at least {FEWEST_POINTS} rows and columns must be pressed, got {points}")
-        return points, points
-
-    @property
-    def area(self) -> float:
-        """Nominal area of each piece, µm²."""
-        return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
     def used(self) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.joined import LONGEST, JoinedSpectrum, joined_spectrum
-from stiction.surfaces.pairing import FEWEST_POINTS, MOST_POINTS, REACH
+from stiction.surfaces.pairing import MOST_POINTS, SquarePairs
 from stiction.surfaces.preparation import SurfaceTrend, levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface
@@ -23,7 +23,7 @@ def spectrum_of(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
 
 
 @dataclass(frozen=True, eq=False)
-class SpectrumPairs:
+class SpectrumPairs(SquarePairs):
     """Pairs of pieces of random, periodic surfaces of two spectra, alike in all directions.
 
     The points are a quarter of the shortest wave apart, and there are `MOST_POINTS` of them along each axis or as many
@@ -39,16 +39,11 @@ class SpectrumPairs:
     finest: float = 0.0  # µm, shortest of several cut-offs, which decides the grid: members are the same at each
 
     @cached_property
-    def _step(self) -> float:
+    def _step(self) -> float:  # type: ignore[override]
         return max(min(self.upper.shortest, self.lower.shortest), self.finest) / POINTS_OF_A_WAVE
 
-    @property
-    def spacing(self) -> tuple[float, float]:
-        """µm, of rows and columns."""
-        return self._step, self._step
-
     @cached_property
-    def _whole(self) -> int:
+    def _whole(self) -> int:  # type: ignore[override]
         longest = max(self.upper.longest, self.lower.longest) / LONGEST
         return min(MOST_POINTS, int(longest / self._step))
 
@@ -56,22 +51,6 @@ class SpectrumPairs:
     def side(self) -> float:
         """Side of the surfaces that pieces are taken from, µm."""
         return self._whole * self._step
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
-        points = self._whole - self._whole // REACH
-        if points < FEWEST_POINTS:
-            raise ValueError(
-                f"at least {FEWEST_POINTS} rows and columns must be pressed, got {points} of waves from "
-                f"{POINTS_OF_A_WAVE * self._step:g} µm on"
-            )
-        return points, points
-
-    @property
-    def area(self) -> float:
-        """Nominal area of each piece, µm²."""
-        return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
     def used(self) -> tuple[float, float]:

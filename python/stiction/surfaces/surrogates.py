@@ -219,19 +219,25 @@ def isotropic_surface(
     most = min(len(profile), _MOST)
     rows, columns = rows_and_columns((most, most) if shape is None else shape, least=4)
     edges, density, _ = _fitted(profile, periodic)
-    from scipy.fft import ifft2
-
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
     ring = np.searchsorted(edges, q, side="right")  # 0: longer waves than the profile has
     power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
+    step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
+    heights, both = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
+    return Surface(heights, spacing=both, history=(*profile.history, step))
+
+
+def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
+    """Normally distributed, periodic heights of which each wave has a power (rows, columns) on average."""
+    from scipy.fft import ifft2
+
+    rows, columns = power.shape
     random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
     # The real part joins each wave with its opposite, and halves the power.
-    both = (profile.spacing, profile.spacing)
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
-    step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
-    return Surface(ifft2(waves, overwrite_x=True).real, spacing=both, history=(*profile.history, step))
+    return np.asarray(ifft2(waves, overwrite_x=True).real)
 
 
 _MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space

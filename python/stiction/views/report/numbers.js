@@ -571,6 +571,12 @@ function slopesAlone({facts, members}, d, directions, sliding, mu0, tau0) {
     {gradient: mean(gradient[d]), slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus, kappa}, sliding), 0) / directions.length;
 }
 
+/** Position in a list of the number that is nearest to another one. */
+function nearest(list, value) {
+  const distances = list.map((each) => Math.abs(each - value));
+  return distances.indexOf(Math.min(...distances));
+}
+
 // ---- Numbers as text ------------------------------------------------------------------------------------------------
 
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
