@@ -38,8 +38,6 @@ from stiction.studies.member_values import member_values
 
 NAMES = [name for name in stiction.__all__ if name != "__version__"]
 ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]
-SLOW = {"pair", "resolution", "spectral_resolution"}
-"""Examples of some seconds, which the documentation and other tests run as well."""
 
 LONGEST_REPR = 2000  # characters: a screen
 
@@ -77,14 +75,6 @@ def examples_of(name):
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
 def test_every_public_name_has_an_example(name):
     assert examples_of(name).examples
-
-
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in {*ERRORS, *SLOW}])
-def test_examples_run(name):
-    said = []
-    runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
-    runner.run(examples_of(name), out=said.append)
-    assert runner.summarize(verbose=False).failed == 0, "".join(said)
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])

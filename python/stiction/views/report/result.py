@@ -32,18 +32,11 @@ MOST_RESULTS = 2  # on one page
 LOAD_STEPS = 80  # loads of a map
 
 STATUSES = {
-    friction.STATUS_OK: ("", ""),
-    friction.STATUS_NOT_REACHED: ("load not reached", "no computed approach or load carries it"),
-    friction.STATUS_BELOW_RANGE: ("below the loads computed", "the first computed approach or load carries more"),
-    friction.STATUS_NO_CONTACT: ("no contact", "no pair touches within the approaches"),
-    friction.STATUS_NOT_SOLVED: ("not solved", "the half-space did not reach its tolerance for any member"),
-    friction.STATUS_SELF_LOCKED: (
-        "self-locked: no load is carried",
-        "friction locks the contacts: at the largest approach the mean load is zero or below",
-    ),
-}
-"""What the legend of the map, and a sentence, say of each status."""
-
+    friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
+    friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
+    friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is carried",
+}  # fmt: skip
+"""What the legend of the map says of each status; why it is so, `ADVICE` says."""
 
 _ALONG = "arrow keys move {}, plus and minus look closer"
 _SIDE = '<div class="row"><label for="side">Heights of the</label> <select id="side"></select></div>'
@@ -136,7 +129,7 @@ def _page(results: list[PageResult]) -> Page:
         "fewest": FEWEST_OF_SAMPLE,
         "fewestNeighbours": FEWEST_NEIGHBOURS,
         "stepsAround": AROUND,
-        "statuses": {name: {"short": short, "why": why} for name, (short, why) in STATUSES.items()},
+        "statuses": {name: {"short": short, "why": ADVICE.get(name, ("",))[0]} for name, short in STATUSES.items()},
         "bytes": BYTES,
         "pictureBytes": CONTACT_BYTES,
         "ticks": TICKS,
