@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -147,21 +147,26 @@ def fill_family(
     """
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
-    length_scale = number("length_scale", length_scale, unit="µm", above=0)
-    gamma = number("gamma", gamma, above=1)
     extent = number("extent", extent, unit="µm", above=0)
+    frequencies = phase_array.shape[1]
+    scale, gamma = _scale_and_ratio(length_scale, gamma, band_limit)
+    weights = [_weights(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
+    return stiction._core.harmonic_profiles(
+        phase_array, np.array(weights).reshape(len(weights), frequencies), family,
+        spacing=extent / family.shape[1], length_scale=scale, gamma=gamma, band_limited=band_limit == "nyquist",
+    )  # fmt: skip
+
+
+def _scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
     if band_limit is not None:
         choice("band_limit", band_limit, BandLimit)
-    weights = [
-        stiction._core.frequency_weights(
-            hurst_exponent(dimension, convention=convention), phase_array.shape[1], gamma, length_scale
-        )
-        for dimension in dimensions
-    ]
-    return stiction._core.harmonic_profiles(
-        phase_array, np.array(weights).reshape(len(weights), phase_array.shape[1]), family,
-        spacing=extent / family.shape[1], length_scale=length_scale, gamma=gamma, band_limited=band_limit == "nyquist",
-    )  # fmt: skip
+    return number("length_scale", length_scale, unit="µm", above=0), number("gamma", gamma, above=1)
+
+
+def _weights(dimension: Any, frequencies: int, scale: float, gamma: float, convention: Convention) -> Floats:
+    """Amplitude of each frequency, µm."""
+    hurst = hurst_exponent(dimension, convention=convention)
+    return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 
 
 def weierstrass_mandelbrot(
@@ -244,17 +249,12 @@ def weierstrass_mandelbrot_surface(
     frequencies = phase_array.shape[1]
     rows, columns = rows_and_columns(shape, least=2)
     extents = lengths("extent", extent)
-    length_scale = number("length_scale", length_scale, unit="µm", above=0)
-    gamma = number("gamma", gamma, above=1)
-    if band_limit is not None:
-        choice("band_limit", band_limit, BandLimit)
-    hurst = hurst_exponent(fractal_dimension, convention=convention)
-    weights = np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, length_scale))
-
+    scale, gamma = _scale_and_ratio(length_scale, gamma, band_limit)
+    weights = _weights(fractal_dimension, frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
     stiction._core.harmonic_surface(
-        phase_array, weights, heights, spacing_y=spacing[0], spacing_x=spacing[1], length_scale=length_scale,
+        phase_array, weights, heights, spacing_y=spacing[0], spacing_x=spacing[1], length_scale=scale,
         gamma=gamma, band_limited=band_limit == "nyquist",
     )  # fmt: skip
     return Surface(read_only(heights), spacing=spacing)
@@ -299,14 +299,12 @@ def weierstrass_mandelbrot_moments(
     """
     directions = whole_number("directions", directions, least=1)
     frequencies = whole_number("frequencies", frequencies, least=1)
-    length_scale = number("length_scale", length_scale, unit="µm", above=0)
-    gamma = number("gamma", gamma, above=1)
+    scale, gamma = _scale_and_ratio(length_scale, gamma, None)
     shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
-    hurst = hurst_exponent(fractal_dimension, convention=convention)
-    weights = np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, length_scale))
+    weights = _weights(fractal_dimension, frequencies, scale, gamma, convention)
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
-    wave_numbers = 2 * np.pi / length_scale * np.outer(cosines, gamma ** np.arange(frequencies))
+    wave_numbers = 2 * np.pi / scale * np.outer(cosines, gamma ** np.arange(frequencies))
     kept = (wave_numbers != 0) & (np.abs(wave_numbers) * shortest <= 2 * np.pi)
     powers = np.where(kept, 0.5 * weights**2, 0.0)
     return ProfileMoments(*(float((powers * wave_numbers ** (2 * j)).sum()) for j in range(3)))

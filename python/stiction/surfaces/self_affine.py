@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,21 +82,11 @@ def self_affine(
     """
     choice("amplitudes", amplitudes, Amplitudes)
     truth("periodic", periodic)
-    hurst = number("hurst_exponent", hurst_exponent, above=0)
-    if hurst > 2:
-        raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
-    rms = number("rms", rms, unit="µm", above=0)
+    hurst, rms = _exponent_and_height(hurst_exponent, rms)
     points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
     spacing = number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
-    shortest = 2 * spacing
-    if shortest_wavelength is not None:
-        shortest = number("shortest_wavelength", shortest_wavelength, unit="µm", above=0)
-        if shortest * ROUND_UP < 2 * spacing:
-            raise ValueError(
-                f"shortest_wavelength must be at least twice the spacing, {2 * spacing:g} µm, "
-                f"got {shortest_wavelength!r}"
-            )
+    shortest = _shortest(shortest_wavelength, 2 * spacing, "spacing")
     longest = extent
     if longest_wavelength is not None:
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
@@ -124,6 +114,21 @@ def self_affine(
     transform = np.zeros(period // 2 + 1, dtype=np.complex128)
     transform[1 : harmonics + 1] = rms * period / 2 * np.sqrt(2 * power) * np.exp(1j * random[:, 0])
     return Profile(np.fft.irfft(transform, period)[:points], spacing=spacing)
+
+
+def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
+    hurst = number("hurst_exponent", hurst_exponent, above=0)
+    if hurst > 2:
+        raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
+    return hurst, number("rms", rms, unit="µm", above=0)
+
+
+def _shortest(wavelength: Any, finest: float, of: str) -> float:
+    """The cut-off (µm), by default the finest that a grid has: twice its spacing."""
+    shortest = finest if wavelength is None else number("shortest_wavelength", wavelength, unit="µm", above=0)
+    if shortest * ROUND_UP < finest:
+        raise ValueError(f"shortest_wavelength must be at least twice the {of}, {finest:g} µm, got {wavelength!r}")
+    return shortest
 
 
 def self_affine_surface(
@@ -185,23 +190,12 @@ def self_affine_surface(
     >>> round(float(surface.heights.std()), 12)
     0.1
     """
-    hurst = number("hurst_exponent", hurst_exponent, above=0)
-    if hurst > 2:
-        raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
-    rms = number("rms", rms, unit="µm", above=0)
+    hurst, rms = _exponent_and_height(hurst_exponent, rms)
     rows, columns = rows_and_columns(shape, least=4)
     along_y, along_x = lengths("spacing", spacing)
     extent_y, extent_x = rows * along_y, columns * along_x
     longer = max(extent_y, extent_x)
-    finest = 2 * max(along_y, along_x)
-    shortest = finest
-    if shortest_wavelength is not None:
-        shortest = number("shortest_wavelength", shortest_wavelength, unit="µm", above=0)
-        if shortest * ROUND_UP < finest:
-            raise ValueError(
-                f"shortest_wavelength must be at least twice the larger spacing, {finest:g} µm, "
-                f"got {shortest_wavelength!r}"
-            )
+    shortest = _shortest(shortest_wavelength, 2 * max(along_y, along_x), "larger spacing")
     longest = longer
     if longest_wavelength is not None:
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)

@@ -72,16 +72,7 @@ class PowerSpectrum(Shown):
         array([  3.,   6.,  22.,  68., 217., 683.,   1.])
         """
         per_decade = whole_number("per_decade", per_decade, least=1)
-        # Harmonics are whole multiples of the first, whose decades must not fall to either side by round-off.
-        decades = np.log10(self.wave_number / self.wave_number[0])
-        _, index = np.unique(np.floor(per_decade * decades + 1e-9), return_inverse=True)
-        count = np.bincount(index, self.count).astype(np.float64)
-        return PowerSpectrum(
-            wave_number=read_only(np.exp(np.bincount(index, self.count * np.log(self.wave_number)) / count)),
-            density=read_only(np.bincount(index, self.count * self.density) / count),
-            count=read_only(count),
-            resolution=self.resolution,
-        )
+        return PowerSpectrum(*_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw it on logarithmic scales, with its means over tenths of a decade.
@@ -95,6 +86,15 @@ class PowerSpectrum(Shown):
 
         bins = self.in_bins()
         return draw_spectrum(axes_for(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))
+
+
+def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
+    """Geometric mean of wave numbers, mean density and number of harmonics in bins of log q."""
+    # Harmonics are whole multiples of the first, whose decades must not fall to either side by round-off.
+    _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
+    number = np.bincount(index, count).astype(np.float64)
+    middle = np.exp(np.bincount(index, count * np.log(q)) / number)
+    return read_only(middle), read_only(np.bincount(index, count * density) / number), read_only(number)
 
 
 def power_spectrum(profile: Profile, *, periodic: bool = False) -> PowerSpectrum:
@@ -367,13 +367,7 @@ class SurfaceSpectrum(Readable):
         q, _, density = self.waves()
         if not q.size:
             raise ValueError(f"surface must have more than {self.density.shape} points for a mean over directions")
-        _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
-        count = np.bincount(index).astype(np.float64)
-        return RadialSpectrum(
-            wave_number=read_only(np.exp(np.bincount(index, np.log(q)) / count)),
-            density=read_only(np.bincount(index, density) / count),
-            count=read_only(count),
-        )
+        return RadialSpectrum(*_in_bins(per_decade, q, density, np.ones(q.size)))
 
 
 def surface_spectrum(surface: Surface, *, periodic: bool = False) -> SurfaceSpectrum:

@@ -540,6 +540,15 @@ function connectMap(said) {
   results.forEach(({facts: own}, r) => connectOneMap(own, r));
 }
 
+/** What arrow keys do on a plot: a step for each. */
+function onArrows(place, steps, move) {
+  place.addEventListener("keydown", (event) => {
+    if (!(event.key in steps)) return;
+    event.preventDefault();
+    move(steps[event.key]);
+  });
+}
+
 function connectOneMap(own, r) {
   const place = element("div", {id: `map-${r}`, class: "plot tall", role: "application", tabindex: 0, "data-drawing": "maps",
     "aria-label": `Map over fractal dimension and load${results.length > 1 ? ` of ${own.name}` : ""}; ` +
@@ -568,10 +577,7 @@ function connectOneMap(own, r) {
     pick: (x, y) => pick(...cell(x, y)),
     redrawn: () => redraw("maps"),
   });
-  place.addEventListener("keydown", (event) => {
-    const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
-    if (!step) return;
-    event.preventDefault();
+  onArrows(place, {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}, (step) => {
     pick(Math.min(Math.max(state.dimension + step[0], 0), first.dimensions.length - 1),
       Math.min(Math.max(state.load + step[1], 0), loads.length - 1));
   });
@@ -620,26 +626,18 @@ function connectCurve(id) {
     pick: (x) => take(nearest(all(), over ? x : Math.log(x))),
     redrawn: () => redraw(id),
   });
-  place.addEventListener("keydown", (event) => {
-    const step = {ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1}[event.key];
-    if (!step) return;
-    event.preventDefault();
+  onArrows(place, {ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1}, (step) => {
     take(Math.min(Math.max((over ? state.dimension : state.load) + step, 0), all().length - 1));
   });
 }
 
 function connectOthers() {
-  for (const [id, head, hasAxes] of [["positions", isByOffset() ? "offset (um)" : "member in order", true], ["spectra", "wave number (1/um)", true],
-    ["compass", "direction (degrees)", false]]) {
+  for (const [id, head] of [["positions", isByOffset() ? "offset (um)" : "member in order"], ["spectra", "wave number (1/um)"],
+    ["compass", "direction (degrees)"], ["contacts", ""]]) {
     if (!drawings[id]) continue;
-    const place = byId(id);
-    toolbar(place, curveRows(id, head), {hasAxes, hasScales: id === "positions"});
+    const [place, hasAxes] = [byId(id), id !== "compass"];
+    toolbar(place, head ? curveRows(id, head) : contactRows, {hasAxes, hasScales: id === "positions"});
     if (hasAxes) interactive(place, {point: (_, __, here) => tipOfNearest(place, here), leave: () => tip(place, ""), redrawn: () => redraw(id)});
-  }
-  if (drawings.contacts) {
-    const place = byId("contacts");
-    toolbar(place, contactRows);
-    interactive(place, {point: (_, __, here) => tipOfNearest(place, here), leave: () => tip(place, ""), redrawn: () => redraw("contacts")});
   }
   if (drawings.compass) connectCompass();
 }
@@ -652,10 +650,7 @@ function connectCompass() {
     redraw(...FRICTION, "contacts");
   };
   const wayOf = (d) => first.ways.findIndex(({directions}) => directions.length === 1 && directions[0] === d);
-  compass.addEventListener("keydown", (event) => {
-    const step = {ArrowLeft: 1, ArrowUp: 1, ArrowRight: -1, ArrowDown: -1}[event.key];
-    if (!step) return;
-    event.preventDefault();
+  onArrows(compass, {ArrowLeft: 1, ArrowUp: 1, ArrowRight: -1, ArrowDown: -1}, (step) => {
     const now = first.ways[state.way].directions;
     set(wayOf(now.length > 1 ? 0 : (now[0] + step + count) % count));
   });
