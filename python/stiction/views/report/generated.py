@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from stiction.mechanics.quantities import AREAL_VALIDITY, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.at_load import reached_loads
-from stiction.studies.maps import MOTIONS
+from stiction.studies.maps import head_of
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
 from stiction.views.digits import with_unit
@@ -18,7 +19,7 @@ from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.point import rules_of
 from stiction.views.report.page import BYTES, CELLS, PageResult, ReportError, counted, motions_of, packed, way
 from stiction.views.report.pictures import dimension_panel, profiles_panel
-from stiction.views.report.sums import PAGE_RATIOS, means_of_solved, sums_of_ensemble
+from stiction.views.report.sums import PAGE_RATIOS, sums_of_ensemble
 
 if TYPE_CHECKING:
     import xarray
@@ -39,15 +40,25 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
-    step = study.step
-    averages, members = _averages(result, study)
+    step, there, head = study.step, _count(result), head_of(result)
+    if not there:
+        raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
     rules, angles = motions_of(study)
     motions = len(rules) * len(angles)
-    values = motions * members * int(np.prod([averages.sizes[dim] for dim in (*_CELLS, step)]))
-    has_intervals = members > 1 and values * PER_MEMBER <= MOST_SUMS
-    found = sums_of_ensemble(result, list(_CELLS), step, motions, has_sums=has_intervals)
+    values = motions * math.prod(head.sizes[dim] for dim in (*_CELLS, step))
+    if values > MOST_MEANS:
+        raise ReportError(
+            f"the result has {values} pairs times {'approaches' if step == 'approach' else 'loads'}, more than "
+            f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
+        )
+    has_sums = there > 1 and values * there * PER_MEMBER <= MOST_SUMS
+    found = sums_of_ensemble(result, list(_CELLS), step, motions, has_sums=has_sums)
+    if not (members := found.members):
+        raise ReportError("no member of the result has a solution at every load")
+    means = found.plain_means()
+    has_intervals = members > 1 and found.sums.size > 0
     numbers = {"means": packed(found.means, BYTES["means"]), "sums": packed(found.sums, BYTES["sums"])}
-    facts = found.facts | _facts_of(averages, study, result)
+    facts = found.facts | _facts_of(head, means, study, result)
     facts |= {
         "name": name or _name_of(study), "hasIntervals": has_intervals, "repetitions": members,
         "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
@@ -55,17 +66,19 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
     version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
-        version=str(version), there=_count(result), pictures=_pictures(result, study, averages),
+        version=str(version), there=_count(result), pictures=_pictures(result, study, head, means),
     )  # fmt: skip
 
 
-def _pictures(result: xarray.Dataset | Stored, study: Study, averages: xarray.Dataset) -> str:
+def _pictures(
+    result: xarray.Dataset | Stored, study: Study, head: xarray.Dataset, means: dict[str, NDArray[Any]]
+) -> str:
     """Two of the profiles in contact, and how pairs begin to slide if the study asks for it."""
-    if not (touching := averages["contact_count"].values.any(axis=(0, 1))).any():
+    if not (touching := means["contact_count"].any(axis=(0, 1))).any():
         return ""
     panels = []
     if not (study.is_areal or study.by_half_space):
-        steps = averages["approach"].values[touching]
+        steps = head["approach"].values[touching]
         panels.append(profiles_panel(study, float(steps[steps.size // 2])))
     if set(ONSET) & set(study.sums()):
         panels.append(dimension_panel(result.dataset() if isinstance(result, Stored) else result))
@@ -75,25 +88,27 @@ def _pictures(result: xarray.Dataset | Stored, study: Study, averages: xarray.Da
 _CELLS = ("fractal_dimension", "amplitude")
 
 
-def _facts_of(averages: xarray.Dataset, study: Study, result: xarray.Dataset | Stored) -> dict[str, Any]:
+def _facts_of(
+    head: xarray.Dataset, means: dict[str, NDArray[Any]], study: Study, result: xarray.Dataset | Stored
+) -> dict[str, Any]:
     """What does not depend on single members."""
     surfaces: Any = study.surfaces
-    counts: NDArray[np.bool_] = averages["contact_count"].values > 0  # (dimension, amplitude, step)
+    counts: NDArray[np.bool_] = means["contact_count"] > 0  # (dimension, amplitude, step)
     rules, angles = motions_of(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
     return {
         "reading": "mean",
         "interval": "jackknife",
         "cell": CELLS["fractal_dimension"] | {"title": f"{CELLS['fractal_dimension']['title']}{convention}"},
-        "dimensions": averages["fractal_dimension"].values.tolist(),
+        "dimensions": head["fractal_dimension"].values.tolist(),
         "convention": convention,
-        "amplitudes": averages["amplitude"].values.tolist(),
+        "amplitudes": head["amplitude"].values.tolist(),
         "measure": surfaces.amplitude_measure,
-        "steps": averages[study.step].values.tolist(),
+        "steps": head[study.step].values.tolist(),
         "rules": rules,
         "directions": angles,
         "ways": [{"words": f"to {way(angle)}", "directions": [d]} for d, angle in enumerate(angles)],
-        "validity": _validity(averages),
+        "validity": _validity(means),
         "checks": checks_of_ensemble(study),
         "quotedRule": rules_of(study)[0],
         "touched": counts.any(axis=2).tolist(),
@@ -108,31 +123,12 @@ def _count(result: xarray.Dataset | Stored) -> int:
     return len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
 
 
-def _averages(result: xarray.Dataset | Stored, study: Study) -> tuple[xarray.Dataset, int]:
-    """Means over the members (..., dimension, amplitude, step), and their number."""
-    if not _count(result):
-        raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
-    averages, members = means_of_solved(result)
-    if not members:
-        raise ReportError("no member of the result has a solution at every load")
-    averages = averages.transpose(..., "fractal_dimension", "amplitude", study.step)
-    motions = [dim for dim in MOTIONS if dim in averages.dims]
-    cells = ("fractal_dimension", "amplitude", study.step)
-    values = int(np.prod([averages.sizes[dim] for dim in (*motions, *cells)]))
-    if values > MOST_MEANS:
-        raise ReportError(
-            f"the result has {values} pairs times {'approaches' if study.step == 'approach' else 'loads'}, more than "
-            f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
-        )
-    return averages, members
-
-
-def _validity(data: xarray.Dataset) -> dict[str, dict[str, Any]]:
+def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
     """What the page says of each figure of validity, and from where on it warns."""
     figures = {}
     for name in (*VALIDITY, *AREAL_VALIDITY, "load_share_at_hardness", "area_share_at_hardness"):
         of, over = PAGE_RATIOS[name]
-        if not {of, *over} <= set(data.data_vars) or (not over and not data[of].values.any()):
+        if not {of, *over} <= means.keys() or (not over and not means[of].any()):
             continue
         words = QUANTITIES[name].short
         figures[name] = {

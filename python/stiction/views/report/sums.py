@@ -35,28 +35,24 @@ class PageSums:
         members (variable, cell, cell, step), and sums (variable, cell, cell, member, step), both possibly empty.
     facts : dict
         `variables` of the means and `perRepetition` of the sums: {"plain", "directed"} names in their order.
+    members : int
+        That have a solution at every step.
     """
 
     means: NDArray[Any]
     sums: NDArray[Any]
     facts: dict[str, Any] = field(default_factory=dict)
+    members: int = 0
+
+    def plain_means(self) -> dict[str, NDArray[Any]]:
+        """Means (cell, cell, step) of what has nothing to do with motions, by name."""
+        return dict(zip(self.facts["variables"]["plain"], self.means, strict=False))
 
 
 def with_two_cells(dataset: xarray.Dataset, cells: list[str]) -> xarray.Dataset:
     """A result with exactly two dimensions of cells, `first` and `second`, before its members."""
     renamed = dataset.rename(dict(zip(cells, ("first", "second"), strict=False)))
     return renamed if len(cells) == 2 else renamed.expand_dims("second", axis=1)
-
-
-def means_of_solved(result: xarray.Dataset | Stored) -> tuple[xarray.Dataset, int]:
-    """Means of all variables over the members that have a solution at every step, and how many these are."""
-    total: Any = None
-    members = 0
-    for piece in solved_pieces(result):
-        members += piece.sizes["repetition"]
-        added = piece.sum("repetition", skipna=False)
-        total = added if total is None else total + added
-    return total / max(members, 1), members
 
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -71,6 +67,8 @@ def sums_of_ensemble(
     kept = []
     facts: dict[str, Any] = {}
     for piece in solved_pieces(result):
+        if not piece.sizes["repetition"]:
+            continue
         steps = piece[step].values
         ordered = with_two_cells(piece, cells)
         directed = [dim for dim in MOTIONS if dim in ordered.dims]
@@ -80,7 +78,7 @@ def sums_of_ensemble(
         total = total + means * piece.sizes["repetition"]
         if has_sums:
             kept.append(sums)
-    return PageSums(total / max(members, 1), np.concatenate(kept, axis=3) if kept else np.empty(0), facts)
+    return PageSums(total / max(members, 1), np.concatenate(kept, axis=3) if kept else np.empty(0), facts, members)
 
 
 def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArray[Any], NDArray[Any], dict[str, Any]]:
