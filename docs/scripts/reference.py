@@ -182,6 +182,8 @@ def _row(*cells: str) -> str:
 
 def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
     """What a value may be, one phrase for each way."""
+    if annotation is values.Quantity:  # whose validator asks for more
+        return ["a length"]
     for kind, words in _QUANTITIES:
         if annotation is kind or any(each in metadata for each in kind.__metadata__[:1]):
             return [words]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from stiction import Study, Surface, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.budget import _Areas, _Point
+from stiction.studies.budget import _Point
+from stiction.studies.hardness import Areas
 from stiction.studies.known import ENDS, inputs_of, known
 from stiction.studies.member_values import PerLoad, six_at
 from stiction.studies.text import StudyError
@@ -69,7 +70,7 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
     assert sorted(inputs) == ["effective_modulus", "hardness"]
     at = result._asked
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
-    six, areas = six_at(result.source, at["load"].values), _Areas.of(at, result.study, result.source)
+    six, areas = six_at(result.source, at["load"].values), Areas.of(at, result.study, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
     one = _Point.of(at.isel(where), where, result.study, inputs, friction, areas)
     one = replace(one, names=tuple(inputs))  # the scan as it is, at these positions

@@ -8,8 +8,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stiction import Ball, FrictionTest, HalfSpaceCurve, Interface, calibrate, half_space, pair, self_affine_surface
-from stiction.studies.calibration import highest_density
+from stiction import (
+    Ball,
+    FrictionTest,
+    HalfSpaceCurve,
+    Interface,
+    calibrate,
+    half_space,
+    pair,
+    self_affine_surface,
+    write_interface,
+)
+from stiction.studies.calibration import HARDNESS, highest_density
+from stiction.studies.known import inputs_of
 
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)
@@ -150,7 +161,55 @@ def test_a_result_of_pair_stands_for_its_surfaces() -> None:
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
-    assert set(interface.draws["hardness"]) == {result.study.contact.hardness}
+    brass = inputs_of(result.study)["hardness"].known
+    assert interface.about[HARDNESS] == brass.text
+    assert interface.draws["hardness"].median() == pytest.approx(brass.value, rel=0.1)
+
+
+def faces(rms: float) -> list[Any]:
+    return [
+        self_affine_surface(
+            1, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, shortest_wavelength=0.5, side=side
+        )
+        for side in ("upper", "lower")
+    ]
+
+
+PRESSED = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 4,
+           "direction": [0.0, 180.0], "onset": 0}  # fmt: skip
+
+
+def test_a_hardness_that_tests_and_prediction_share_cancels(tmp_path) -> None:
+    known = "0.5..1.5 GPa"
+    rough, other = (pair(*faces(rms), hardness=known, **PRESSED) for rms in (0.03, 0.02))
+    tests = [FrictionTest(rough, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
+    strength = calibrate(tests)
+    assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
+    value, lower, upper = strength.predict(other, "50 MPa")
+    assert value == pytest.approx(0.25, rel=0.02)
+    assert upper - lower < 0.03
+    softer = pair(*faces(0.02), hardness="0.5..1.51 GPa", **PRESSED)  # of which nothing is common
+    assert np.ptp(strength.predict(softer, "50 MPa")[1:]) > 3 * (upper - lower)
+    # The same in the interval of a whole answer, from the file of the interface.
+    write_interface(strength, tmp_path / "film.csv")
+    given = {name: value for name, value in PRESSED.items() if name not in ("mu0", "tau0")}
+    shared, apart = (
+        pair(*faces(0.02), hardness=text, interface=tmp_path / "film.csv", **given) for text in (known, "0.5..1.51 GPa")
+    )
+    assert np.ptp(shared.interval) < 0.5 * np.ptp(apart.interval)
+
+
+def test_waiting_tells_both_apart_on_one_plastic_pair() -> None:
+    rough = pair(*faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PRESSED)
+    at, tests = rough.at("20 MPa"), []
+    ratio = (at["contact_area"].sel(statistic="mean") / at["load"]).item()
+    for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
+        y = 0.2 + 0.05 * ratio * seconds**0.05
+        tests.append(FrictionTest(rough, "20 MPa", coefficient=y, uncertainty=0.002, wait=wait))
+    strength = calibrate(tests)
+    assert strength.separated
+    assert strength.mu0[0] == pytest.approx(0.2, abs=0.01)
+    assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
 
 
 def test_errors_that_are_too_small_are_scaled_and_it_is_said() -> None:
@@ -327,4 +386,4 @@ def test_predictions_cover_the_truth_of_every_kind_of_tests(kind: str) -> None:
     share = covered(kind, 300).mean(axis=0)
     print(kind, share.round(3))
     assert share[1] > 0.92
-    assert share.min() > (0.8 if "no" in kind else 0.9)  # far from the tests, a truth at a bound is held less often
+    assert share.min() > (0.7 if "no" in kind else 0.9)  # far from the tests, a truth at a bound is held less often

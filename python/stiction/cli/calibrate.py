@@ -12,7 +12,7 @@ from stiction.cli.application import command, say, tell
 from stiction.cli.options import ELASTICITY, MATERIALS, Json, option, refuse, with_options
 from stiction.cli.showing import opened, said_by
 
-_TESTS = 'Tests, a row each: "load (mN)", "force (mN)" or coefficient; uncertainty, pair, run, slid.'
+_TESTS = 'Tests, a row each: "load (mN)", "force (mN)" or coefficient; uncertainty, pair, run, slid, wait.'
 Forces = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS, show_default=False)]
 Pairs = Annotated[list[Path] | None, option("--pair DIR", "What pair wrote of what was tested. Repeatable.", False)]
 BallRadius = Annotated[str | None, option("--ball RADIUS", 'Smooth, on a flat, below yield: "5 mm"; pair ball.', False)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,14 +17,12 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
-from stiction.mechanics.hardness import area_per_load
-from stiction.mechanics.spectral_resolution import KAPPA
-from stiction.studies.hardness import hardness_beside
+from stiction.studies.calibration import HARDNESS
+from stiction.studies.hardness import Areas
 from stiction.studies.interfaces import interface_of
 from stiction.studies.known import DRAWS, ENDS, Known, creep_of, inputs_of, relative_modulus, strata
 from stiction.studies.maps import study_of_result
-from stiction.studies.member_values import PerLoad, member_values, six_at
-from stiction.studies.store import Stored
+from stiction.studies.member_values import PerLoad, six_at
 
 if TYPE_CHECKING:
     import xarray
@@ -74,8 +72,11 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         return at
     inputs, strength = inputs_of(study), None
     if (known := interface_of(study)) is not None:
-        strength = known.fits[0].mu0, known.fits[0].tau0
-        inputs = {name: each for name, each in inputs.items() if name not in ("mu0", "tau0")}
+        fit, hardness = known.fits[0], inputs.get("hardness")
+        joint = hardness is not None and hardness.known.text == known.about.get(HARDNESS)
+        strength = fit.mu0, fit.tau0, fit.hardness if joint else None
+        gone = ("mu0", "tau0", *(("hardness",) if joint else ()))
+        inputs = {name: each for name, each in inputs.items() if name not in gone}
     order = [*([] if strength is None else [INTERFACE]), *inputs, POSITIONS, FINER]
     friction = at["friction_all_round"]
     dims = tuple(str(dim) for dim in friction.dims if dim != "statistic")
@@ -83,7 +84,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     found = {name: np.full((*shape, 3), np.nan) for name in ("friction_known", "friction_next_test")}
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
-    six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), _Areas.of(at, study, result)
+    six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), Areas.of(at, study, result)
     read = at[[name for name in _READ if name in at]]
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
@@ -121,55 +122,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     return at.assign(variables).assign_coords(coordinates)
 
 
-@dataclass(frozen=True)
-class _Areas:
-    """How the true area at each load goes with hardness and with E*."""
-
-    hardness: float | None  # GPa, of the study
-    nodes: Floats  # (n,) GPa
-    at_nodes: Floats  # (loads, n) A/F, 1/GPa
-    elastic: Floats  # (loads,) A/F of bodies that do not yield
-    growth: Floats  # (loads,) d ln(A/F) / d ln F
-    kept: dict[Any, Any] = field(default_factory=dict)  # draws that several points share
-
-    @classmethod
-    def of(cls, at: xarray.Dataset, study: Study, result: Result) -> _Areas:
-        loads = at["load"].values
-        hardness = study.contact.hardness
-        area = at["contact_area"].sel(statistic="mean")
-        area = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
-        steps = study.contact.steps()
-        growth = np.zeros(loads.size)
-        if steps.size > 1:
-            curve = member_values(result, steps, mu0=[0.0], tau0=[0.0])["contact_area"]
-            ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
-            known = np.isfinite(ratio) & (ratio > 0)
-            if known.sum() > 1:
-                slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
-                growth = np.interp(np.log(loads), np.log(steps[known]), slope)
-        if hardness is None:
-            return cls(None, np.zeros(0), np.zeros((loads.size, 0)), area, growth)
-        solved = hardness_beside(result) if isinstance(result, Stored) else None
-        if solved is not None and set(loads.tolist()) <= set(solved["load"].values.tolist()):
-            table = solved["contact_area"].sel(load=loads).mean("repetition").transpose("load", "hardness").values
-            over = table / loads[:, np.newaxis]
-            finite = np.isfinite(solved["hardness"].values) & np.isfinite(over).all(axis=0)
-            last = over[:, -1]
-            if finite.any() and np.isfinite(last).all():
-                return cls(float(hardness), solved["hardness"].values[finite], over[:, finite], last, growth)
-        # Without solutions at other hardnesses the area follows the one formula through that of the study.
-        gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
-        elastic = np.full(loads.size, KAPPA / (float(study.contact.effective_modulus) * gradient))
-        return cls(float(hardness), np.array([float(hardness)]), area[:, np.newaxis], elastic, growth)
-
-    def factor(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """True area over that of the study, for hardnesses (GPa) and E* over that of the study."""
-        scale = np.power(modulus, -(1.0 + self.growth[load]))
-        if self.hardness is None or hardness is None:
-            return np.asarray(scale)
-        values = area_per_load(np.ravel(hardness / modulus), self.nodes, self.at_nodes[load], self.elastic[load])
-        own = area_per_load([self.hardness], self.nodes, self.at_nodes[load], self.elastic[load])
-        return np.asarray(scale * values / own)
+Strength = tuple[Floats, Floats, Floats | None]
 
 
 @dataclass(frozen=True)
@@ -183,18 +136,18 @@ class _Point:
     friction: PerLoad
     mu0: float
     tau0: float
-    areas: _Areas
+    areas: Areas
     load: int
     positions: float  # relative standard error of the mean
     scatter: float  # relative standard deviation of one member in one direction
     members: int
     finest: tuple[float, float] | None  # between which ends finer scans lie
-    strength: tuple[Floats, Floats] | None = None  # draws of mu0 and tau0 jointly
+    strength: Strength | None = None  # draws of mu0 and tau0 jointly, and of the hardness where they have it
 
     @classmethod
     def of(
-        cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: _Areas,
-        strength: tuple[Floats, Floats] | None = None,
+        cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
+        strength: Strength | None = None,
     ) -> _Point | None:  # fmt: skip
         """From a point of what `at_load` gives; None where there is no coefficient, or no interval."""
         value, lower, upper = point["friction_all_round"].values.tolist()
@@ -259,9 +212,14 @@ class _Point:
         columns, drawn, hardness, area = self.areas.kept[key]
         mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
         if self.strength is not None:  # in the order of what they give here, so that their quantiles are its
-            order = np.argsort(self.friction.coefficient(*self.strength))
+            own = self.strength[2]
+            with_own = 1.0 if own is None else self.areas.factor(self.load, own, 1.0)
+            order = np.argsort(self.friction.coefficient(*self.strength[:2], with_own))
             place = order[(columns[INTERFACE] * order.size).astype(int)]
             mu0, tau0 = self.strength[0][place], self.strength[1][place]
+            if own is not None:
+                hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
+                area = self.areas.factor(self.load, hardness, relative_modulus(self.study, drawn))
         found = self.value * self.friction.coefficient(mu0, tau0, area) / self.friction.coefficient(self.mu0, self.tau0)
         found = np.broadcast_to(found, (DRAWS,))
         if FINER in columns and self.finest is not None:

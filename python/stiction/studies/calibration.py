@@ -20,9 +20,10 @@ from stiction._units import in_core_units, loads_in_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import SIX, Curve
 from stiction.mechanics.model import Sliding
-from stiction.studies.known import sobol
-from stiction.studies.member_values import PerLoad, six_at
-from stiction.studies.study import study_of
+from stiction.studies.hardness import Areas
+from stiction.studies.known import Known, creep_of, inputs_of, relative_modulus, sobol
+from stiction.studies.member_values import PerLoad, member_values, six_at
+from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
     import pandas
@@ -61,6 +62,9 @@ COVERAGE = 0.95
 """Probability of intervals."""
 
 RULES: tuple[Sliding, ...] = ("all", "opposing")
+
+HARDNESS = "hardness of the draws"
+"""Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
 
 Interval = tuple[float, float, float]
 """A value with the ends of its 95 % interval."""
@@ -105,6 +109,52 @@ class _Friction(PerLoad):
 
     scatter: float = 0.0  # relative standard error of `stick`
     hardness: float = math.nan
+    yields: _Yields | None = None
+
+    def area(self, columns: Mapping[str, Floats]) -> Any:
+        """True area over the computed one, of probabilities of what is known of hardness, creep and moduli."""
+        return 1.0 if self.yields is None else self.yields.area(columns)
+
+
+@dataclass(frozen=True)
+class _Yields:
+    """How the true area of a result at a load goes with what is not known of its bodies."""
+
+    areas: Areas
+    study: Study
+    known: Mapping[str, Known]  # hardness, creep and moduli that are ranges
+    fall: Known | None  # exponent of creep
+    wait: float
+
+    @classmethod
+    def of(cls, result: Any, load: float, wait: float) -> _Yields | None:
+        """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
+        source = getattr(result, "source", result)
+        study = study_of(getattr(result, "dataset", result))
+        known = {name: each.known for name, each in inputs_of(study).items() if name not in ("mu0", "tau0")}
+        fall = creep_of(study)
+        if wait != 1 and fall is None:
+            raise ValueError("wait needs a pair that was pressed with wait and creep")
+        if not known and fall is None:
+            return None
+        members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
+        at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
+        return cls(Areas.of(at, study, source), study, known | ({} if fall is None else {"creep": fall}), fall, wait)
+
+    def key(self, name: str) -> str:
+        """Name of a nuisance: what two results know alike is one."""
+        return f"{name} {self.known[name].text}"
+
+    def area(self, columns: Mapping[str, Floats]) -> Floats:
+        """As `_Friction.area`, of probabilities by `key`."""
+        return self.area_of({name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()})
+
+    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
+        """The same of values of what is known."""
+        hardness = drawn.get("hardness", np.asarray(self.areas.hardness or math.nan))
+        hardness = hardness * self.wait ** -drawn["creep"] if "creep" in drawn else hardness
+        modulus = relative_modulus(self.study, drawn)
+        return self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
 
 
 @dataclass(frozen=True)
@@ -127,6 +177,8 @@ class FrictionTest:
         Whether it slid; if it held, the coefficient is a lower bound.
     run : str or int, optional
         Specimen or series; tests of one run share an unknown offset.
+    wait : float or str, s
+        Time under load before it was sheared, of a result that was pressed with waiting and creep.
 
     Examples
     --------
@@ -142,6 +194,7 @@ class FrictionTest:
     uncertainty: float | None = None
     slid: bool = True
     run: str | int | None = None
+    wait: float | str = 1.0
 
     def __post_init__(self) -> None:
         """Load and coefficient as numbers."""
@@ -149,6 +202,7 @@ class FrictionTest:
         given: Any = self.load
         given = in_core_units("load", given, "force") if area is None else loads_in_core_units("load", given, area)
         load = number("load", given, unit="mN", above=0)
+        object.__setattr__(self, "wait", number("wait", in_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("one of coefficient and force is needed")
         scale = 1.0
@@ -165,6 +219,11 @@ class FrictionTest:
             of_force = isinstance(self.uncertainty, str)
             error = in_core_units("uncertainty", self.uncertainty, "force") if of_force else self.uncertainty
             object.__setattr__(self, "uncertainty", number("uncertainty", error, above=0) / scale)
+
+    @cached_property
+    def yields(self) -> _Yields | None:
+        """How the true area goes with what is not known of the bodies, of a result of `pair`."""
+        return _Yields.of(self.result, float(self.load), float(self.wait))
 
 
 @dataclass(frozen=True)
@@ -293,10 +352,14 @@ class Interface:
         (float, float, float)
             Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
         """
-        fit = self.fits[0]
-        test = FrictionTest(result, load, coefficient=0.0)
-        found = _friction_of(test, fit.sliding)
-        area = np.exp(found.scatter * np.random.default_rng(1).standard_normal(len(fit.mu0)))
+        fit, random = self.fits[0], np.random.default_rng(1)
+        found = _friction_of(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        area = np.exp(found.scatter * random.standard_normal(len(fit.mu0)))
+        if (own := found.yields) is not None:
+            drawn = {name: each.quantile(random.random(len(fit.mu0))) for name, each in own.known.items()}
+            if "hardness" in drawn and own.known["hardness"].text == self.about.get(HARDNESS):
+                drawn["hardness"] = fit.hardness  # what is common to tests and prediction is drawn once
+            area = area * own.area_of(drawn)
         return highest_density(found.coefficient(fit.mu0, fit.tau0, area), 0.0)
 
 
@@ -335,9 +398,10 @@ def calibrate(
     Notes
     -----
     Given gain, areas and hardness the data are linear in mu0 and tau0. The density is computed on a grid of tau0, and
-    at each of its points of mu0, which is exact however alike the tests are; both are at least 0, and all values are
-    as likely beforehand. Gain and areas have normal distributions of their own, over which the densities are summed.
-    Where residuals are larger than the errors allow, the errors are taken as known up to a factor.
+    at each of its points of mu0, which is exact however alike the tests are; both are at least 0, and all values of
+    mu0 and of tau0 A/F are as likely beforehand. Gain and areas have normal distributions of their own, over which
+    the densities are summed. Where residuals are larger than the errors allow, the errors are taken as known up to a
+    factor.
 
     Examples
     --------
@@ -390,7 +454,15 @@ def calibrate(
         for ratio, test in zip(first.ratio, tests, strict=True)
     ]
     advice = () if separated else first.advice()
-    return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), {"kind": "measured"})
+    about = {"kind": "measured"} | ({HARDNESS: first.shared} if first.shared else {})
+    return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)
+
+
+def _shared_hardness(friction: Sequence[_Friction]) -> _Yields | None:
+    """What knows the hardness, where all tests are of bodies of one that is not known exactly."""
+    first = friction[0].yields
+    keys = {each.yields and "hardness" in each.yields.known and each.yields.key("hardness") for each in friction}
+    return first if len(keys) == 1 and all(keys) else None
 
 
 def highest_density(values: Floats, bound: float = -math.inf) -> Interval:
@@ -416,11 +488,13 @@ def _rules_of(result: Any) -> tuple[str, ...]:
 def _friction_of(test: FrictionTest, sliding: Sliding) -> _Friction:
     """What the surfaces of a test do at its load, by a sliding rule."""
     result, load = test.result, float(test.load)
+    if isinstance(result, (Ball, Curve)) and test.wait != 1:
+        raise ValueError("wait needs a result of pair, which knows the creep")
     if isinstance(result, Ball):
         return _Friction(stick=result.area_per_load(load))
     if isinstance(result, Curve):
         return _of_curve(result, load)
-    return _of_members(result, load, sliding)
+    return replace(_of_members(result, load, sliding), yields=test.yields)
 
 
 def _of_curve(curve: Curve, load: float) -> _Friction:
@@ -467,6 +541,7 @@ class _Problem:
     load: Floats
     ratio: Floats  # (tests,) A/F, 1/GPa
     hardness: Floats  # (nuisances,)
+    shared: str  # what is known of it, where that is a range of all tests
     known: tuple[float | None, float | None]
     outliers: bool
     has_errors: bool
@@ -484,15 +559,25 @@ class _Problem:
         scatter = np.zeros(len(bodies))
         for place, found in zip(places, friction, strict=True):
             scatter[place] = max(scatter[place], found.scatter)
-        scores = ndtri(sobol(1 + len(bodies), NUISANCES))
+        yields = [found.yields for found in friction if found.yields is not None]
+        keys = list(dict.fromkeys(each.key(name) for each in yields for name in each.known))
+        points = sobol(1 + len(bodies) + len(keys), NUISANCES).copy()
+        points[0] = 0.5  # the middle, by which fits are judged
+        scores, columns = ndtri(points), dict(zip(keys, points.T[1 + len(bodies) :], strict=True))
         gain = np.exp(common * scores[:, :1])
         area = np.exp(scatter[places] * scores[:, 1:][:, places])
+        area = area * np.stack([np.broadcast_to(each.area(columns), NUISANCES) for each in friction], axis=1)
         measured = np.array([float(test.coefficient or 0.0) for test in tests]) / gain
 
         def of_all(name: str) -> Floats:
             return np.array([getattr(found, name) for found in friction])
 
-        hardnesses = {found.hardness for found in friction}
+        hardness = np.full(
+            NUISANCES, friction[0].hardness if len({each.hardness for each in friction}) == 1 else math.nan
+        )
+        shared = _shared_hardness(friction)
+        if shared is not None:
+            hardness = shared.known["hardness"].quantile(columns[shared.key("hardness")])
         has_errors = tests[0].uncertainty is not None
         error = np.array([test.uncertainty if has_errors else 1.0 for test in tests], float)
         if not has_errors:  # all of one relative error
@@ -505,8 +590,9 @@ class _Problem:
             error=error,
             slid=np.array([test.slid for test in tests]),
             load=np.array([float(test.load) for test in tests]),
-            ratio=of_all("stick") / of_all("rub"),
-            hardness=np.full(NUISANCES, hardnesses.pop() if len(hardnesses) == 1 else math.nan),
+            ratio=of_all("stick") / of_all("rub") * area[0],
+            hardness=hardness,
+            shared="" if shared is None else shared.known["hardness"].text,
             known=known,
             outliers=outliers,
             has_errors=has_errors,
@@ -683,7 +769,9 @@ class _Problem:
         grid = self._strengths(scale, freedom)
         cells = [self._on_grid(grid, nuisance, scale, freedom) for nuisance in range(NUISANCES)]
         top = max(float(density.max()) for _, density in cells)
-        weights = [np.exp(density - top) for _, density in cells]
+        # All values of tau0 A/F are as likely beforehand, so that a larger area is no more likely than a smaller one.
+        area = np.abs(self.stick).mean(axis=1)
+        weights = [np.exp(density - top) * each for (_, density), each in zip(cells, area / area[0], strict=True)]
         total = np.cumsum([float(weight.sum()) for weight in weights])
         random = np.random.default_rng(0)
         # Systematic: each nuisance has its share of the draws, and so have the cells within.

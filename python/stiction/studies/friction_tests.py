@@ -13,7 +13,7 @@ from stiction._text import named, printable
 from stiction._units import shortened
 from stiction.studies.calibration import FrictionTest
 
-COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid")
+COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
 """Names of columns; load and force need a unit, uncertainty may be in percent."""
 
 LONGEST_FILE = 10_000_000  # largest number of bytes of a table
@@ -67,9 +67,9 @@ def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
         found[name] = place, match[2] or ""
     if "load" not in found or len({"force", "coefficient"} & set(found)) != 1:
         raise ValueError("needs the columns load and either force or coefficient")
-    for name in {"load", "force"} & set(found):
+    for name in {"load", "force", "wait"} & set(found):
         if not found[name][1]:
-            raise ValueError(f'the column {name} needs its unit, as in "{name} (mN)"')
+            raise ValueError(f'the column {name} needs its unit, as in "{name} ({"s" if name == "wait" else "mN"})"')
     if "force" in found and "uncertainty" in found and not found["uncertainty"][1]:
         raise ValueError('uncertainty beside force needs a unit, as in "uncertainty (mN)" or "uncertainty (%)"')
     return found
@@ -93,6 +93,8 @@ def _test(cells: dict[str, str], units: dict[str, str], bodies: Mapping[str, Any
     if (slid := _SLID.get(cells.get("slid", "").lower())) is None:
         raise ValueError(f"slid must be 1, or 0 where it held, got {shortened(cells['slid'])}")
     asked: dict[str, Any] = {"slid": slid, "run": cells.get("run") or None}
+    if cells.get("wait"):
+        asked["wait"] = f"{cells['wait']} {units['wait']}"
     measured: dict[str, Any] = {}
     for each in {"force", "coefficient"} & set(cells):
         measured[each] = f"{cells[each]} {units[each]}" if each == "force" else _number(each, cells[each])
