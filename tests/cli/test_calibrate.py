@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from command import assert_refused, stiction_command
-from stiction import Ball, Result, read_interface, self_affine_surface, write_surface
+from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
 from stiction.studies.store import open_stored
 
 MU0, TAU0 = 0.15, 0.012
@@ -130,3 +130,13 @@ def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
     done = stiction_command("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)
+
+
+def test_a_folder_of_own_interfaces_is_listed(tmp_path):
+    write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
+    (tmp_path / "notes.txt").write_text("nothing")
+    done = stiction_command("interfaces", ".", cwd=tmp_path)
+    assert done.stdout.splitlines()[0] == "film"
+    assert "operator A. B." in done.stdout
+    assert "notes" not in done.stdout
+    assert_refused(stiction_command("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")

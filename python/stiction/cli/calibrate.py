@@ -105,16 +105,23 @@ YIELDS = 0.39
 """Mean pressure over hardness at which a ball begins to yield: 1.1 over 2.84 yield strengths (Johnson 1985, ch. 6)."""
 
 
-@command("interfaces", "stiction interfaces", "stiction interfaces --json")
-def interfaces(as_json: Json = False) -> None:
-    """List strengths of interfaces that were read in a source, as --interface of pair takes them by name.
+InterfaceFolder = Annotated[
+    Path | None, typer.Argument(metavar="FOLDER", help="Where your own are.", show_default=False)
+]
+
+
+@command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
+def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
+    """List strengths of interfaces as --interface of pair takes them: read in a source, or calibrated into a folder.
 
     Measured ones are of a contact of known area; lumped ones are coefficients of a nominal pressure, which hardly know
     of roughness. Each is a range at its pressures and conditions.
     """
     from stiction.studies.interfaces import interfaces as known
+    from stiction.studies.interfaces import interfaces_in
     from stiction.views.calibration import interfaces_text
     from stiction.views.rows import record
 
-    found = [{"name": name, **about} for name, about in known().items()]
+    there = known() if folder is None else interfaces_in(folder)
+    found = [{**about, "name": name} for name, about in there.items()]
     tell(record("interfaces", [], interfaces=found) if as_json else interfaces_text(found))

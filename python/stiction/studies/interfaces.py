@@ -6,6 +6,7 @@ skips these.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import math
@@ -20,7 +21,7 @@ import numpy as np
 
 from stiction._files import content, reason, replaced_file
 from stiction._text import named
-from stiction.studies.calibration import Fit, Interface
+from stiction.studies.calibration import Fit, Interface, highest_density
 from stiction.studies.known import Known, draws, known
 
 if TYPE_CHECKING:
@@ -132,6 +133,25 @@ def interfaces() -> dict[str, dict[str, str]]:
     """
     text = (resources.files("stiction.studies") / "interfaces.toml").read_text(encoding="utf-8")
     return {str(name): table for name, table in tomllib.loads(text).items()}
+
+
+def interfaces_in(folder: str | Path) -> dict[str, dict[str, str]]:
+    """What `interfaces` gives, of the files in a folder that `write_interface` wrote; others are passed over."""
+    found = {}
+    try:
+        paths = sorted(path for path in Path(folder).iterdir() if path.is_file())
+    except OSError as error:
+        raise ValueError(f"{named(folder)}: cannot be listed: {reason(error)}") from None
+    for path in paths:
+        with contextlib.suppress(ValueError):
+            own = read_interface(path)
+            fit, about = own.fits[0], {"kind": "measured", **own.about}
+            low, high = zip(*(highest_density(each, 0.0)[1:] for each in (fit.mu0, 1e3 * fit.tau0)), strict=True)
+            found[path.name] = about | {
+                "mu0": f"{low[0]:.3g}..{high[0]:.3g}", "tau0": f"{low[1]:.3g}..{high[1]:.3g} MPa",
+                "area_per_load": f"{own.area_per_load:.3g} /GPa",
+            }  # fmt: skip
+    return found
 
 
 def interface(name_or_path: str | Path) -> Interface:

@@ -103,10 +103,17 @@ def interfaces_text(found: Sequence[Mapping[str, str]]) -> str:
     """A paragraph for each interface that was read in a source."""
     parts = []
     for each in found:
-        law = f"{each['kind']}, {each['motion']}: μ0 = {each['mu0']}, τ0 = {each['tau0']}; pressure {each['pressure']}"
-        lines = (fitted(line, indent="  ", hang="  ") for line in (law, each["conditions"], each["source"]))
-        parts.append("\n".join([each["name"], *lines]))
+        kind = ", ".join(each[name] for name in ("kind", "motion") if name in each)
+        law = f"{kind}: μ0 = {each['mu0']}, τ0 = {each['tau0']}"
+        others = {name.replace("_", " "): text for name, text in each.items() if name not in _OF_LAW}
+        rest = (text if name in _PLAIN else f"{name} {text}" for name, text in others.items())
+        parts.append("\n".join([each["name"], *(fitted(line, indent="  ", hang="  ") for line in (law, *rest))]))
     return "\n\n".join(parts)
+
+
+_OF_LAW = ("name", "kind", "motion", "mu0", "tau0")
+_PLAIN = ("conditions", "source")
+"""Entries of an interface that say by themselves what they are."""
 
 
 def calibration_figure(interface: Interface) -> Figure:
