@@ -14,14 +14,17 @@ def interval(mean, half=0.05):
     return [mean, mean - half * abs(mean), mean + half * abs(mean)]
 
 
-def measured_study(*, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,)):
+def measured_study(
+    *, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,), adhesion="0 mJ/m^2"
+):
     """A study of two files that are nowhere."""
     contact = {"mechanics": mechanics, "effective_modulus": "100 GPa"}
     if mechanics == "asperities":
         yielding = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
         contact["law"] = yielding if law == "jackson-green" else law
-    elif hardness is not None:
-        contact["hardness"] = f"{hardness} GPa"
+    else:
+        contact |= {} if hardness is None else {"hardness": f"{hardness} GPa"}
+        contact |= {} if adhesion is None else {"work_of_adhesion": adhesion}
     files = {side: {"file": f"nowhere/{side}.npy"} for side in ("upper", "lower")}
     friction = {"mu0": sorted(mu0), "tau0": ["50 MPa"], "load": ["10 mN"]}
     return Study.model_validate(

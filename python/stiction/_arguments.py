@@ -10,7 +10,8 @@ from stiction._checks import number
 from stiction._errors import ArgumentError
 from stiction._units import Quantity, exactly, quantity, units_of
 
-_CORE = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s"}  # unit of a plain number of each kind
+_CORE = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
+"""Unit of a plain number of each kind."""
 
 
 def listed(value: Any) -> list[Any]:

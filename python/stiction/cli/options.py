@@ -144,7 +144,13 @@ def option_of(argument: str) -> str:
     return _OPTIONS.get(argument, f"--{argument.replace('_', '-')}")
 
 
-_OPTIONS = {"upper": "UPPER", "lower": "LOWER", "upper_material": "--upper", "lower_material": "--lower"}
+_OPTIONS = {
+    "upper": "UPPER",
+    "lower": "LOWER",
+    "upper_material": "--upper",
+    "lower_material": "--lower",
+    "work_of_adhesion": "--adhesion",
+}
 """Options that are called otherwise than their arguments."""
 
 

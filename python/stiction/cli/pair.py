@@ -67,6 +67,10 @@ STRENGTH = {
     "creep": _material(
         "--creep NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": hardness (t/1 s)^-m.', False
     ),
+    "work_of_adhesion": _material(
+        "--adhesion ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" says that there is none.', "taken as 0",
+    ),
+    "adhesion_range": _material("--adhesion-range LENGTH", "Gap over which the attraction falls off.", "0.5 nm"),
     "law": _material("--law hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW),
     "yield_strength": _material("--yield-strength PRESSURE", "Of the softer body, for jackson-green.", False),
 }  # fmt: skip

@@ -14,10 +14,8 @@ import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats
+from stiction.mechanics.half_space import PROCESS_ZONE, resolved_range
 from stiction.mechanics.half_space_problem import Pressed, Problem, pressed_of, threads
-
-PROCESS_ZONE = 2.0
-"""Points in E* ρ²/w, the length over which the attraction falls off at an edge; with fewer the grid decides."""
 
 DEPTH = 5  # steps before that Anderson's acceleration combines
 
@@ -55,7 +53,7 @@ class State:
 
 def sticky(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
     """A problem with a work of adhesion (mN/µm) over a range (µm); a warning says where the grid needs a longer one."""
-    least = math.sqrt(PROCESS_ZONE * max(problem.spacing) * work / effective_modulus)
+    least = resolved_range(work, max(problem.spacing), effective_modulus)
     if least > length:
         warnings.warn(
             f"adhesion_range = {length * 1e3:.3g} nm is raised to {least * 1e3:.3g} nm: the grid needs "
@@ -76,7 +74,7 @@ class Attraction:
 
     def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
         self.problem, self.report, self.asked, self.enough = problem, report, tolerance, LOOSER * tolerance
-        self.range = problem.adhesion_range
+        self.range, self.ended = problem.adhesion_range, ""  # why a branch ended early
         self.most = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         # An error of the gap is one of the attraction in proportion to gap over range.
@@ -157,10 +155,9 @@ class Attraction:
                 state = self.settled(states[-1], contact=states[-1].contact * factor)
                 factor = math.sqrt(factor) if state is None else factor
             if state is None:
-                said = f"at a contact load of {self.force(states[-1].contact):.4g} mN the attraction does not converge"
+                self.ended = f"at a contact load of {self.force(states[-1].contact):.4g} mN it does not converge"
                 if until > -np.inf:
-                    raise RuntimeError(said)
-                warnings.warn(f"the pull-off force is the most that was reached: {said}", stacklevel=3)
+                    raise RuntimeError(self.ended)
                 return states
             states.append(state)
             least = min(one.load for one in states)
@@ -250,10 +247,14 @@ def sticking(
     return contacts
 
 
-def pull_off(pressed: Pressed, *, tolerance: float) -> float:
-    """mN, how much bodies bear that are drawn apart from a contact; warns where the branch ends before they part."""
+def drawn_apart(pressed: Pressed, *, tolerance: float) -> tuple[list[Pressed], str]:
+    """The contacts from one on as bodies are drawn apart, that of the least load the last, and why they ended early."""
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     start = State(pressure.ravel(), np.asarray(pressed.attraction), float(pressure.mean()), pressed.load / whole)
-    return -attraction.force(attraction.lowest(attraction.branch(start, STRIDE)).load)
+    states = attraction.branch(start, STRIDE)
+    lowest = attraction.lowest(states)
+    ways = [one for one in states[1:] if one.contact > lowest.contact and one.load > lowest.load] + [lowest]
+    later = [pressed_of(problem, one, one.load * whole, one.attraction) for one in ways if one is not start]
+    return [pressed, *later], attraction.ended

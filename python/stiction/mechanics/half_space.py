@@ -7,6 +7,7 @@ half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -34,6 +35,17 @@ if TYPE_CHECKING:
 # The solver brings SciPy along, which takes longer to import than all else: where it is used.
 
 Boundary = Literal["free", "periodic"]
+
+ADHESION_RANGE = 5e-4
+"""µm over which the attraction of solids falls off unless another range is given: one to two distances of atoms."""
+
+PROCESS_ZONE = 2.0
+"""Points in E* ρ²/w, the length over which the attraction falls off at an edge; with fewer the grid decides."""
+
+
+def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
+    """The least range (µm) that a grid resolves, of a work of adhesion in mN/µm, a spacing in µm and E* in GPa."""
+    return math.sqrt(PROCESS_ZONE * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +174,7 @@ class HalfSpaceCurve(Curve):
     _sums: tuple[PatchSums, ...] = field(repr=False)
     _tolerance: float = field(repr=False)
 
-    @cached_property
+    @property
     def pull_off(self) -> float:
         """mN, the most that bodies bear that are drawn apart from the contact of the least load; 0 without adhesion.
 
@@ -171,9 +183,26 @@ class HalfSpaceCurve(Curve):
         """
         if self.work_of_adhesion == 0:
             return 0.0
-        from stiction.mechanics.adhesion import pull_off
+        if said := self._apart[1]:
+            warnings.warn(f"the pull-off force is the most that was reached: {said}", stacklevel=2)
+        return -self._apart[0][-1].load
 
-        return pull_off(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
+    @property
+    def parting(self) -> HalfSpaceCurve:
+        """The contacts through which bodies go that are drawn apart from that of the least load, to the pull-off force.
+
+        Raises a `ValueError` without adhesion, where nothing holds them.
+        """
+        if self.work_of_adhesion == 0:
+            raise ValueError("parting is of bodies that adhere; give half_space a work_of_adhesion above 0")
+        return _curve(self._problem, self._model, self._apart[0], self._tolerance)
+
+    @cached_property
+    def _apart(self) -> tuple[list[Pressed], str]:
+        """The contacts on the way apart, and why they end before the bodies part, if they do."""
+        from stiction.mechanics.adhesion import drawn_apart
+
+        return drawn_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -314,7 +343,7 @@ def half_space(
     direction: Direction | Sequence[Direction] = "+x",
     sliding: Sliding = "opposing",
     work_of_adhesion: float | str = 0.0,
-    adhesion_range: float | str = 5e-4,
+    adhesion_range: float | str = ADHESION_RANGE,
     tolerance: float = 1e-6,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> HalfSpaceCurve:
@@ -468,3 +497,12 @@ def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tup
             except RuntimeError:
                 continue
         return curves
+
+
+def unloaded(solve: Callable[[Floats], HalfSpaceCurve]) -> tuple[HalfSpaceCurve | None, float]:
+    """Bodies that adhere without a load, and their pull-off force (mN): None and NaN where a contact is not solved."""
+    try:
+        curve = solve(np.zeros(1))
+        return curve, np.nan if curve._apart[1] else curve.pull_off
+    except RuntimeError:
+        return None, np.nan

@@ -41,6 +41,15 @@ HALF_SPACE_SUMS: tuple[str, ...] = (
 )
 """What a result by the half-space holds of each pair at each load."""
 
+UNLOADED: tuple[str, ...] = ("unloaded_elastic", "unloaded_frictional", "unloaded_adhesive")
+"""The tangential load that starts the sliding at no load, by parts, as `load_of` puts them together."""
+
+ADHESION: tuple[str, ...] = ("contact_load", "pull_off", *UNLOADED)
+"""What it holds besides of bodies that adhere; all but the first are of no load."""
+
+HELD: tuple[str, ...] = ("pull_off", "pull_off_pressure", "friction_at_no_load")
+"""What is said of bodies that adhere, whatever the load."""
+
 AREAL_VALIDITY: tuple[str, ...] = ("share_overlapping", "share_at_edge", "share_unanswered")
 """The members that `SurfaceValidity` has besides those of `Validity`."""
 
@@ -63,6 +72,17 @@ QUANTITIES: dict[str, Quantity] = (
         "friction_coefficient": Quantity("1", "coefficient of static friction"),
         "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
         "normal_load": Quantity("mN", "normal load while sliding starts, friction on slopes included"),
+        "contact_load": Quantity("mN", "load of the contacts, of the normal load and the attraction", "contact load"),
+        "pull_off": Quantity("mN", "pull-off force"),
+        "pull_off_pressure": Quantity("GPa", "pull-off force over the nominal area", "pull-off pressure"),
+        "friction_at_no_load": Quantity(
+            "mN", "tangential load that starts the sliding at no load", "friction at no load"
+        ),
+        "share_without_pull_off": Quantity("1", "fraction of the members whose pull-off force did not converge"),
+        **{
+            f"unloaded_{part}": Quantity(unit, f"{part} part of the tangential load at no normal load")
+            for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
+        },
         "normal_stiffness": Quantity("mN/um", "normal stiffness"),
         "tangential_stiffness": Quantity("mN/um", "tangential stiffness at rest"),
         "displacement_at_sliding": Quantity(

@@ -135,7 +135,7 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
             dims = ["axis" if each == "direction" else each for each in along.dims]
             variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
-    for what in ("contact_area", "normal_stiffness", *(name for name in ONSET if name in head)):
+    for what in ("contact_area", "normal_stiffness", *(name for name in (*ONSET, "contact_load") if name in head)):
         try:
             found = read(what, every)
         except ValueError:
@@ -143,6 +143,13 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
                 raise
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
+    if study_of_result(result).contact.adheres:
+        held = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
+        for name in ("pull_off", "share_without_pull_off", "friction_at_no_load"):
+            own = held[name].transpose("repetition", ...)
+            mean = np.stack(intervals.of_sample(own.values), axis=-1)
+            one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
+            variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
     variables |= {name: about[name].variable for name in VALIDITY}
     members = head.sizes["repetition"] if not hasattr(result, "finished") else result.finished.size
     variables |= {"members": ((), members, {"units": "1", "long_name": "members"})}

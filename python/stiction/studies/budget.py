@@ -163,7 +163,8 @@ class _Point:
                 known.pop(name, None)
                 strength = None
         hardness, finest = study.contact.hardness, None
-        if hardness is not None and study.by_half_space and str(point["sliding"].values) == "all":
+        free = study.by_half_space and not study.contact.adheres
+        if hardness is not None and free and str(point["sliding"].values) == "all":
             contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
             finest = friction_bracket(value, mu0, tau0 / float(hardness), contacts)
         positions = (upper - lower) / (2 * ENDS * value)

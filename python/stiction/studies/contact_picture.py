@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,14 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, whole_number
+from stiction.mechanics.half_space import half_space
+from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import Table
+from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.maps import cells_of, study_of_result
 from stiction.studies.members import bodies_of, pair_of
 from stiction.studies.pressing import OneLoad
 from stiction.studies.store import read_beside
 from stiction.studies.study import Study
+from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -29,6 +35,7 @@ if TYPE_CHECKING:
 
 FILE = "picture.nc"  # name of the file in the folder of a result
 MOST_PICTURED = 512  # rows and columns of a map that are kept
+IN_PULL_OFFS = (0.25, 0.5, 1, 2, 3, 4)  # loads over the pull-off force at which coming and going are drawn
 AROUND_LARGEST = 8  # the part of the map that is kept of the pressure about the contact that carries most
 FEWEST_POINTS = 16
 
@@ -83,6 +90,40 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         return None
     attributes = {"member": index, "load_mN": load, "x": member.x, "y": member.y}
     return _dataset(upper, lower, pressed.table(), pressed.pressure()).assign_attrs(attributes)
+
+
+def coming_and_going(result: Result) -> xarray.Dataset | None:
+    """Load, contact load (mN), true area (µm²) and approach (µm) of one member that adheres, pressed and drawn apart.
+
+    Over point, first coming, from no load to the most of the study, then `going` until the bodies part; of the typical
+    member of measured bodies, and the first of generated ones, in the first cell. None without adhesion, and where a
+    contact is not solved or the files are gone.
+    """
+    import xarray
+
+    study = study_of_result(result)
+    contact = study.contact
+    if not isinstance(contact, HalfSpace) or not contact.adheres:
+        return None
+    most, first = float(contact.steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
+    found = member_values(result, [most])["contact_area"].isel(first)
+    area, members = found.values[:, 0], found["repetition"].values
+    index = int(members[typical(area)]) if np.isfinite(area).any() else 0
+    cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
+    try:
+        pair = _pair(study, index, cell)
+        pressed: Any = functools.partial(half_space, *pair, **contact.solid())
+        loads = np.array([0, *IN_PULL_OFFS]) * pressed([0.0]).pull_off
+        loads = np.append(loads[loads < most], most)
+        coming, going = pressed(loads), pressed(loads[::-1])
+        ways = [coming, going, going.parting]
+    except (RuntimeError, ValueError, OSError):
+        return None
+    names = ("load", "contact_load", "contact_area", "approach")
+    table = {name: ("point", np.concatenate([getattr(each, name) for each in ways])) for name in names}
+    table["going"] = ("point", np.repeat([False, True, True], [each.load.size for each in ways]))
+    nominal = pair[1].extent * THICKNESS if isinstance(pair[1], Profile) else math.prod(pair[1].extent)
+    return xarray.Dataset(table, attrs={"nominal_area": nominal, "member": index})
 
 
 def picture_beside(result: Stored) -> xarray.Dataset | None:

@@ -12,7 +12,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, create_model, model
 
 from stiction._checks import Floats
 from stiction._units import exact, quantity, shortened
-from stiction.mechanics.half_space import Boundary
+from stiction.mechanics.half_space import ADHESION_RANGE, Boundary
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Profiles
@@ -31,12 +31,14 @@ from stiction.studies.values import (
     Rules,
     Strength,
     Table,
+    WorkOfAdhesion,
     array_of,
     as_tuple,
     chosen,
     completed,
     degrees_of,
     fault_at,
+    written,
 )
 
 COMPASS = tuple(30.0 * step for step in range(12))  # directions of measured areas unless others are given, degrees
@@ -205,6 +207,29 @@ class HalfSpace(ContactTable):
     boundary: Boundary = Field(description="What lies beyond the edges: nothing, or the same surfaces again.")
     hardness: Modulus | None = Field(description="The largest pressure of the half-space; none is elastic.")
     compliance_share: Fraction = Field(description="The lower body's fraction of the compliance.")
+    work_of_adhesion: WorkOfAdhesion | None = Field(
+        description="Energy that parts an area in contact; none is not known, and taken as 0."
+    )
+    adhesion_range: Length | None = Field(
+        description="Gap over which the attraction falls off by 1/e; 0.5 nm unless given."
+    )
+
+    @model_validator(mode="after")
+    def _adheres(self) -> HalfSpace:
+        if self.adhesion_range is not None and not self.adheres:
+            raise fault_at("adhesion_range", "must not be given without a work_of_adhesion above 0")
+        strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
+        if self.hardness is not None and not strength < float(self.hardness):
+            raise fault_at(
+                "hardness", f"must be above work_of_adhesion over adhesion_range, {strength:g} GPa, under which bodies "
+                f"flow without a load, got {written(self.hardness)!r}",
+            )  # fmt: skip
+        return self
+
+    @property
+    def adheres(self) -> bool:
+        """Whether there is an attraction between the bodies."""
+        return bool(self.work_of_adhesion)
 
     def solid(self) -> dict[str, Any]:
         """What `half_space` takes besides bodies, loads and motion."""
@@ -213,6 +238,8 @@ class HalfSpace(ContactTable):
             "boundary": self.boundary,
             "compliance_share": self.compliance_share,
             "hardness": None if self.hardness is None else float(self.hardness),
+            **({"work_of_adhesion": float(self.work_of_adhesion)} if self.work_of_adhesion else {}),
+            **({"adhesion_range": float(self.adhesion_range)} if self.adhesion_range else {}),
         }
 
 
@@ -220,6 +247,8 @@ class Asperities(ContactTable):
     """Contacts of asperities, which do not feel each other."""
 
     hardness: ClassVar[None] = None
+    work_of_adhesion: ClassVar[None] = None
+    adheres: ClassVar[bool] = False
 
     mechanics: Literal["asperities"] = Field(
         default="asperities", description="Hertzian contacts that do not interact."
@@ -275,6 +304,8 @@ KEYS: Keys = {
     "boundary": {"the half-space": "free"},
     "hardness": {"the half-space": None},
     "compliance_share": {"the half-space": 0.5},
+    "work_of_adhesion": {"the half-space": None},
+    "adhesion_range": {"the half-space": None},
     "shear": {"generated surfaces": "+x"},
     "direction": {"generated surfaces": None, "measured areas": COMPASS},
     "sliding": {"generated surfaces": "opposing"},

@@ -25,11 +25,11 @@ def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_
     return np.unique(np.concatenate([given, others[apart]]))
 
 
-def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None) -> Floats:
+def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
     """Loads (mN) that a measured pair is pressed to, the given ones (above 0) among them.
 
-    Members that are lines have as many loads as `loads_around`, of half-planes fewer; areas have one below and one
-    above all. No load reaches `most` (mN), hardness times area.
+    Members that are lines have as many loads as `loads_around`, of half-planes fewer; areas have `lighter` below
+    and one above all. No load reaches `most` (mN), hardness times area.
     """
     if press == "lines" and mechanics == "asperities":
         around = loads_around(loads)
@@ -37,7 +37,11 @@ def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None =
         around = loads_around(loads, around=AROUND_HALF_SPACE, steps=HALF_SPACE_STEPS)
     else:
         given = np.atleast_1d(float_array("loads", loads))
-        around = np.unique(np.concatenate([given, [given.min() / AROUND_AREAS, given.max() * AROUND_AREAS]]))
+        around = np.unique(
+            np.concatenate(
+                [given, given.min() / AROUND_AREAS ** np.arange(1, lighter + 1), [given.max() * AROUND_AREAS]]
+            )
+        )
     # Those that are asked for stay to the bit, the others are written in few digits.
     asked = set(np.atleast_1d(float_array("loads", loads)).tolist())
     short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])

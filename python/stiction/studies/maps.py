@@ -332,11 +332,12 @@ _NEEDED = {
     "friction_coefficient": ("contact_count", *friction.SIX),
     "contact_area": (*_LOADS, "contact_area"),
     "normal_stiffness": _LOADS,
-    **{name: (*_LOADS, name) for name in ONSET},
+    **{name: (*_LOADS, name) for name in (*ONSET, "contact_load")},
 }
 """Sums that a quantity is made of."""
 
 
+_AS_THEY_ARE = ("tangential_stiffness", "contact_load")  # in the place of the area
 _WEIGHED = ONSET[1:]  # what each member has its own of, so that their mean weighs them by load
 
 
@@ -362,7 +363,7 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
     columns = {name: values_of(name) for name in SUMS}
     sums = Sums.of(columns)
-    if what == "tangential_stiffness":
+    if what in _AS_THEY_ARE:
         return sums, Sums.of(columns | {"contact_area": values_of(what)})
     if what in _WEIGHED:
         return sums, Sums.of(columns | {name: columns[name] * values_of(what) for name in _LOADS[1:]})
@@ -377,7 +378,7 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
 
 def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
-    if what in ("contact_area", "tangential_stiffness"):
+    if what in ("contact_area", *_AS_THEY_ARE):
         return sums.contact_area
     return friction.load_of("tangential" if what == "friction_coefficient" else "normal", sums, mu0, tau0)
 

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, loads_of, ratio_of
-from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, attributes_of
+from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, load_of, loads_of, ratio_of
+from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, UNLOADED, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.crossing import Crossing
 from stiction.studies.maps import MOTIONS, cells_of, head_of, material_of
@@ -164,9 +164,17 @@ def piece_at(
         if name in there:
             read = off.at(_over(there[name], (*lead, "fraction_below", step)), sums=False)
             variables[name] = ((*lead, "fraction_below", "load"), read, there[name].attrs)
-    for name in ("rms_gradient", "rms_slope"):
+    for name in ("rms_gradient", "rms_slope", "pull_off"):
         if name in there:
             variables[name] = there[name]
+    if "pull_off" in there:
+        missing = np.isnan(_over(there["pull_off"], lead)).astype(np.float64)
+        variables["share_without_pull_off"] = (lead, missing, attributes_of("share_without_pull_off"))
+        parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
+        held = load_of("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
+        variables["friction_at_no_load"] = (
+            (*lead, "sliding", "mu0", "tau0"), held, attributes_of("friction_at_no_load"),
+        )  # fmt: skip
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
@@ -189,11 +197,13 @@ def _curves(piece: xarray.Dataset, loads: Floats, *, ratio: bool) -> tuple[dict[
     return sums, Crossing.of(curve, loads, ratio=ratio).without_gaps(curve, loads)
 
 
-_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "approach")
+_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "contact_load", "approach")
 _VALIDITY_LOADS = ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count", "load_overlapping")
 
 
-_PROPORTIONAL = ("tangential_stiffness", "contact_count", "contact_area", "normal_elastic", *_VALIDITY_LOADS)
+_PROPORTIONAL = (
+    "tangential_stiffness", "contact_count", "contact_area", "normal_elastic", "contact_load", *_VALIDITY_LOADS,
+)  # fmt: skip
 """What grows about as the load does."""
 
 
@@ -210,10 +220,15 @@ def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any
     """With the fractions that follow from the sums, in place of what only they are made of."""
     dims, elastic = variables["normal_elastic"][:2]
     found: dict[str, Any] = {}
+    if nominal_area is not None and "pull_off" in variables:
+        pull_off = variables["pull_off"]
+        pressure = pull_off.values / float(nominal_area)
+        variables["pull_off_pressure"] = (pull_off.dims, pressure, attributes_of("pull_off_pressure"))
     if nominal_area is not None:
         found["contact_area_fraction"] = variables["contact_area"][1] / float(nominal_area)
     with np.errstate(divide="ignore", invalid="ignore"):
-        found["mean_pressure"] = elastic / variables["contact_area"][1]
+        carried = variables["contact_load"][1] if "contact_load" in variables else elastic
+        found["mean_pressure"] = carried / variables["contact_area"][1]
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
     for name in ("share_beyond_hertz", "share_below_grid", "relative_overlap", "share_overlapping", "share_crossed"):
         if RATIOS[name][0] in sums:

@@ -35,6 +35,7 @@ OFFSETS = 64  # positions of one pair of profiles by default: some seconds of co
 SHIFTS = 16  # relative positions of two maps by default
 SURROGATES = 16  # pairs of surrogates of profiles, which have no areas of their own, by default
 SEED = 2016  # start of the random numbers of surrogates by default
+LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
 LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 MECHANICS = ("half-space", "asperities")
@@ -68,6 +69,8 @@ class Pair:
     hardness: Any = None
     wait: Several = None
     creep: Any = None
+    work_of_adhesion: Any = None
+    adhesion_range: Any = None
     law: str | None = None
     yield_strength: Any = None
     mechanics: str | None = None
@@ -414,11 +417,26 @@ class Pair:
             table["compliance_share"] = known.compliance_share
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
+            table |= self._adhesion
         else:
             table |= {"law": self._law(), "detection": self.detection or "gap-minimum"}
             if self.curvature is not None:
                 table["curvature"] = self.curvature
         return table
+
+    @property
+    def _adhesion(self) -> dict[str, Quantity]:
+        """Work of adhesion and its range, of which no range of values is taken: solutions over it are other studies."""
+        found = {}
+        for name, kind in (("work_of_adhesion", "work of adhesion"), ("adhesion_range", "length")):
+            if (value := getattr(self, name)) is None:
+                continue
+            if isinstance(value, str) and NO_NUMBER.search(value):
+                said = f"{{{name}}} must be one value; press at both ends of a range, got {{got}}"
+                raise ArgumentError(said, got=repr(value))
+            found[name] = quantity_of(name, value, kind)
+            at_least_0(name, [found[name]], value)
+        return found
 
     @property
     def _hardness(self) -> Quantity | None:
@@ -460,8 +478,9 @@ class Pair:
                 raise ArgumentError("{load} must be below the hardness times the area, {most:.4g} mN", most=most)
         by_half_space = "half-space" in self.by
         return ladder(
-            self.loads, press=self.press, mechanics="half-space" if by_half_space else "asperities", most=most
-        )
+            self.loads, press=self.press, mechanics="half-space" if by_half_space else "asperities", most=most,
+            lighter=LIGHTER if self._adhesion.get("work_of_adhesion") else 1,
+        )  # fmt: skip
 
     @cached_property
     def _nominal_area(self) -> float:
@@ -550,6 +569,9 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
     (("wait",), lambda asked: asked.creep is not None, "needs {creep}, the exponent of indentation creep"),
     (("creep",), lambda asked: asked.wait is not None, "is for {wait}"),
     (("wait",), lambda asked: asked.by[0] == "half-space", "is for {mechanics} half-space"),
+    (("work_of_adhesion", "adhesion_range"), lambda asked: asked.by == ("half-space",),
+     "is for {mechanics} half-space alone"),
+    (("adhesion_range",), lambda asked: asked.work_of_adhesion is not None, "is for {work_of_adhesion}"),
     (("poisson",), lambda asked: asked.young is not None or asked.contact_law == JacksonGreen.name,
      "is for {young} and {law} jackson-green"),
 )  # fmt: skip

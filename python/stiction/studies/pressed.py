@@ -13,10 +13,10 @@ import numpy as np
 import stiction._core as _core
 from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved, unloaded
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.model import ContactModel
-from stiction.mechanics.quantities import DIRECTED, ONSET
+from stiction.mechanics.quantities import DIRECTED, ONSET, UNLOADED
 from stiction.studies.contact_tables import Asperities, HalfSpace
 from stiction.studies.members import (
     FAMILY_MEMORY,
@@ -26,7 +26,7 @@ from stiction.studies.members import (
     scaled_surface,
     unscaled_surface,
 )
-from stiction.studies.pressing import Pressing, nothing
+from stiction.studies.pressing import Pressing, nothing, sliding_sum
 from stiction.studies.result import Arrays, generated, names_of, profiles, variables_of
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
@@ -72,6 +72,8 @@ half-space and a half-plane besides its solution. They decide how many members a
 SOLUTION = {False: 6e-8, True: 1.3e-8}
 """Seconds of one core of a solution of lines and areas over points^(5/4): a finer grid takes more iterations."""
 
+REPEATED, PARTING = 5, 25  # solutions of a contact with adhesion, and contacts on the way to the pull-off force
+
 
 def cost_of_member(study: Study) -> float:
     """A rough estimate of the seconds that a member takes on one core, whatever the number of members."""
@@ -79,6 +81,8 @@ def cost_of_member(study: Study) -> float:
     loads = study.contact.steps().size
     points, areal = points_of_member(study), study.is_areal
     if study.by_half_space:
+        if study.contact.adheres:
+            loads = REPEATED * (loads + PARTING)
         return (
             cells * loads * (COSTS["half-space" if areal else "half-plane"] + SOLUTION[areal] * math.pow(points, 1.25))
         )
@@ -113,18 +117,31 @@ def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) ->
         table = _table([name for name in names if name not in ONSET], curves)
         return table | _onset(study, curves[0]) if contact.onset else table
     steps = _steps(contact)
-    result: Arrays = {}
+    result = _unloaded(study, upper, lower) if contact.adheres else {}
+    names = tuple(name for name in names if name not in result)
+    of_steps: Arrays = {}
     for at, curve in solved(functools.partial(_half_space, study, upper, lower), steps):
         part = _table(names, [curve, *(curve.with_sliding(rule) for rule in contact.rules()[1:])])
         if at.size == steps.size:
-            return part
+            return part | result
         for name, values in part.items():
-            result.setdefault(name, nothing((*values.shape[:-1], steps.size), name))[..., at] = values
-    if not result:  # none of the loads has a solution
+            of_steps.setdefault(name, nothing((*values.shape[:-1], steps.size), name))[..., at] = values
+    if not of_steps:  # none of the loads has a solution
         shapes = {name: shape for name, (shape, _) in arrays_of(study).items()}
         cells = len(study.surfaces.cells())
-        return {name: nothing(shapes[name][cells:], name) for name in names}
-    return result
+        of_steps = {name: nothing(shapes[name][cells:], name) for name in names}
+    return of_steps | result
+
+
+def _unloaded(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
+    """What holds a pair without a load, NaN where that is not solved."""
+    curve, pull_off = unloaded(functools.partial(_half_space, study, upper, lower))
+    found: Arrays = {"pull_off": np.asarray(pull_off)}
+    rules = study.contact.rules()
+    for name in UNLOADED:
+        curves = [] if curve is None else [curve, *(curve.with_sliding(rule) for rule in rules[1:])]
+        found[name] = np.stack([getattr(each, sliding_sum(name))[..., 0] for each in curves] or [np.array(np.nan)])
+    return found
 
 
 def _onset(study: Study, curve: LoadCurve) -> Arrays:

@@ -15,11 +15,11 @@ from stiction._units import in_core_units
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved, unloaded
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import Bodies, crossing
 from stiction.mechanics.model import ContactModel, Shear, Sliding
-from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, DISTRIBUTIONS, SUMS
+from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, DISTRIBUTIONS, SUMS, UNLOADED
 from stiction.studies.contact_statistics import (
     QUANTILES,
     STATISTICS,
@@ -106,7 +106,9 @@ class _Values:
         """The array of a quantity."""
         if name not in self.arrays:
             shape: tuple[int, ...] = (self._loads,)
-            if name in DIRECTED:
+            if name in UNLOADED or name == "pull_off":
+                shape = self._motions if name in UNLOADED else ()
+            elif name in DIRECTED:
                 shape = (*self._motions, self._loads)
             elif name in DISTRIBUTIONS:
                 shape = (self._loads, len(QUANTILES))
@@ -118,22 +120,21 @@ class _Values:
 
 def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) -> None:
     """The elastic half-space; a load without a solution leaves the others theirs."""
-    for name in _OF_HALF_SPACE:
+    assert isinstance(pressing.how, dict)
+    adheres = "work_of_adhesion" in pressing.how
+    names = (*_OF_HALF_SPACE, *(ADHESION[:1] if adheres else ()))
+    for name in (*names, *(ADHESION[1:] if adheres else ())):
         values.of(name)
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = pressing.angles.tolist() if areal else "+x"
-    assert isinstance(pressing.how, dict)
     solve = functools.partial(half_space, upper, lower, **pressing.how, direction=first, sliding=pressing.rules[0])
     for at, curve in solved(solve, pressing.loads):
-        ways = [curve] if areal else [curve.with_direction(way) for way in pressing.ways()]
-        for rule, sliding in enumerate(pressing.rules):
-            by_rule = [way if rule == 0 else way.with_sliding(sliding) for way in ways]
-            for name in _OF_HALF_SPACE:
-                if name not in DIRECTED:
-                    values.of(name)[at] = getattr(curve, name)
-                else:
-                    along = [getattr(way, name) for way in by_rule]
-                    values.of(name)[rule][:, at] = along[0] if areal else along
+        by_rule = _by_rule(pressing, curve, areal=areal)
+        for name in names:
+            if name in DIRECTED:
+                values.of(name)[..., at] = _of_motions(by_rule, name)
+            else:
+                values.of(name)[at] = getattr(curve, name)
         values.of("status")[at] = STATUSES.index("ok")
         values.of("normal_stiffness")[at] = curve.stiffness
         values.of("error")[at] = curve.error
@@ -142,6 +143,30 @@ def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
             more = patches_of(contact).statistics() | pressed_on_steepest(contact, values.slopes)
             for name, value in more.items():
                 values.of(name)[load] = value
+
+    if adheres:
+        held, values.of("pull_off")[...] = unloaded(solve)
+        if held is not None:
+            by_rule = _by_rule(pressing, held, areal=areal)
+            for name in UNLOADED:
+                values.of(name)[...] = _of_motions(by_rule, sliding_sum(name))[..., 0]
+
+
+def sliding_sum(name: str) -> str:
+    """The sum at each load that a name of `UNLOADED` is at none."""
+    return name.replace("unloaded", "tangential")
+
+
+def _by_rule(pressing: Pressing, curve: HalfSpaceCurve, *, areal: bool) -> list[list[HalfSpaceCurve]]:
+    """A curve by every rule, and of lines in every direction."""
+    ways = [curve] if areal else [curve.with_direction(way) for way in pressing.ways()]
+    rules = enumerate(pressing.rules)
+    return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
+
+
+def _of_motions(by_rule: list[list[HalfSpaceCurve]], name: str) -> Floats:
+    """A sum over rules, directions and loads."""
+    return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in by_rule])
 
 
 _OF_HALF_SPACE = (

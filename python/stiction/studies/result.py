@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, attributes_of
+from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, UNLOADED, attributes_of
 from stiction.studies.contact_statistics import QUANTILES, STATISTICS
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.study import Study
@@ -139,8 +139,10 @@ def names_of(study: Study) -> tuple[str, ...]:
 
 def _dims(study: Study, name: str) -> tuple[str, ...]:
     members = (*study.surfaces.cells(), "repetition")
-    if name == "rms_gradient":
+    if name in ("rms_gradient", "pull_off"):
         return members
+    if name in UNLOADED:
+        return (*members, *study.motions())
     if name == "rms_slope":
         return (*members, *(motion for motion in study.motions() if motion == "direction"))
     if name in DISTRIBUTIONS:

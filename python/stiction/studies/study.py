@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exactly, quantity, shortened
-from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
+from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import KEYS, Contact, contact_case, read_contact
 from stiction.studies.generated_surfaces import Profiles
 from stiction.studies.known import KnownTable
@@ -234,7 +234,7 @@ class Study(Table):
     def sums(self) -> tuple[str, ...]:
         """Names of what a result of the study has of each member at each approach or load."""
         if self.by_half_space:
-            return HALF_SPACE_SUMS
+            return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
         onset = ONSET if self.contact.onset is not None else ()
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset

@@ -26,6 +26,7 @@ from stiction.views.doubts import WIDE as WIDE
 from stiction.views.doubts import Doubt as Doubt
 from stiction.views.point import (
     CELLS,
+    adhesion_text,
     is_capped,
     law_of,
     load_text,
@@ -325,10 +326,13 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """What holds the bodies where all contacts rub: mu0, adhesion on the true area, and the rest, by the slopes."""
+    """What holds the bodies where all contacts rub: mu0 on the load of the contacts, tau0 on their area, and slopes."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
-    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, "contact_area") / float(point["load"])
+    load = float(point["load"])
+    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, "contact_area") / load
+    if "contact_load" in point:
+        mu0 *= value_of(point, "contact_load") / load
     return mu0, adhesion, rule.value - mu0 - adhesion
 
 
@@ -338,7 +342,7 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
     The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
     """
     hardness = study.contact.hardness
-    measured = study.is_measured and study.by_half_space
+    measured = study.is_measured and study.by_half_space and not study.contact.adheres
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
     mu0, adhesion = float(point["mu0"]), float(point["tau0"]) / float(hardness)
@@ -377,6 +381,8 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
         words.append(f"hardness {with_unit(float(hardness), 'GPa')}{_range(study)}")
     elif study.is_measured:
         words.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
+    if study.contact.adheres:
+        words.append(adhesion_text(point, study))
     if "spacing_um" in point.attrs:
         words.append(f"points {_spacing_text(point)} apart")
     if "cut_off" in point.coords and float(point["cut_off"]) > 0:

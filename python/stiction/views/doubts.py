@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from stiction.mechanics import friction
+from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
-from stiction.studies.known import materials_of
+from stiction.studies.known import inputs_of, materials_of
 from stiction.views.digits import percent, significant, with_unit
-from stiction.views.point import is_capped, modulus_of, pressure_of, value_of
+from stiction.views.point import has_nominal_area, is_capped, modulus_of, pressure_of, range_of, value_of
 
 if TYPE_CHECKING:
     import xarray
@@ -39,6 +40,9 @@ SHEARED = 3**-1.5  # shear strength of a body over its hardness, of three yield 
 PART_BEYOND = 0.1
 """Part of the load that has to be at the hardness for its strength to be compared with that of the body."""
 
+ADDED = 0.05  # part of the load that adhesion adds to that of the contacts, from which on it decides
+TYPICAL_WORK = 5e-5  # mN/µm, 50 mJ/m²: what most solids have in air
+RIM = 4.3  # least squares over 395 solved pairs, lines and areas, E* 2 MPa to 200 GPa; see docs/adhesion.md
 ONLY_MU0 = 0.02  # relative difference of a coefficient from mu0 below which it is that
 WIDE = 0.5  # half the width of an interval over its value above which a coefficient says too little
 
@@ -128,6 +132,15 @@ OF_SLOPES: Checks = (
     ),
 )  # fmt: skip
 
+OF_PULL_OFF: Checks = (
+    (
+        Check(
+            "share_without_pull_off", 0.0, "the pull-off force of {} of the members does not converge, and is left out",
+            "take half_space of one of them, which says how far it came", "caution", "percent",
+        ),
+    ),
+)  # fmt: skip
+
 AT_EDGE: Checks = (
     (
         Check(
@@ -181,9 +194,10 @@ def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str)
     pressures = pressure_checks(study, modulus_of(point, study))
     yield from doubted((*OF_VALUE, *OF_SLOPES, *pressures), numbers)
     yield from _of_the_strength(point, study, value)
+    yield from _of_the_adhesion(point, study)
     yield from _of_the_scans(point, study)
     yield from _of_the_contacts(point, ok)
-    yield from doubted((*AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES), numbers)
+    yield from doubted((*OF_PULL_OFF, *AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES), numbers)
 
 
 def limit_of(name: str) -> float | None:
@@ -214,7 +228,7 @@ def _numbers(point: xarray.Dataset, study: Study, value: Interval) -> dict[str, 
             name: value_of(point, name)
             for name in (
                 "rms_gradient", "share_at_edge", "fraction_on_small", "share_on_largest", "share_beyond_hertz",
-                "share_below_grid", "share_overlapping",
+                "share_below_grid", "share_overlapping", "share_without_pull_off",
             )
         },
     }  # fmt: skip
@@ -274,6 +288,47 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: Interval) -> It
     if study.is_measured and tau0 == 0 and mu0 > 0 and abs(value.value / mu0 - 1) < ONLY_MU0:
         text = f"τ0 is 0, so this is the μ0 that was given; these surfaces add {significant(value.value - mu0, 1)}"
         yield Doubt(text, "give --tau0, or measure both by stiction calibrate", "caution")
+
+
+def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
+    """Where the grid decides its range, or the interval leaves out what it does."""
+    if not study.contact.adheres:
+        added = added_by_adhesion(point, study)
+        least = ADDED if study.by_half_space else 1.0  # asperities cannot say that there is none
+        if study.is_measured and study.contact.work_of_adhesion is None and added > least:
+            more = f"{percent(added)} of the load" if added < 1 else "more than the load"
+            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add some {more} to that of the contacts"
+            also = "" if study.by_half_space else "--mechanics half-space and "
+            yield Doubt(text, f"give {also}--adhesion, '0 mJ/m^2' where there is none", "caution")
+        return
+    asked, taken = range_of(point, study)
+    if taken > asked:
+        text = f"adhesion reaches {with_unit(taken, 'um')}, the least on this grid, not {with_unit(asked, 'um')}"
+        yield Doubt(text, "the pull-off force is that of a short range, and a finer scan tells the rest", "caution")
+    known = {name.split("_")[0] for name in inputs_of(study)} & {"hardness", "effective", "young", "poisson"}
+    if known and value_of(point, "contact_load") > (1 + ADDED) * float(point["load"]):
+        names = "the hardness" if known == {"hardness"} else "E*" if "hardness" not in known else "E* and the hardness"
+        text = f"the interval leaves out how {names} change the attraction"
+        yield Doubt(text, "press at both ends of their ranges", "caution")
+
+
+def added_by_adhesion(point: xarray.Dataset, study: Study, work: float = TYPICAL_WORK) -> float:
+    """About what a work of adhesion (mN/µm) would add to the contact load, as a part of the load.
+
+    w/ρ on the true area A, and on what lies closer than ρ around contacts of the width d = (A/n)^(1/2), whose gap opens
+    as in Pastewka & Robbins (PNAS 111 (2014) 3298): (w/ρ) (A/F) (1 + 4.3 u^(2/3)), u = ρ/(h' d), ρ as the grid has it.
+    With A = κF/(E* h'), s = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it is
+    κ μ s^(1/3) (1 + 4.3 (s^(2/3)/μ)^(2/3)).
+    """
+    area, count, slope = (value_of(point, name) for name in ("contact_area", "contact_count", "rms_gradient"))
+    if not (area > 0 and count > 0 and slope > 0):
+        return math.nan
+    step = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    length = max(ADHESION_RANGE, resolved_range(work, step, modulus_of(point, study)))
+    strips = has_nominal_area(point, study) and not study.is_areal  # 1 µm thick
+    width = area / count if strips else math.sqrt(area / count)
+    around = RIM * (length / (slope * width)) ** (2 / 3)
+    return float(work / length / pressure_of(point) * (1 + around))
 
 
 def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:

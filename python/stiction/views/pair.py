@@ -45,6 +45,8 @@ def pair(
     hardness: Quantity | None = None,
     wait: Quantity | Sequence[Quantity] | None = None,
     creep: float | str | None = None,
+    work_of_adhesion: Quantity | None = None,
+    adhesion_range: Quantity | None = None,
     mechanics: Literal["half-space", "asperities"] | None = None,
     law: str | None = None,
     yield_strength: Quantity | None = None,
@@ -103,6 +105,11 @@ def pair(
         Times under load before the pair is sheared, "1 h"; the hardness is that after 1 s and falls as t**-creep.
     creep : float or str
         Exponent of indentation creep of the softer body, 0.03 or "0.02..0.05".
+    work_of_adhesion : str or float, kJ/m²
+        Energy that parts an area, "50 mJ/m^2", of the half-space; the load is then pressed from outside, and the result
+        has the pull-off force and the friction at no load. Not given it is taken as 0, and doubted where it decides.
+    adhesion_range : str or float, µm
+        Gap over which the attraction falls off by 1/e; by default "0.5 nm", one to two distances of atoms.
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps and asperities of lines.
     law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \

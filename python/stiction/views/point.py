@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.views.digits import with_unit
 
 if TYPE_CHECKING:
@@ -46,7 +47,8 @@ def pressure_of(point: xarray.Dataset) -> float:
     if "mean_pressure" in point:
         return value_of(point, "mean_pressure")
     area = value_of(point, "contact_area")
-    return float(point["load"]) / area if area > 0 else math.nan
+    load = value_of(point, "contact_load") if "contact_load" in point else float(point["load"])
+    return load / area if area > 0 else math.nan
 
 
 def rules_of(study: Study) -> list[str]:
@@ -81,6 +83,20 @@ def materials_text(study: Study) -> str:
     """What the bodies are made of, "mild steel on brass"; empty where their names are not known."""
     names = study.contact.materials
     return "" if names is None else " on ".join(names)
+
+
+def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
+    """The range of adhesion (µm) that was asked for, and that which the grid resolves, if that is longer."""
+    contact: Any = study.contact
+    asked = float(contact.adhesion_range or ADHESION_RANGE)
+    step = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    return asked, max(asked, resolved_range(float(contact.work_of_adhesion), step, modulus_of(point, study)))
+
+
+def adhesion_text(point: xarray.Dataset, study: Study) -> str:
+    """The work of adhesion of a study and its range: "adhesion 50 mJ/m² over 0.5 nm"."""
+    work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
+    return f"adhesion {work:.3g} mJ/m² over {with_unit(range_of(point, study)[1], 'um')}"
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:

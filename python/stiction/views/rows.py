@@ -18,7 +18,7 @@ import numpy as np
 
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import QUANTITIES, column_of
+from stiction.mechanics.quantities import HELD, QUANTITIES, column_of
 from stiction.views.answer import Answer, Doubt, answers
 from stiction.views.digits import duration, finite
 from stiction.views.onset import onset_record, words_of
@@ -163,8 +163,9 @@ def _of_loads(at: xarray.Dataset) -> list[str]:
     """Quantities that a load has one of; not those of each of several directions."""
     return [
         str(name) for name, table in at.data_vars.items()
-        if name in QUANTITIES and name not in _DIRECTED and "load" in table.dims and table.dtype.kind in "if"
-        and "fraction_below" not in table.dims and table.sizes.get("direction", 1) == 1
+        if name in QUANTITIES and name not in _DIRECTED and table.dtype.kind in "if"
+        and ("load" in table.dims or name in HELD) and "fraction_below" not in table.dims
+        and table.sizes.get("direction", 1) == 1
     ]  # fmt: skip
 
 

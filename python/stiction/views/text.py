@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import ONSET, QUANTITIES
+from stiction.mechanics.quantities import HELD, ONSET, QUANTITIES
 from stiction.studies.budget import FINER, POSITIONS
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
@@ -228,7 +228,8 @@ def parts_text(one: Answer) -> str:
     assert one.parts is not None
     mu0, adhesion, slopes = (round(part, 3) + 0.0 for part in one.parts)
     sign = "\N{MINUS SIGN}" if slopes < 0 else "+"
-    return f"{mu0:.3f} (μ0) + {adhesion:.3f} (τ0 on the true area) {sign} {abs(slopes):.3f} (slopes)"
+    more = "" if math.isclose(mu0, one.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
+    return f"{mu0:.3f} (μ0{more}) + {adhesion:.3f} (τ0 on the true area) {sign} {abs(slopes):.3f} (slopes)"
 
 
 def budget_text(one: Answer) -> str:
@@ -292,7 +293,10 @@ def _doubt(doubt: Doubt, more: str = "") -> str:
 
 # ---- Quantities ------------------------------------------------------------------------------------------------------
 
-_SHOWN = ("contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", *ONSET)
+_SHOWN = (
+    "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "contact_load",
+    *HELD, *ONSET,
+)  # fmt: skip
 """Quantities that every table has, where a result has them."""
 
 _MORE = (
@@ -313,7 +317,10 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     fraction = "contact_area_fraction" in one and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
     for name in (*_SHOWN, *(_MORE if verbose else ())):
-        hidden = {"contact_area": fraction and not verbose, "contact_area_fraction": not fraction}.get(name, False)
+        hidden = {
+            "contact_area": fraction and not verbose, "contact_area_fraction": not fraction,
+            "pull_off_pressure": not fraction,
+        }.get(name, False)  # fmt: skip
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
             rows += _row(name, words_of(name, study), [point[name] for point in loads])
     for name, below in _QUANTILES if verbose else ():

@@ -31,7 +31,7 @@ def budget_figure(answer: Answer, *, title: str = "") -> Figure:
     figure = Figure(figsize=(WIDTH, (34 + 5 * len(rows)) * MILLIMETRE), layout="constrained")
     axes: Any = figure.subplots()
     start = 0.0
-    words = (r"$\mu_0$", "adhesion on the true area", "slopes")
+    words = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
     for part, colour, word in zip(answer.parts or (answer.value,), (LEANING, AREA, OPPOSING), words, strict=False):
         axes.barh(0, part, left=start, height=0.6, color=colour, label=word if answer.parts else None)
         start += part

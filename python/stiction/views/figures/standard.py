@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.studies.at_load import at_load, member_values
-from stiction.studies.contact_picture import picture_beside
+from stiction.studies.contact_picture import coming_and_going, picture_beside
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
 from stiction.studies.onset import onset_beside
@@ -20,6 +20,7 @@ from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.views.answer import Answer, answers, headlines
 from stiction.views.asked import at_asked_loads
+from stiction.views.figures.adhesion import adhesion_figure
 from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import positions_figure, sizes_figure
@@ -45,8 +46,9 @@ def drawn(
     Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
     (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
     as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
-    ``budget``, ``waiting``, ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and ``contacts`` (of
-    maps), as far as the result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
+    ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and
+    ``contacts`` (of maps), as far as the result has what they show; further mu0 and tau0 have theirs,
+    ``friction-2.png`` and so on.
 
     Parameters
     ----------
@@ -178,6 +180,8 @@ def _of_measured(
         yield "onset", _later(onset_figure, onset, title=read.title)
         if has_slip_map(onset):
             yield "slip", _later(slip_figure, onset, title=read.title)
+    if study.contact.adheres and (ways := once(result, coming_and_going)) is not None:
+        yield "adhesion", _later(adhesion_figure, ways, title=read.title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         yield "sizes", _later(_sizes, result, read, hardness)
     if picture is not None:
@@ -189,6 +193,11 @@ def _of_measured(
 
 def _headline(result: Any, study: Study) -> Answer:
     return headlines(answers(at_asked_loads(result), study, beside=doubts_of_study(study)))[0]
+
+
+def once(result: Any, read: Callable[[Any], Any]) -> Any:
+    """What a function reads of a result, of a stored one once."""
+    return result.once(read) if isinstance(result, Stored) else read(result)
 
 
 def _budget(result: Any, study: Study, *, title: str) -> Figure:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.quantities import QUANTITIES
+from stiction.mechanics.quantities import HELD, QUANTITIES
+from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
@@ -23,10 +24,10 @@ from stiction.views.answer import answers, slopes_text
 from stiction.views.asked import at_asked_loads
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt, limit_of
-from stiction.views.figures.standard import hardness_of, picture_of, title_of
+from stiction.views.figures.standard import hardness_of, once, picture_of, title_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import over_text
+from stiction.views.point import adhesion_text, over_text, rules_of, value_of
 from stiction.views.point import points as points_of
 from stiction.views.report.page import (
     CELLS,
@@ -41,7 +42,7 @@ from stiction.views.report.page import (
     packed,
     way,
 )
-from stiction.views.report.pictures import onset_panels
+from stiction.views.report.pictures import adhesion_panel, onset_panels
 from stiction.views.report.sums import PAGE_RATIOS, sums_of_members
 from stiction.views.resolution import waves_text
 from stiction.views.text import budget_text, waited_text
@@ -53,6 +54,7 @@ MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 
 _OF_LOAD = {
     "contact_area_fraction": "contact_area", "contact_area": "contact_area", "contact_count": "contact_count",
+    "contact_load": "contact_load",
     "mean_pressure": "contact_area", "normal_stiffness": "normal_stiffness", "approach": "approach",
     "share_on_largest": "share_on_largest", "share_at_edge": "share_at_edge",
     "fraction_on_small": "fraction_on_small", "load_share_at_hardness": "load_share_at_hardness",
@@ -94,10 +96,11 @@ def page_of_measured(
     version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
     details = "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
-        study=study, name=name, head=[*_head(study, facts), *_beside(study, onset)],
+        study=study, name=name, head=[*_head(study, facts), *_beside(study, onset), *_held(result, study)],
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
         facts=facts, numbers=numbers, version=str(version), there=members, details=details,
-        pictures="" if onset is None else onset_panels(onset, files),
+        pictures=("" if onset is None else onset_panels(onset, files))
+        + adhesion_panel(once(result, coming_and_going), files),
     )  # fmt: skip
 
 
@@ -128,6 +131,18 @@ def _beside(study: Study, onset: xarray.Dataset | None) -> list[str]:
     found = seen(study)
     words = [] if found is None else [waves_text(found)]
     return words if onset is None else [*words, f"{onset_text(onset)} {onset_note(onset)}"]
+
+
+def _held(result: xarray.Dataset | Stored, study: Study) -> list[str]:
+    """What holds bodies that adhere, at the first mu0 and tau0 by the rule to quote."""
+    if not study.contact.adheres:
+        return []
+    point = next(points_of(at_asked_loads(result)))
+    point = point.sel(sliding=rules_of(study)[0]) if "sliding" in point.dims else point
+    found = [with_unit(value_of(point, name), QUANTITIES[name].unit) for name in HELD]
+    return [
+        f"With {adhesion_text(point, study)}: pull-off force {found[0]} ({found[1]}), friction at no load {found[2]}."
+    ]
 
 
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:

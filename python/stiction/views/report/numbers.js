@@ -435,7 +435,7 @@ function memberValues({facts, motions, chosen, members}, quantity, d, a, step, m
     const at = (part) => sums[part][index(member)];
     const value = over.length ? at(of) / over.reduce((sum, part) => sum + at(part), 0) : at(of);
     if (name === "contact_area_fraction") return value / facts.area;
-    return name === "mean_pressure" ? at("normal_elastic") / value : value;
+    return name === "mean_pressure" ? at("contact_load" in sums ? "contact_load" : "normal_elastic") / value : value;
   });
 }
 

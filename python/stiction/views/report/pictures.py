@@ -12,6 +12,7 @@ from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
 from stiction.studies.study import Study
 from stiction.views.digits import with_unit
+from stiction.views.figures.adhesion import adhesion_figure
 from stiction.views.figures.contact import contact_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.style import STYLE
@@ -38,6 +39,11 @@ _OVER_DIMENSION = (
     "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load they "
     "carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
 )
+_ADHESION = (
+    "Coming and going",
+    "Load against approach and true area of a typical pair, pressed together and drawn apart.",
+    "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
+)
 _PROFILES = (
     "Two of the profiles in contact",
     "Two profiles, and the contact that carries most with the forces on the upper body.",
@@ -56,6 +62,11 @@ def profiles_panel(study: Study, approach: float) -> str:
     more: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
     more |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
     return _panel(_PROFILES, lambda: contact_figure(upper, lower, approach, **more))
+
+
+def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
+    """A panel of what `coming_and_going` gives, as markup; none without adhesion."""
+    return "" if ways is None else _panel(_ADHESION, lambda: adhesion_figure(ways, title=title))
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:

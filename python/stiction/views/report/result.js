@@ -113,14 +113,14 @@ function knownOf({said}, rule) {
   return ends?.every(Number.isFinite) ? ends : undefined;
 }
 
-/** What holds the bodies as one bar, mu0, adhesion on the true area and slopes, with the interval of everything known. */
+/** What holds the bodies as one bar, mu0, tau0 on the true area and slopes, with the interval of everything known. */
 function barOf({parts, intervals}, value) {
   const [low, high] = intervals.all;
   const most = 1.05 * Math.max(value, high);
   const percent = (part) => `${(100 * part) / most}%`;
   const bar = shape("svg", {class: "bar", role: "img", width: "100%", height: 34});
   let from = 0;
-  const names = ["μ0", "adhesion on the true area", "slopes"];
+  const names = ["μ0", "τ0 on the true area", "slopes"];
   parts.forEach((part, index) => {
     const begin = part < 0 ? from + part : from;
     bar.append(shape("rect", {x: percent(begin), y: 6, width: percent(Math.abs(part)), height: 16, fill: `var(--${["accent", "area", "opposing"][index]})`}));
