@@ -31,7 +31,9 @@ from stiction.studies.study import Study
 if TYPE_CHECKING:
     from stiction.views.answer import Doubt
 
-UpperFile = Annotated[Path, typer.Argument(metavar="UPPER", help="A measured profile or surface: the slider.")]
+UpperFile = Annotated[Path, typer.Argument(
+    metavar="UPPER", help="A measured profile or surface: the slider. Scans of several places: a.csv,b.csv or a folder."
+)]  # fmt: skip
 LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")]
 _motion = partial(optional, panel="Load and motion")
 _material = partial(optional, panel="Material")
@@ -171,9 +173,9 @@ def pair(
 
     chosen, said = part_of(part), said_by(as_json)
     check_folder(output)
-    for file in (upper, lower):
-        announce_reader(file)
     bodies = Pair(upper=upper, lower=lower, **asked)
+    for file in bodies.files:
+        announce_reader(Path(file.file))
     studies = bodies.studies
     about(studies[0])  # refuses what cannot be pressed, before anything is written
     doubts = doubts_of_inputs(*bodies.bodies, studies[0], [float(load) for load in bodies.loads])

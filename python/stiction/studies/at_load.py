@@ -7,6 +7,7 @@ with what friction on slopes adds. On gentle slopes the three agree to four digi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from stiction.mechanics.quantities import ONSET, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import CELLS, cells_of, ensemble_map, head_of, material_of, means, study_of_result
 from stiction.studies.member_values import Kind, Reading, by_slopes, member_values
+from stiction.studies.result import measured
 from stiction.studies.study import Study, step_of
 
 if TYPE_CHECKING:
@@ -265,14 +267,18 @@ def _common_status(status: NDArray[Any]) -> NDArray[Any]:
 
 
 class OverMembers:
-    """How members belong together: independent of each other, or neighbours on lines."""
+    """How members belong together: independent of each other, neighbours on lines, or of several scans of parts."""
 
-    def __init__(self, order: NDArray[np.intp] | None, lines: NDArray[np.intp] | None) -> None:
-        self._order, self._lines = order, lines
+    def __init__(
+        self, order: NDArray[np.intp] | None, lines: NDArray[np.intp] | None, scans: tuple[Any, Any] | None = None
+    ) -> None:
+        self._order, self._lines, self._scans = order, lines, scans
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
         """Members at places: neighbours are the lines of maps, side by side, and the positions on one line."""
+        if study.is_measured and math.prod(measured(study).scan_counts) > 1:
+            return cls(None, None, measured(study).scans_of(np.asarray(places["repetition"])))
         if not study.is_measured or study.is_areal:
             return cls(None, None)
         lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))
@@ -281,6 +287,10 @@ class OverMembers:
 
     def mean(self, values: Floats) -> Floats:
         """(..., 3): mean, lower and upper end of values (members, ...)."""
+        if self._scans is not None:
+            columns = values.reshape(values.shape[0], -1).T
+            ends = [_ends_of(column, intervals.of_scans(column, *self._scans)) for column in columns]
+            return np.array(ends).reshape(*values.shape[1:], 3)
         if self._order is None or self._lines is None:
             return np.stack(intervals.of_sample(values), axis=-1)
         flat = values[self._order].reshape(values.shape[0], -1)
@@ -290,6 +300,15 @@ class OverMembers:
             for column, there in zip(flat.T, known.T, strict=True)
         ]
         return np.array(found).reshape(*values.shape[1:], 3)
+
+
+def _ends_of(values: Floats, found: intervals.OfScans | None) -> tuple[float, float, float]:
+    """Mean, lower and upper end, which is not below 0 where no value is."""
+    if found is None:
+        known = values[np.isfinite(values)]
+        return float(known.mean()) if known.size else np.nan, np.nan, np.nan
+    least = -np.inf if np.nanmin(values) < 0 else 0.0
+    return found.mean, max(found.mean - found.half_width, least), found.mean + found.half_width
 
 
 def _beside(study: Study, point: xarray.Dataset) -> dict[str, Any]:

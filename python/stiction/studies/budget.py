@@ -20,9 +20,11 @@ from stiction.mechanics.brackets import friction_bracket
 from stiction.studies.calibration import HARDNESS
 from stiction.studies.hardness import Areas
 from stiction.studies.interfaces import interface_of
+from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
 from stiction.studies.known import DRAWS, ENDS, Known, creep_of, inputs_of, relative_modulus, strata
 from stiction.studies.maps import study_of_result
-from stiction.studies.member_values import PerLoad, six_at
+from stiction.studies.member_values import PerLoad, member_values, six_at
+from stiction.studies.result import measured
 
 if TYPE_CHECKING:
     import xarray
@@ -31,7 +33,9 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 POSITIONS, FINER = "positions", "finer waves"
-"""Parts of the uncertainty that are no inputs."""
+UPPER_PIECE, LOWER_PIECE = "which piece of the upper part", "which piece of the lower part"
+PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
+"""Parts of the uncertainty that are no inputs: of the mean over scans and positions, and waves finer than the scan."""
 
 INTERFACE = "interface"
 """Input that is mu0 and tau0 jointly."""
@@ -77,7 +81,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         strength = fit.mu0, fit.tau0, fit.hardness if joint else None
         gone = ("mu0", "tau0", *(("hardness",) if joint else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}
-    order = [*([] if strength is None else [INTERFACE]), *inputs, POSITIONS, FINER]
+    scatters = _scatters(at, study, result)
+    order = [*([] if strength is None else [INTERFACE]), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
     friction = at["friction_all_round"]
     dims = tuple(str(dim) for dim in friction.dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
@@ -89,7 +94,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
         sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
-        one = _Point.of(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength)
+        one = _Point.of(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength, scatters.get(place))
         if one is None:
             continue
         found["friction_known"][place] = one.value, *one.interval()
@@ -122,6 +127,18 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     return at.assign(variables).assign_coords(coordinates)
 
 
+def _scatters(at: xarray.Dataset, study: Study, result: Result) -> dict[tuple[int, ...], OfScans | None]:
+    """How the variance of each coefficient is parted, where a part has several scans."""
+    if math.prod(measured(study).scan_counts) == 1:
+        return {}
+    members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
+    table, friction = members["friction_coefficient"], at["friction_all_round"]
+    dims = [str(dim) for dim in friction.dims if dim != "statistic"]
+    values = table.transpose(*dims, "repetition", "direction").values
+    scans = measured(study).scans_of(table["repetition"].values)
+    return {place: of_scans(values[place], *scans) for place in np.ndindex(*values.shape[:-2])}
+
+
 Strength = tuple[Floats, Floats, Floats | None]
 
 
@@ -138,16 +155,16 @@ class _Point:
     tau0: float
     areas: Areas
     load: int
-    positions: float  # relative standard error of the mean
-    scatter: float  # relative standard deviation of one member in one direction
-    members: int
+    places: Mapping[str, float]  # relative standard errors of the mean, of scans and of positions
+    scatter: float  # relative standard deviation of one member in one direction, from the mean
+    freedom: float
     finest: tuple[float, float] | None  # between which ends finer scans lie
     strength: Strength | None = None  # draws of mu0 and tau0 jointly, and of the hardness where they have it
 
     @classmethod
     def of(
         cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
-        strength: Strength | None = None,
+        strength: Strength | None = None, of_parts: OfScans | None = None,
     ) -> _Point | None:  # fmt: skip
         """From a point of what `at_load` gives; None where there is no coefficient, or no interval."""
         value, lower, upper = point["friction_all_round"].values.tolist()
@@ -167,20 +184,27 @@ class _Point:
         if hardness is not None and free and str(point["sliding"].values) == "all":
             contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
             finest = friction_bracket(value, mu0, tau0 / float(hardness), contacts)
-        positions = (upper - lower) / (2 * ENDS * value)
-        names = (*known, *((INTERFACE,) if strength else ()), *((POSITIONS,) if positions > 0 else ()))
+        error, members = (upper - lower) / (2 * ENDS * value), int(point["ok"].min())
+        spread = float(point["spread_high"]) - float(point["spread_low"])
+        places, freedom = {POSITIONS: error}, float(max(members - 1, 1))
+        scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))
+        if of_parts is not None:
+            whole = math.sqrt(sum(of_parts.variances)) or 1.0
+            places = {n: error * math.sqrt(each) / whole for n, each in zip(PLACES, of_parts.variances, strict=True)}
+            scatter, freedom = of_parts.test / value, min(of_parts.test_freedom, MOST_FREEDOM)
+        places = {name: each for name, each in places.items() if each > 0}
+        names = (*known, *((INTERFACE,) if strength else ()), *places)
         if finest is not None and finest[1] > finest[0]:
             names = (*names, FINER)
-        spread = float(point["spread_high"]) - float(point["spread_low"])
         return cls(
-            value, names, known, study, friction, mu0, tau0, areas, where.get("load", 0), positions,
-            spread / (DECILES * value), int(point["ok"].min()), finest, strength,
+            value, names, known, study, friction, mu0, tau0, areas, where.get("load", 0), places, scatter, freedom,
+            finest, strength,
         )  # fmt: skip
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
         """The 95 % interval, with some inputs at quantiles of theirs."""
-        if self.names == (POSITIONS,) and not fixed:
-            half = ENDS * self.positions * self.value
+        if self.names == tuple(self.places) and not fixed:
+            half = ENDS * math.hypot(*self.places.values()) * self.value
             return max(self.value - half, 0.0), self.value + half
         return _ends(self._draws(fixed or {}))
 
@@ -188,11 +212,10 @@ class _Point:
         """The 95 % prediction interval of one more member in one direction."""
         from scipy.special import stdtrit
 
-        key = len(self.names), self.members
+        key = len(self.names), self.freedom
         if key not in self.areas.kept:
-            deviate = stdtrit(max(self.members - 1, 1), strata(len(self.names) + 1)[:, -1])
-            self.areas.kept[key] = deviate * math.sqrt(1 + 1 / max(self.members, 1))
-        return _ends(self._draws({POSITIONS: 0.5}) * (1 + self.areas.kept[key] * self.scatter))
+            self.areas.kept[key] = stdtrit(self.freedom, strata(len(self.names) + 1)[:, -1])
+        return _ends(self._draws(dict.fromkeys(self.places, 0.5)) * (1 + self.areas.kept[key] * self.scatter))
 
     def after(self, wait: float) -> tuple[float, float, float]:
         """The coefficient after some seconds under load, with its 95 % interval: the hardness has fallen meanwhile."""
@@ -227,8 +250,8 @@ class _Point:
             least = np.minimum(mu0 + tau0 / hardness, found)
             most = np.maximum(found * (self.finest[1] / self.value), least)
             found = least + columns[FINER] * (most - least)
-        if POSITIONS in columns:
-            found = found * (1 + self.positions * ndtri(columns[POSITIONS]))
+        for name, error in self.places.items():
+            found = found * (1 + error * ndtri(columns[name]))
         return np.asarray(np.maximum(found, 0.0))
 
     def _drawn(

@@ -6,6 +6,7 @@ What they cover, and how wide they are beside the best that is possible, is meas
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -336,3 +337,83 @@ def _one_of_each_line(values: Floats, lines: NDArray[np.intp]) -> Floats:
     mean = sums.sum() / counts.sum()
     each = mean + (sums - counts * mean) / counts.mean()
     return np.asarray(each[np.argsort(first)])
+
+
+# ---- Over scans of parts ---------------------------------------------------------------------------------------------
+
+
+MOST_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
+
+
+@dataclass(frozen=True)
+class OfScans:
+    """Mean of members of several scans of two parts, and what its uncertainty is made of.
+
+    Attributes
+    ----------
+    mean : float
+    variances : tuple of three float
+        Parts of the variance of the mean: of which scans of the upper and of the lower part, and of positions.
+    freedom : float
+        Its degrees of freedom, by Satterthwaite (1946).
+    test : float
+        Standard deviation of a test of other scans at one position in one direction from the mean that was found.
+    test_freedom : float
+    """
+
+    mean: float
+    variances: tuple[float, ...]
+    freedom: float
+    test: float
+    test_freedom: float
+
+    @property
+    def half_width(self) -> float:
+        """Half the 95 % interval of the mean of both parts; infinite where there are too few members."""
+        return float(student_quantile(min(self.freedom, MOST_FREEDOM))) * math.sqrt(sum(self.variances))
+
+
+def of_scans(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> OfScans | None:
+    """Means of values (r, ...) of members that are of scans (r,) of either part: two-way random effects.
+
+    The variance of means of pairs of scans is parted by its mean squares, of rows, of columns and of what is left
+    (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4); one that is not above the last is pooled with
+    it. Where a part has one scan, that of the other counts alone. None where there are no two pairs of scans.
+    """
+    flat = values.reshape(values.shape[0], -1)
+    every = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
+    for pair in set(zip(upper.tolist(), lower.tolist(), strict=True)):
+        own = flat[(upper == pair[0]) & (lower == pair[1])]
+        every[pair] = own[np.isfinite(own)].mean() if np.isfinite(own).any() else np.nan
+    cells = every[np.ix_(np.isfinite(every).any(axis=1), np.isfinite(every).any(axis=0))]
+    sizes = np.array(cells.shape)
+    count = int(sizes.prod())
+    if count < 2:
+        return None
+    rows, columns, mean = np.nanmean(cells, axis=1), np.nanmean(cells, axis=0), float(np.nanmean(cells))
+    left = np.nansum((cells - rows[:, np.newaxis] - columns + mean) ** 2)
+    freedoms = np.array([*(sizes - 1), (sizes - 1).prod()], float)
+    sums = np.array([sizes[1] * np.square(rows - mean).sum(), sizes[0] * np.square(columns - mean).sum(), left])
+    squares = sums / np.maximum(freedoms, 1)
+    apart = (freedoms > 0) & (squares > squares[2]) & [True, True, False]
+    freedom = float(freedoms[~apart].sum())
+    rest = float(sums[~apart].sum()) / max(freedom, 1.0)
+    shares = np.append(np.where(apart, squares - rest, 0.0)[:2], rest)
+    # A mean square enters the variance once, and that of what is left is taken off for each part that stands apart.
+    weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * rest)
+    each = np.maximum([*freedoms[:2], freedom], 1.0)
+    within = (flat - every[upper, lower][:, np.newaxis]).ravel()
+    within = within[np.isfinite(within)]
+    inside = max(within.size - count, 1)
+    between = shares[:2] / sizes[::-1]
+    test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + rest * (1 + 1 / count))
+    return OfScans(
+        mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
+        _satterthwaite(test.sum(), test, np.append(each[:2], inside)),
+    )  # fmt: skip
+
+
+def _satterthwaite(variance: float, parts: Floats, freedoms: Floats) -> float:
+    """Degrees of freedom of a variance that is a sum of parts."""
+    squares = float((parts**2 / freedoms).sum())
+    return float(variance**2 / squares) if squares > 0 else math.inf

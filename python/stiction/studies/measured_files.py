@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import functools
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
-from pydantic import ConfigDict, Field, PlainValidator
+from pydantic import ConfigDict, Field, PlainValidator, model_validator
 
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction._text import named
 from stiction._units import Quantity, quantity, shortened
-from stiction.studies.values import CutOffs, Length, Table, array_of, as_written, read_length, written
+from stiction.studies.values import CutOffs, Length, Table, array_of, as_tuple, as_written, read_length, written
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.foreign import taken_from
 from stiction.surfaces.holes import largest_hole
@@ -112,6 +113,30 @@ class MeasuredFile(Table):
         default=None, description="Radius of the stylus or probe; it says which waves are its own."
     )
     body: InMemory | None = Field(default=None, repr=False, description="The body itself, in Python.")
+    others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
+        default=None, description="Scans of other places on the same part; a list of files is the first and these."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_list(cls, value: Any) -> Any:
+        if not isinstance(value, (list, tuple)) or not value:
+            return value
+        first, *others = ({"file": each} if isinstance(each, str) else each for each in value)
+        return {**first, "others": tuple(others)} if isinstance(first, Mapping) else first
+
+    @property
+    def scans(self) -> tuple[MeasuredFile, ...]:
+        """The file itself, and those of other places on the same part."""
+        return self, *(self.others or ())
+
+    @property
+    def name(self) -> str:
+        """Name of the file without its folder, and how many more there are."""
+        return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
+
+    def _each(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
+        return change(self).model_copy(update={"others": self.others and tuple(map(change, self.others))})
 
     @classmethod
     def holding(cls, body: Any, name: str) -> MeasuredFile:
@@ -134,7 +159,10 @@ class MeasuredFile(Table):
         return cls(file=name, sha256=_checksum(lines), body=InMemory(tuple(lines)))
 
     def kept(self, folder: Path, side: str) -> MeasuredFile:
-        """The same in a file: that of a body in memory is written into the folder, under its checksum."""
+        """The same in files: that of a body in memory is written into the folder, under its checksum."""
+        return self._each(lambda one: one._kept(folder, side))
+
+    def _kept(self, folder: Path, side: str) -> MeasuredFile:
         if self.body is None:
             return self
         assert self.sha256 is not None
@@ -148,7 +176,7 @@ class MeasuredFile(Table):
             )
             write(body, path)
         holes = not isinstance(body, JoinedSpectrum) and body.missing is not None
-        return MeasuredFile(file=str(path), missing="mask" if holes else "error").known()
+        return MeasuredFile(file=str(path), missing="mask" if holes else "error", tip=self.tip).known()
 
     def read(self) -> Body:
         """The profile, surface or joined spectrum that the file holds, µm.
@@ -165,7 +193,7 @@ class MeasuredFile(Table):
                 f"{named(self.file)}: is another file than that which the study was made for: its SHA-256 is not "
                 f"{self.sha256[:12]}...; remove sha256 from the study to begin another one with it"
             )
-        return _body(self.model_copy(update={"sha256": self.checksum()}))
+        return _body(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
     def filled(self) -> Floats:
         """Share of the points that are interpolated, and area (length, of a profile) of the largest such hole, µm."""
@@ -199,12 +227,16 @@ class MeasuredFile(Table):
         return status and (status.st_mtime_ns, status.st_size)
 
     def located(self, directory: Path) -> MeasuredFile:
-        """The same with an absolute name; one that is not absolute is relative to the directory."""
-        return self if self.body else self.model_copy(update={"file": str((directory / self.file).absolute())})
+        """The same with absolute names; one that is not absolute is relative to the directory."""
+        return self._each(
+            lambda one: one if one.body else one.model_copy(update={"file": str((directory / one.file).absolute())})
+        )
 
     def known(self) -> MeasuredFile:
-        """The same with the checksum of the file as it is."""
-        return self if self.sha256 is not None else self.model_copy(update={"sha256": self.checksum()})
+        """The same with the checksums of the files as they are."""
+        return self._each(
+            lambda one: one if one.sha256 is not None else one.model_copy(update={"sha256": one.checksum()})
+        )
 
 
 def _checksum(bodies: Sequence[Any]) -> str:
@@ -218,9 +250,9 @@ def _checksum(bodies: Sequence[Any]) -> str:
     return found.hexdigest()
 
 
-@functools.lru_cache(maxsize=2)
+@functools.lru_cache(maxsize=16)
 def _body(file: MeasuredFile) -> Body:
-    """The body in a file, known by its checksum, so that the two of a study are taken apart once."""
+    """The body in a file, known by its checksum, so that those of a study are taken apart once."""
     if is_spectrum(Path(file.file)):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
@@ -298,7 +330,9 @@ class MeasuredBodies(Table):
     """What members are, in words."""
 
     kind: Literal["measured"] = Field(default="measured", description="Two measured files.")
-    upper: MeasuredFile = Field(description="The slider: a table of `file` and how it is read.")
+    upper: MeasuredFile = Field(
+        description="The slider: a table of `file` and how it is read, or a list of them, of several places on it."
+    )
     lower: MeasuredFile = Field(description="What it is carried over; the same file may be both.")
     cut_off: CutOffs = Field(
         default=(quantity("0 um", "length"),),
@@ -334,6 +368,20 @@ class MeasuredBodies(Table):
     def first_scanned(self) -> int:
         """Number of the first member that is a pair of the scans themselves."""
         return 0
+
+    @property
+    def scan_counts(self) -> tuple[int, int]:
+        """How many scans of the upper and of the lower part there are."""
+        return len(self.upper.scans), len(self.lower.scans)
+
+    def scans_of(self, members: Any) -> tuple[Any, Any]:
+        """Which scan of the upper and of the lower part members are of: all pairs in turn, so that they are balanced.
+
+        Members are whole numbers or arrays of them.
+        """
+        upper, lower = self.scan_counts
+        cell = members % (upper * lower)
+        return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Members:
         """What makes the members of scans from which waves shorter than this (µm, 0 for none) are taken off.

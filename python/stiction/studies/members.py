@@ -192,29 +192,52 @@ def pair_of(
 # ---- Measured --------------------------------------------------------------------------------------------------------
 
 
+MOST_PREPARED = 16  # pairs of scans that are held as they are pressed
+
+
+def _grid(body: Any) -> tuple[Any, ...]:
+    """Kind and points of a scan; steps that were read from positions are equal but for round-off."""
+    steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
+    return type(body), np.shape(getattr(body, "heights", body)), *steps
+
+
 class Bodies:
-    """Two measured bodies, read once, and the members that they make at each cut-off.
+    """Measured bodies, read once, and the members that they make at each cut-off.
 
     Raises a `ValueError` if a file cannot be read, or is another than the study was written for.
     """
 
     def __init__(self, surfaces: Measured, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
-        self._scans = surfaces.upper.read(), surfaces.lower.read()
-        self._members: dict[float, Members] = {}
+        self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
+        for side, scans in zip(SIDES, self._parts, strict=True):
+            if len(scans) > 1 and len({_grid(scan) for scan in scans}) > 1:
+                raise ValueError(f"surfaces.{side}: the scans of a part must have the same points and spacing")
+        if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
+            raise ValueError("surfaces.surrogates: of several scans of a part all members are pieces of these")
+        self._scans = self._parts[0][0], self._parts[1][0]
+        self._members: dict[tuple[float, int, int], Members] = {}
 
-    def members(self, wavelength: float) -> Members:
-        """What makes the members at a cut-off (µm, 0 for the scans themselves).
+    def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
+        """What makes the members of two scans at a cut-off (µm, 0 for the scans themselves).
 
         Raises a `ValueError` if the bodies do not make what the study asks for.
         """
-        if wavelength not in self._members:
-            self._members[wavelength] = self._surfaces.members(self._scans, wavelength, self._seed)
-        return self._members[wavelength]
+        found = self._members.get((wavelength, upper, lower))
+        if found is None:
+            if len(self._members) >= MOST_PREPARED:
+                self._members.clear()
+            scans = self._parts[0][upper], self._parts[1][lower]
+            found = self._members[wavelength, upper, lower] = self._surfaces.members(scans, wavelength, self._seed)
+        return found
 
     def member(self, index: int, wavelength: float) -> Member:
         """One member at a cut-off (µm, 0 for the scans themselves)."""
-        return self.members(wavelength).member(index)
+        surfaces = self._surfaces
+        # Each pair of scans has positions of its own, and surrogates of all pairs have random numbers of their own.
+        made = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
+        own = index if made else index // math.prod(surfaces.scan_counts)
+        return self.members(wavelength, *surfaces.scans_of(index)).member(own)
 
     def about(self) -> About:
         """What a result says of the bodies."""
@@ -235,7 +258,7 @@ class Bodies:
 
     def _measured(self) -> float:
         """Share of a member that was measured in both, a mean over the first ones, however many there are."""
-        if all(getattr(scan, "missing", None) is None for scan in self._scans):
+        if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         found = []
         with contextlib.suppress(ValueError):  # of fewer members
@@ -265,7 +288,8 @@ def points_of_member(study: Study) -> int:
 def bodies_of(study: Study) -> Bodies:
     """The measured bodies of a study, which a process reads once, and again when a file has changed."""
     surfaces = measured(study)
-    return _bodies(surfaces, study.ensemble.seed, (surfaces.upper.stamp(), surfaces.lower.stamp()))
+    stamps = tuple(scan.stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
+    return _bodies(surfaces, study.ensemble.seed, stamps)
 
 
 @functools.lru_cache(maxsize=4)

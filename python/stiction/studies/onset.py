@@ -94,7 +94,7 @@ def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: 
     found["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
     return found | {
         "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
-        "map": slip_map(pressed, onset),
+        "repetition": index, "map": slip_map(pressed, onset),
     }  # fmt: skip
 
 
@@ -104,7 +104,7 @@ def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: 
 def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    members = OverMembers.of(study, {name: [each[name] for each in found] for name in ("line", "x", "y")})
+    members = OverMembers.of(study, {name: [each[name] for each in found] for name in ("line", "x", "y", "repetition")})
     variables: dict[str, Any] = {}
     for name in (*_CURVES, *_NUMBERS):
         dims = ("fraction", "statistic") if name in _CURVES else ("statistic",)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -54,7 +55,7 @@ class Pair:
     Numbers are in µm, mN, GPa and degrees. Wrong ones are an `ArgumentError`, whenever what they decide is needed.
     """
 
-    upper: Any  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned: the slider
+    upper: Any  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned, or several: the slider
     lower: Any  # what it is carried over
     load: Several
     mu0: Several = None
@@ -121,12 +122,17 @@ class Pair:
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
         """Where both bodies are, and how they are read."""
-        upper, lower = (self._file(side, index) for index, side in enumerate(("upper", "lower")))
+        upper, lower = (self._part(side, index) for index, side in enumerate(("upper", "lower")))
         return upper, lower
 
-    def _file(self, side: str, index: int) -> MeasuredFile:
+    def _part(self, side: str, index: int) -> MeasuredFile:
+        """One part by all of its scans."""
+        first, *others = (self._file(side, index, scan) for scan in _scans_of(side, getattr(self, side)))
+        return first.model_copy(update={"others": tuple(others) or None})
+
+    def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
         """One body; what says how files are read is for both, or for one after the other."""
-        body, names = getattr(self, side), ("unit", "spacing", "channel", "columns")
+        names = ("unit", "spacing", "channel", "columns")
         table: dict[str, Any] = {
             "file": str(body), "missing": self.missing or "error", "outliers": self.outliers or "keep",
         }  # fmt: skip
@@ -159,7 +165,7 @@ class Pair:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """The slider, and what it is carried over, as they were scanned."""
+        """The slider, and what it is carried over, as they were scanned, the first of several scans."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
@@ -362,8 +368,8 @@ class Pair:
 
     def _both_readings(self) -> dict[str, Any]:
         """The scans as they are and without waves of unknown origin, where these have much of the slope."""
-        scans = zip(self.bodies, self.files, strict=True)
-        scanned = [(body, file.tip) for body, file in scans if isinstance(body, (Profile, Surface))]
+        scans = [(scan.read(), scan.tip) for file in self.files for scan in file.scans]
+        scanned = [(body, tip) for body, tip in scans if isinstance(body, (Profile, Surface))]
         bodies = [body for body, _ in scanned]
         limits = [instrument_limit(body, tip_radius=tip) for body, tip in scanned if np.ptp(body.heights) > 0]
         longest = max((limit.wavelength for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
@@ -379,7 +385,8 @@ class Pair:
             repetitions = self._number_of_surrogates(SURROGATES)
         else:
             repetitions = (self.shifts or SHIFTS) + self._number_of_surrogates(0)
-        return {"repetitions": repetitions, "seed": SEED if self.seed is None else self.seed}
+        pairs = math.prod(len(file.scans) for file in self.files)  # each as often as the others
+        return {"repetitions": -(-repetitions // pairs) * pairs, "seed": SEED if self.seed is None else self.seed}
 
     def _positions(self) -> tuple[int, int]:
         """How many pairs of lines there are, and how many positions on each."""
@@ -518,6 +525,21 @@ def given_study(
 
 
 ARGUMENTS = tuple(each.name for each in fields(Pair))  # names of what may be asked of a pair
+
+
+def _scans_of(side: str, given: Any) -> list[Any]:
+    """Scans of a part: elements of a list, files in a folder or between commas, or the one that is given."""
+    if isinstance(given, (list, tuple)):
+        found = list(given)
+    elif isinstance(given, (str, Path)) and Path(given).is_dir():
+        found = sorted(each for each in Path(given).iterdir() if each.is_file() and not each.name.startswith("."))
+    elif isinstance(given, (str, Path)) and "," in str(given) and not Path(given).exists():
+        found = listed(str(given))
+    else:
+        return [given]
+    if not found:
+        raise ArgumentError(f"{{{side}}} must have at least one scan, got {{got}}", got=str(given) or repr(given))
+    return found
 
 
 def _rising(values: list[Quantity]) -> list[Quantity]:

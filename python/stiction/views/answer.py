@@ -20,6 +20,8 @@ from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.interfaces import interface_of
 from stiction.studies.known import inputs_of
+from stiction.studies.result import measured
+from stiction.surfaces.pairing import SIDES
 from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.doubts import VERDICTS, doubts_of
 from stiction.views.doubts import WIDE as WIDE
@@ -119,6 +121,8 @@ class Answer:
         By that rule, after each time that the study waits.
     covered : bool
         Whether it is one of two readings of a scan, and the interval of the other one covers it.
+    scans : (int, int)
+        How many places of the upper and of the lower part were scanned.
     """
 
     rules: tuple[RuleValue, ...]
@@ -132,6 +136,7 @@ class Answer:
     parts: tuple[float, float, float] | None = None
     waited: tuple[Waited, ...] = ()
     covered: bool = False
+    scans: tuple[int, int] = (1, 1)
 
     @property
     def value(self) -> float:
@@ -271,6 +276,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, mean),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
         waited=_waited(point, rules[0].rule),
+        scans=measured(study).scan_counts if study.is_measured else (1, 1),
     )  # fmt: skip
 
 
@@ -445,11 +451,22 @@ def _note(point: xarray.Dataset, study: Study) -> str:
     made = study.surfaces.press == "surrogates"
     of = "pairs of random surfaces with these spectra" if made else "members"
     words.append(f"95 % intervals over {members:.0f} {of}" if members > 1 else "95 % intervals")
+    words += [_scans_text(study)] if study.is_measured else []
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
         reading = _READINGS.get(str(point.attrs.get("reading")), "the load has one of three meanings")
         words.append(f"{reading}; by another reading μ_s differs by {percent(difference)}")
     return "; ".join(words)
+
+
+def _scans_text(study: Study) -> str:
+    """How many scans of each part there are, and which spread between places is not in an interval."""
+    counts = measured(study).scan_counts
+    if counts == (1, 1):
+        return "one scan of each part: the spread between places is not in it"
+    words = f"{counts[0]} × {counts[1]} scans of both parts"
+    single = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
+    return words + "".join(f", and one of the {side}: the spread between its places is not in it" for side in single)
 
 
 def slopes_text(answer: Answer, point: xarray.Dataset, study: Study) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -21,7 +22,7 @@ from stiction.views.doubts import Doubt
 from stiction.views.joined import spectra_differ
 
 if TYPE_CHECKING:
-    from stiction.studies.measured_files import Body
+    from stiction.studies.measured_files import Body, MeasuredFile
     from stiction.studies.study import Study
 
 IMPOSSIBLE = 10.0  # height over extent from which on no scan has it
@@ -42,11 +43,22 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     """A doubt for each thing that is seldom meant, of two bodies as they were read, their study, and loads (mN)."""
     bowed = study.surfaces.level == "quadratic"  # what is taken off is no doubt
     vouched = bool(study.surfaces.vouched)
+
+    def of_part(file: MeasuredFile, body: Body) -> list[Doubt]:
+        """Doubts about the scans of a part, of one kind that of the longest waves."""
+        kinds: dict[str, Doubt] = {}
+        for scan in (body, *(other.read() for other in file.scans[1:])):
+            for each in (
+                _of_scans(scan)
+                if isinstance(scan, JoinedSpectrum)
+                else doubts_of_scan(scan, form=not bowed, instrument=not vouched, tip_radius=file.tip)
+            ):
+                kind = re.sub(r"\d[\d.]*", "", each.text)
+                kinds[kind] = max(kinds.get(kind, each), each, key=lambda doubt: doubt.cut_off)
+        return list(kinds.values())
+
     of_upper, of_lower = (
-        list(_of_scans(body))
-        if isinstance(body, JoinedSpectrum)
-        else doubts_of_scan(body, form=not bowed, instrument=not vouched, tip_radius=getattr(study.surfaces, side).tip)
-        for side, body in zip(SIDES, (upper, lower), strict=True)
+        of_part(getattr(study.surfaces, side), body) for side, body in zip(SIDES, (upper, lower), strict=True)
     )
     both = [each for each in of_upper if each in of_lower]
     doubts = [

@@ -22,7 +22,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.views.result import Result
 
-Body = str | Path | Profile | Surface | JoinedSpectrum | Any
+Body = str | Path | Profile | Surface | JoinedSpectrum | Sequence[Any] | Any
 Quantity = str | float  # a text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)
 
 _NAMES = {"upper": "first", "lower": "second", "upper_material": "upper", "lower_material": "lower"}
@@ -85,7 +85,9 @@ def pair(
     first, second : str, path, Profile, Surface or JoinedSpectrum
         The slider and what it is carried over, as files or as bodies; heights of both point out of the material, as
         they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them. Of a spectrum random
-        surfaces are pressed, and another scan beside it is taken by its own spectrum.
+        surfaces are pressed, and another scan beside it is taken by its own spectrum. A list,
+        or a folder, has scans of several places on one part: all pairs of them are pressed, and the interval is of the
+        parts.
     load : str or float, or several, mN
         Normal load, "10 mN" or per nominal area "10 MPa"; numbers are mN.
     mu0 : float, or several

@@ -265,6 +265,7 @@ def answer_record(one: Answer) -> dict[str, Any]:
             for left in one.budget
         ],
         "waited": [{name: finite(value) for name, value in vars(each).items()} for each in one.waited],
+        "scans": dict(zip(("upper", "lower"), one.scans, strict=True)),
         "verdict": one.verdict,
         "sentence": one.sentence,
         "finer_scans": None if one.bracket is None else {"from": one.bracket[0], "to": one.bracket[1], "rule": "all"},

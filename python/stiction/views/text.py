@@ -13,7 +13,7 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, ONSET, QUANTITIES
-from stiction.studies.budget import FINER, POSITIONS
+from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import ORIGIN, Answer, Doubt, answers, bracket_text, headlines, slopes_text
@@ -241,7 +241,10 @@ def budget_text(one: Answer) -> str:
     return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}"
 
 
-_MEASURES = {ORIGIN: "scan the place twice", POSITIONS: "press more positions", FINER: "scan more finely"}
+_MEASURES = {
+    ORIGIN: "scan the place twice", POSITIONS: "press more positions", FINER: "scan more finely",
+    UPPER_PIECE: "scan more places of the upper part", LOWER_PIECE: "scan more places of the lower part",
+}  # fmt: skip
 """How to get to know what is no input."""
 
 
@@ -250,7 +253,8 @@ def test_text(one: Answer) -> str:
     first = one.rules[0]
     if not math.isfinite(first.next_test[0]):
         return ""
-    alone = f"; positions alone: {from_to(*first.positions)}" if first.positions != (first.lower, first.upper) else ""
+    what = "positions" if one.scans == (1, 1) else "scans and positions"
+    alone = f"; {what} alone: {from_to(*first.positions)}" if first.positions != (first.lower, first.upper) else ""
     return f"One test, one way: {from_to(*first.next_test)} (95 %){alone}."
 
 

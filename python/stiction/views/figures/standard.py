@@ -107,7 +107,7 @@ def hardness_of(study: Study) -> float | None:
 
 def title_of(study: Study) -> str:
     """Whose figure it is: the names of the two files."""
-    upper, lower = (Path(getattr(study.surfaces, side).file).name for side in ("upper", "lower"))
+    upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
     return f"{upper} on {lower}"
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from inspect import signature
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -157,7 +156,7 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
 def _history(side: str, history: str, study: Study) -> str:
     """How a file was read and prepared, as markup."""
     lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
-    file = escaped(Path(getattr(study.surfaces, side).file).name)
+    file = escaped(getattr(study.surfaces, side).name)
     return f"<p>The {side} body: <code>{file}</code></p>" + (f"<ul>{lines}</ul>" if lines else "")
 
 
