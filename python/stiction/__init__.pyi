@@ -100,6 +100,7 @@ from stiction.surfaces.preparation import (
     turned_over as turned_over,
 )
 from stiction.surfaces.profile import Profile as Profile
+from stiction.surfaces.repeated import Repeated as Repeated, repeated as repeated
 from stiction.surfaces.roughness import (
     RoughnessParameters as RoughnessParameters,
     SurfaceParameters as SurfaceParameters,
@@ -129,6 +130,7 @@ from stiction.surfaces.surrogates import (
     isotropic_surface as isotropic_surface,
     surrogate as surrogate,
 )
+from stiction.surfaces.tip import tip_reconstructed as tip_reconstructed
 from stiction.views.calibration import calibration_figure as calibration_figure
 from stiction.views.pair import pair as pair
 from stiction.views.result import Result as Result, read_result as read_result

@@ -69,6 +69,19 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     return ax
 
 
+def draw_repeated(ax: Axes, found: Any) -> Axes:
+    """Heights in octaves of the wavelength of what two scans have in common, and of the noise of one."""
+    for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
+        heights = 1000 * getattr(found, name)
+        ax.loglog(found.wavelength[heights > 0], heights[heights > 0], style, markersize=3, linewidth=1, label=label)
+    if math.isfinite(found.limit):
+        ax.axvline(found.limit, color="0.5", linewidth=0.8)
+    ax.set_xlabel("shortest wavelength of an octave (µm)")
+    ax.set_ylabel("rms height in it (nm)")
+    ax.legend()
+    return ax
+
+
 def scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
     """A bar of a round length in the lower right corner of a map with these ends: left, right, bottom, top (µm)."""
     from matplotlib.patheffects import withStroke

@@ -15,6 +15,8 @@ from stiction import (
     joined_spectrum,
     levelled,
     random_phases,
+    read_profile,
+    repeated,
     self_affine,
     self_affine_surface,
     weierstrass_mandelbrot_surface,
@@ -298,3 +300,25 @@ def test_several_scans_are_one_spectrum(folder):
     record = json.loads(stiction_command("characterise", *given, "--json", cwd=folder).stdout)
     assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]
     np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)
+
+
+def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
+    place = self_affine(3, hurst_exponent=0.8, rms=0.1, points=3000, spacing=0.01, shortest_wavelength=0.2)
+    random = np.random.default_rng(1)
+    for name, first in (("a.csv", 0), ("b.csv", 25)):
+        heights = place.heights[first : first + 2900] + 1e-3 * random.normal(size=2900)
+        write_profile(Profile(heights, spacing=0.01), tmp_path / name)
+    done = stiction_command("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "a.csv", "b.csv", "repeated.npy", "noise.csv", "noise.png",
+    }  # fmt: skip
+    found = repeated(*(levelled(read_profile(tmp_path / name), "line") for name in ("a.csv", "b.csv")))
+    assert found.shift[0] == pytest.approx(0.25, abs=0.003)
+    assert f"begins at x = {1000 * found.shift[0]:.3g} nm of the first." in " ".join(done.stdout.split())
+    assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, found.scan.heights)
+    assert f"--cutoff '{1000 * found.limit:g} nm'" in " ".join(done.stdout.split())
+    for more, why in (([], "repeated.npy: exists already"), (["--together"], "without --together")):
+        assert_refused(stiction_command("characterise", "a.csv", "b.csv", "--repeated", *more, cwd=tmp_path), why)
+    told = stiction_command("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
+    assert json.loads(told.stdout)["limit_um"] == found.limit

@@ -46,12 +46,13 @@ CutOff = Annotated[
     str | None, option("--cutoff LENGTH", 'Take off waves shorter than this (Gaussian), "0.1 um".', "the scan as it is")
 ]
 Together = Annotated[bool, option("--together", "Several scans of one surface, alike in all directions: one spectrum.")]
+Repeated = Annotated[bool, option("--repeated", "Two scans of one place: what both have, and the noise of one.")]
 Output = Annotated[
     Path | None,
     option(
         "--output -o FILE",
         "What to write, by its ending: of a file its page, or its figure and the page; of several a table.",
-        "./FILE.html and .png, ./characterised.csv, ./joined.csv and .png",
+        "./FILE.html and .png, ./characterised.csv, ./joined.csv and .png, ./repeated.npy, ./noise.csv and .png",
     ),
 ]
 
@@ -63,6 +64,7 @@ Output = Annotated[
     "stiction characterise *.csv --output finishes.csv",
     "stiction characterise lapped.csv --cutoff '100 nm' --tip '2 um' --json",
     "stiction characterise coarse.x3p fine.di --together",
+    "stiction characterise first.di second.di --repeated",
 )
 def characterise(
     context: typer.Context,
@@ -81,6 +83,7 @@ def characterise(
     cutoff: CutOff = None,
     tip: Tip = None,
     together: Together = False,
+    repeated: Repeated = False,
     output: Output = None,
     as_json: Json = False,
 ) -> None:
@@ -93,7 +96,7 @@ def characterise(
     from stiction.views import characterisation as views
     from stiction.views.style import save_picture
 
-    outputs = [] if as_json and output is None else _outputs(files, output, together=together)
+    outputs = [] if as_json and output is None else _outputs(files, output, together=together, repeated=repeated)
     fitted = _band(band)
     shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
     radius = None if tip is None else quantity_of("tip", tip, "length")
@@ -106,8 +109,8 @@ def characterise(
         except ValueError as error:
             raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
         found.append(views.Characterisation(body, band=fitted, tip_radius=radius))
-    if together:
-        _together(files, found, outputs, as_json=as_json)
+    if together or repeated:
+        (_together if together else _repeated)(files, found, outputs, as_json=as_json)
         return
     told = [(printable(str(file), LONGEST_NAME), each) for file, each in zip(files, found, strict=True)]
     if as_json:
@@ -154,12 +157,43 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
         (say if as_json else tell)(f"wrote {named(path)}, {len(files)} scans")
 
 
-def _outputs(files: list[Path], output: Path | None, *, together: bool) -> list[Path]:
+def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+    """Say what two scans of one place have in common, and write their mean and the noise of one."""
+    from stiction.surfaces.measured.writing import write_profile, write_surface
+    from stiction.surfaces.repeated import repeated
+    from stiction.views.repeated import octaves_csv, repeated_figure, repeated_record, repeated_text
+    from stiction.views.rows import record
+    from stiction.views.style import save_picture
+
+    twice = repeated(found[0].body, found[1].body)
+    tell(record("characterise", [], kind="repeated", **repeated_record(twice)) if as_json else repeated_text(twice))
+    for path in outputs:
+        if path.suffix.lower() == ".npy":
+            if isinstance(twice.scan, Profile):
+                write_profile(twice.scan, path)
+            else:
+                write_surface(twice.scan, path)
+        elif path.suffix.lower() == ".csv":
+            path.write_text(octaves_csv(twice), encoding="utf-8")
+        else:
+            save_picture(repeated_figure(twice), path)
+        (say if as_json else tell)(f"wrote {named(path)}, {' and '.join(file.name for file in files)}")
+
+
+def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """What is to be written; refused before anything is computed where it cannot be."""
+    if repeated and (len(files) != 2 or together):
+        raise ValueError(f"--repeated is for two scans of one place, without --together, got {len(files)}")
     if together and len(files) < 2:
         raise ValueError("--together is for several scans of one surface, got 1")
     pictures = [".png", ".pdf", ".svg"]
     endings = [".csv", *pictures] if together else [".csv"] if len(files) > 1 else [".html", *pictures]
+    endings = [".npy", ".csv", *pictures] if repeated else endings
+    if output is None and repeated:
+        paths = [Path("repeated.npy"), Path("noise.csv"), Path("noise.png")]
+        if there := [path for path in paths[:2] if path.exists()]:
+            raise ValueError(f"{named(there[0])}: exists already: move it, or choose by --output")
+        return paths
     if output is None:
         stem, count = ("joined", 2) if together else ("characterised", 1) if len(files) > 1 else (files[0].stem, 2)
         return [Path(f"{stem}{ending}") for ending in endings[:count]]

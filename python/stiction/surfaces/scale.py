@@ -189,18 +189,8 @@ def scale_dependent_roughness(body: Profile | Surface, *, periodic: bool = False
     if not isinstance(body, (Profile, Surface)):
         raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
     refuse_flat(body)
-    if isinstance(body, Profile):
-        line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
-        q, dimensions, curved = line.wave_number, 1, 1.0
-        weight = line.density * line.count * (line.resolution / math.pi)
-    else:
-        area = surface_spectrum(body if periodic else levelled(body, "plane"), periodic=periodic)
-        q = np.hypot(area.wave_number_y[:, np.newaxis], area.wave_number_x).ravel()
-        step = float(area.wave_number_y[1] - area.wave_number_y[0]) * float(
-            area.wave_number_x[1] - area.wave_number_x[0]
-        )
-        weight, dimensions, curved = area.density.ravel() * (step / (4 * math.pi**2)), 2, 0.25
-        q, weight = q[q > 0], weight[q > 0]
+    q, weight = variances(body, periodic=periodic)
+    dimensions, curved = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
     count = np.bincount(index)
     there = count > 0
@@ -211,6 +201,18 @@ def scale_dependent_roughness(body: Profile | Surface, *, periodic: bool = False
         wavelength=read_only(2 * math.pi / finest[there]), gradient=read_only(np.sqrt(sums[0])),
         curvature=read_only(np.sqrt(curved * sums[1])), dimensions=dimensions,
     )  # fmt: skip
+
+
+def variances(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
+    """Wave numbers (1/µm) of a body and the mean square height (µm²) in each; levelled, unless it is periodic."""
+    if isinstance(body, Profile):
+        line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
+        return line.wave_number, line.density * line.count * (line.resolution / math.pi)
+    area = surface_spectrum(body if periodic else levelled(body, "plane"), periodic=periodic)
+    q = np.hypot(area.wave_number_y[:, np.newaxis], area.wave_number_x).ravel()
+    step = float(area.wave_number_y[1] - area.wave_number_y[0]) * float(area.wave_number_x[1] - area.wave_number_x[0])
+    weight = area.density.ravel() * (step / (4 * math.pi**2))
+    return q[q > 0], weight[q > 0]
 
 
 def _between(wavelength: Floats, values: Floats, wanted: ArrayLike) -> Floats:

@@ -1,0 +1,234 @@
+"""One place scanned twice: what both scans have in common, and the noise of the instrument, of any colour."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats, read_only
+from stiction._shown import Shown, axes_for
+from stiction.surfaces.cut_off import transmission
+from stiction.surfaces.preparation import levelled
+from stiction.surfaces.profile import Profile, refuse_missing
+from stiction.surfaces.scale import variances
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NOISE_LEFT = 0.1  # share of the mean square slope that noise may have: h' is then right within 5 %
+LEAST_ALIKE = 0.5  # correlation of two scans below which they are of two places
+_SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # standard deviations (points) of the scans that are aligned, one after the other
+_STEPS = 4  # of each
+_ALIKE = 2 * math.sqrt(math.pi)  # points that a Gaussian of one point joins, of white noise
+_MARGIN = 3  # points beside those that a spline is read at
+_CANDIDATES = 400  # cut-offs that are tried
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Repeated(Shown):
+    """What two scans of one place say of the instrument; arrays are over octaves of the wavelength.
+
+    Attributes
+    ----------
+    scan : Profile or Surface
+        Mean of both where they lie above each other, levelled.
+    shift : tuple of float, µm
+        Where the second begins in the first, along y and x, or x.
+    correlation : float
+        Of the heights of both, aligned.
+    wavelength : (n,) ndarray, µm
+        Shortest wave of each octave, from two points up.
+    noise, common : (n,) ndarray, µm
+        Root-mean-square height in the octave of what one scan has alone, and of what both have.
+    noise_rms : float, µm
+        Of one scan, all its waves.
+    limit : float, µm
+        The shortest cut-off that leaves less than a tenth of the mean square slope of `scan` to noise; two points, if
+        that is so of the scan itself, and NaN if it is so of none up to a third of its shortest side.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, repeated, self_affine
+    >>> place = self_affine(1, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, shortest_wavelength=0.2)
+    >>> noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 4096))
+    >>> found = repeated(*(Profile(place.heights + each, spacing=0.01) for each in noise))
+    >>> round(1000 * found.noise_rms, 1)  # nm
+    1.0
+    """
+
+    scan: Profile | Surface
+    shift: tuple[float, ...] = field(metadata={"unit": "µm"})
+    correlation: float
+    wavelength: Floats = field(metadata={"unit": "µm"})
+    noise: Floats = field(metadata={"unit": "µm"})
+    common: Floats = field(metadata={"unit": "µm"})
+    noise_rms: float = field(metadata={"unit": "µm"})
+    limit: float = field(metadata={"unit": "µm"})
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw noise and what is common over the wavelength.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            New ones by default, which are returned.
+        """
+        from stiction._drawing import draw_repeated
+
+        return draw_repeated(axes_for(ax), self)
+
+
+def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
+    r"""Separate the noise of an instrument from the surface by two scans of one place.
+
+    Parameters
+    ----------
+    first, second : Profile or Surface
+        Two of a kind with equal spacings, of which more than half lies above each other.
+
+    Raises
+    ------
+    ValueError
+        If they are no such pair, have missing points, or are not of one place.
+
+    Notes
+    -----
+    The second is shifted by parts of a point, and its offset and tilt are taken off, so that the mean square difference
+    is least. Of scans s + n₁ and s + n₂ with independent noise of one spectrum the difference has 2 C_n and the mean
+    C_s + C_n/2, from which both follow without a model of the noise. What an instrument does twice alike, as its tip
+    and its optics do, is common to both and is not found.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, repeated, self_affine
+    >>> place = self_affine(1, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, shortest_wavelength=0.2)
+    >>> drifted = Profile(place.heights[30:] + 0.5, spacing=0.01)
+    >>> repeated(place, drifted).shift
+    (0.3,)
+    """
+    _check(first, second)
+    kind: Any = type(first)
+    trend: Any = "line" if kind is Profile else "plane"
+    one, other, moved = _aligned(levelled(first, trend).heights, levelled(second, trend).heights)
+    spacing = np.atleast_1d(first.spacing)
+    shift = tuple(round(float(each), 12) for each in moved * spacing)
+    one, other = (levelled(kind(each, spacing=first.spacing), trend).heights for each in (one, other))
+    alike = float(np.corrcoef(one.ravel(), other.ravel())[0, 1])
+    if not alike > LEAST_ALIKE:
+        raise ValueError(f"first and second must be scans of one place, but their correlation is {alike:.2f} at best")
+    step = f"mean of two scans of one place, the second shifted by {', '.join(f'{each:.4g}' for each in shift)} µm"
+    scan = kind((one + other) / 2, spacing=first.spacing, history=(*first.history, step))
+    scan = levelled(scan, trend)
+    q, of_mean = variances(scan)
+    same = np.array_equal(one, other)
+    half = np.zeros(q.size) if same else variances(levelled(kind((one - other) / 2, spacing=first.spacing), trend))[1]
+    shortest = 2 * float(spacing.max())
+    octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest)) + 1e-9), 0).astype(np.intp)
+    noise, common = (np.sqrt(np.maximum(np.bincount(octave, each), 0)) for each in (2 * half, of_mean - half))
+    wavelength = read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
+    rms, longest = float(np.std(one - other) / math.sqrt(2)), float(np.min(scan.extent)) / 3
+    limit = _limit(q, of_mean, half, shortest, longest)
+    return Repeated(scan, shift, alike, wavelength, read_only(noise), read_only(common), rms, limit)
+
+
+def _check(first: Any, second: Any) -> None:
+    for name, body in (("first", first), ("second", second)):
+        if not isinstance(body, (Profile, Surface)):
+            raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+        refuse_missing(body, "comparing two scans")
+        if body.is_flat:
+            raise ValueError(f"{name} must not be flat")
+    if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
+        raise ValueError(
+            f"first and second must be two of a kind with equal spacings, got a {type(first).__name__} with "
+            f"{first.spacing!r} µm and a {type(second).__name__} with {second.spacing!r} µm"
+        )
+
+
+def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
+    """The shortest cut-off that leaves noise no more than its part of the mean square slope."""
+    if noise @ q**2 <= NOISE_LEFT * (of_mean @ q**2):
+        return shortest
+    wave: float
+    for wave in np.geomspace(shortest, longest, _CANDIDATES).tolist():
+        kept = np.square(q * transmission(q, wave))
+        if noise @ kept <= NOISE_LEFT * (of_mean @ kept):
+            digit = 10.0 ** (math.floor(math.log10(wave)) - 2)
+            return round(math.ceil(wave / digit - 1e-9) * digit, 12)
+    return math.nan
+
+
+def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
+    """Heights of both where they lie above each other, and how far the second is shifted, in points."""
+    from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
+
+    moved, best = _roughly(a, b), (math.inf, np.zeros(a.ndim))
+    for width in _SMOOTHED:
+        one, other = (gaussian_filter(each, width) if width else each for each in (a, b))
+        other = spline_filter(other, 3)
+        for _ in range(_STEPS):
+            above, places = _overlap(a.shape, b.shape, moved)
+            there = map_coordinates(other, np.meshgrid(*places, indexing="ij"), order=3, prefilter=False)
+            slopes = _slopes(there)
+            basis = [*(-each for each in slopes), np.ones(there.shape), *np.indices(there.shape)]
+            columns = np.stack([each.ravel() for each in basis], axis=1)
+            step, off = np.linalg.lstsq(columns, (one[above] - there).ravel())[:2]
+            moved = moved + np.clip(step[: there.ndim], -2 - width, 2 + width)
+        # The variance of the shift: of noise that smoothing makes alike over some points, beside slopes of both alike.
+        alike = [float((own * each).mean()) for own, each in zip(_slopes(one[above]), slopes, strict=True)]
+        spread = sum(float(np.square(each).mean()) / both**2 for each, both in zip(slopes, alike, strict=True))
+        spread *= float(np.sum(off)) * max(1.0, _ALIKE * width) ** a.ndim
+        best = min(best, (spread, moved), key=lambda each: each[0])
+    moved = best[1]
+    above, places = _overlap(a.shape, b.shape, moved)
+    whole = np.round(moved)
+    if np.abs(moved - whole).max() < _ON_POINT:  # as it is
+        moved, places = whole, [np.round(each) for each in places]
+        return a[above], b[np.ix_(*(each.astype(np.intp) for each in places))], moved
+    return a[above], map_coordinates(b, np.meshgrid(*places, indexing="ij"), order=5), moved
+
+
+_ON_POINT = 1e-4  # points from a whole number that are none: repeats without noise
+
+
+def _slopes(heights: Floats) -> list[Floats]:
+    """Differences of neighbours along each axis."""
+    return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
+
+
+def _roughly(a: Floats, b: Floats) -> Floats:
+    """The shift in whole points at which two scans are most alike, of those at which more than half lies above."""
+    from scipy.fft import irfftn, next_fast_len, rfftn
+
+    shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
+    ones, others = ([rfftn(each, shape) for each in (np.ones(c.shape), c, c**2)] for c in (a, b))
+
+    def over(of_a: int, of_b: int) -> Floats:
+        """Sums over what lies above each other, at every shift, of powers of both."""
+        return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
+
+    count = np.maximum(np.rint(over(0, 0)), 1)
+    varied = [over(2, 0) - over(1, 0) ** 2 / count, over(0, 2) - over(0, 1) ** 2 / count]
+    alike = (over(1, 1) - over(1, 0) * over(0, 1) / count) / np.sqrt(np.maximum(np.prod(varied, axis=0), 1e-300))
+    alike = np.where(count > min(a.size, b.size) / 2, alike, -1.0)
+    peak = np.array(np.unravel_index(int(np.argmax(alike)), alike.shape))
+    return np.where(peak < a.shape, peak, peak - shape).astype(np.float64)
+
+
+def _overlap(shape: tuple[int, ...], other: tuple[int, ...], moved: Floats) -> tuple[tuple[slice, ...], list[Floats]]:
+    """What of the first lies above the second at a shift in points, and the places there in the second."""
+    kept, places = [], []
+    for points, others, step in zip(shape, other, moved.tolist(), strict=True):
+        first = max(0, math.ceil(step) + (_MARGIN if step > 0 else 0))
+        end = min(points, math.floor(others + step) - (_MARGIN if others + step < points else 0))
+        if end - first <= min(points, others) / 2:
+            raise ValueError("first and second must lie above each other by more than half, or are not of one place")
+        kept.append(slice(first, end))
+        places.append(np.clip(np.arange(first, end) - step, 0, others - 1))
+    return tuple(kept), places

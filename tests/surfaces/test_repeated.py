@@ -1,0 +1,116 @@
+import numpy as np
+import pytest
+from scipy.ndimage import grey_dilation
+from stiction import Profile, Surface, repeated, self_affine, self_affine_surface, tip_reconstructed
+from stiction.surfaces.scale import variances
+
+RECOVERED = 0.1  # of the noise in an octave, from four points up; by chance 3 % in the shortest and 1 % on maps
+ROUND_OFF = 1e-15
+
+
+def noise_of(colour, shape, spacing, rng):
+    q = np.sqrt(sum(each**2 for each in np.meshgrid(*[np.fft.fftfreq(n, spacing) for n in shape], indexing="ij")))
+    factor = {
+        "white": np.ones(q.shape), "band": (q > 0.13 / spacing) & (q < 0.3 / spacing),
+        "pink": 1 / np.sqrt(np.maximum(q, 1e-3 / spacing)),
+    }[colour]  # fmt: skip
+    made = np.fft.ifftn(np.fft.fftn(rng.normal(size=shape)) * factor).real
+    return made / made.std()
+
+
+def place(dimensions, points, spacing):
+    """A surface on half the spacing, so that scans of it may lie half a point apart."""
+    options = {"hurst_exponent": 0.7, "rms": 0.003, "spacing": spacing / 2, "shortest_wavelength": 8 * spacing}
+    if dimensions == 1:
+        return self_affine(7, points=2 * points + 100, **options).heights
+    return self_affine_surface(7, shape=(2 * points + 100,) * 2, **options).heights
+
+
+@pytest.mark.parametrize("dimensions", [1, 2])
+@pytest.mark.parametrize("colour", ["white", "band", "pink"])
+def test_two_scans_of_one_place_give_the_noise_of_any_colour(dimensions, colour):
+    points, spacing, rms, rng = (12000 if dimensions == 1 else 320), 0.02, 1.5e-4, np.random.default_rng(3)
+    shape = (points,) * dimensions
+    truth, kind = place(dimensions, points, spacing), Profile if dimensions == 1 else Surface
+    moved = (41, 13)[:dimensions]
+    noise = [rms * noise_of(colour, shape, spacing, rng) for _ in range(2)]
+    starts = [(0,) * dimensions, moved]
+    scans = [
+        truth[tuple(slice(first, first + 2 * points, 2) for first in start)] + own
+        for start, own in zip(starts, noise, strict=True)
+    ]
+    scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
+    found = repeated(*(kind(each, spacing=spacing) for each in scans))
+    slack = 1.0 if colour == "pink" else 0.3  # points: slopes of noise are ten times those of the surface
+    assert np.abs(np.array(found.shift) / spacing - np.array(moved) / 2).max() < slack
+    assert found.correlation > 0.99
+    true = np.mean([variances(kind(own, spacing=spacing))[1] for own in noise], axis=0)
+    q = variances(kind(noise[0], spacing=spacing))[0]
+    octave = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
+    true = np.sqrt(np.bincount(octave, true))
+    clean = kind(truth[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
+    common = np.sqrt(np.bincount(octave, variances(clean)[1]))
+    told = (true > 0.01 * rms) & (np.bincount(octave) > 60)
+    told[0] = False  # from four points up
+    assert told.sum() >= (1 if colour == "band" else 3)
+    np.testing.assert_allclose(found.noise[told], true[told], rtol=RECOVERED)
+    seen = (common > 3 * true) & (np.bincount(octave) > 15)
+    assert seen.any()
+    np.testing.assert_allclose(found.common[seen], common[seen], rtol=RECOVERED)
+    # The mean without waves below the limit has a tenth of its mean square slope of noise.
+    q, whole = variances(found.scan)
+    kept = q**2 * np.exp(-2 * np.log(2) * (q * found.limit / (2 * np.pi)) ** 2)
+    left = variances(kind((noise[0] - noise[1]) / 2, spacing=spacing))
+    left = left[1] @ (left[0] ** 2 * np.exp(-2 * np.log(2) * (left[0] * found.limit / (2 * np.pi)) ** 2))
+    assert left / (whole @ kept) == pytest.approx(0.1, rel=0.15)
+
+
+def test_a_scan_and_itself_have_no_noise_and_other_places_are_refused():
+    first, other = (self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2))
+    found = repeated(first, Profile(first.heights[100:], spacing=0.1))
+    assert (found.shift, found.limit) == ((10.0,), 0.2)
+    assert max(found.noise_rms, found.noise.max()) < ROUND_OFF
+    area = Surface(np.eye(40), spacing=0.1)
+    holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
+    for one, two, why in (
+        (first, other, "of one place"), (first, area, "two of a kind"),
+        (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "takes whole scans"),
+        (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=why):
+            repeated(one, two)
+
+
+def dilated(body, radius):
+    """What a ball records, by SciPy."""
+    steps = np.atleast_1d(body.spacing)
+    reach = [int(radius / step) for step in steps]
+    at = np.meshgrid(*[np.arange(-n, n + 1) * step for n, step in zip(reach, steps, strict=True)], indexing="ij")
+    square = sum(each**2 for each in at)
+    ball = radius - np.sqrt(np.maximum(radius**2 - square, 0))
+    return grey_dilation(body.heights, footprint=square <= radius**2, structure=-ball, mode="constant", cval=-1e9)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        self_affine(1, hurst_exponent=0.7, rms=0.05, points=3000, spacing=0.01),
+        self_affine_surface(1, hurst_exponent=0.7, rms=0.01, shape=(120, 100), spacing=(0.01, 0.012)),
+    ],
+)
+def test_a_ball_is_taken_back_as_far_as_it_can_be(body):
+    radius = 0.15
+    seen = type(body)(dilated(body, radius), spacing=body.spacing)
+    found, certain = tip_reconstructed(seen, radius)
+    off = found.heights - body.heights
+    assert off.min() > -1e-12  # an upper bound
+    assert np.abs(off[certain]).max() < 1e-12
+    assert 0.1 < certain.mean() < 0.9
+    assert np.abs(dilated(found, radius) - seen.heights).max() < 1e-12  # which would be seen like that
+    assert off.mean() < 0.5 * (seen.heights - body.heights).mean()
+    with pytest.raises(ValueError, match="radius must be a finite number above 0"):
+        tip_reconstructed(seen, 0.0)
+    smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
+    again = tip_reconstructed(type(body)(dilated(smooth, radius), spacing=body.spacing), radius)
+    inner = tuple(slice(20, -20) for _ in again[1].shape)
+    assert again[1][inner].all()  # a ball follows what is blunter than itself
