@@ -26,6 +26,7 @@ Of 120 random bodies (E* 1 MPa to 200 GPa, w 1 mJ/m² to 1 J/m²) none was left 
 
 WORSE = 1.5  # growth of the residual over the least since then at which earlier steps are forgotten
 MOST = 200  # solutions for one contact; strongly adhering soft bodies have taken 150
+MOST_PLAIN = 500  # plain repetitions for one, where accelerated ones lead to complete contact, or nowhere
 STALLED = 60  # solutions without a lower residual after which a contact is given up
 REGULAR = 1e-10  # added to the normal equations of the acceleration, as a part of their diagonal
 LOOSER = 10.0  # residual of the attraction, as a part of the contact load and the attraction, over the tolerance
@@ -85,14 +86,20 @@ class Attraction:
         """GPa at gaps (µm); that of contact where bodies overlap."""
         return np.asarray(self.most * np.exp(np.maximum(gap, 0) / -self.range))
 
-    def settled(self, near: State | None, *, contact: float | None = None, load: float = 0.0) -> State | None:
-        """The contact at a mean pressure, or at an external load; None if it does not converge."""
+    def settled(
+        self, near: State | None, *, contact: float | None = None, load: float = 0.0, plain: bool = False
+    ) -> State | None:
+        """The contact at a mean pressure, or at an external load; None if it does not converge.
+
+        Plain repetitions at a load draw bodies together step by step, to the first contact that holds; an accelerated
+        one may leap over it into complete contact.
+        """
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
         steps: list[tuple[Floats, Floats]] = []
         recent, best, least = np.inf, 0, np.inf
-        for count in range(MOST):
+        for count in range(MOST_PLAIN if plain else MOST):
             mean = max(load + float(attraction.mean()), self.fewest) if contact is None else contact
             if not mean < self.bound[0]:
                 return None
@@ -112,14 +119,14 @@ class Attraction:
                 return State(pressure, attraction, mean, mean - float(attraction.mean()), *known)
             if residual < least:
                 best, least = count, residual
-            elif count - best > STALLED:
+            elif count - best > STALLED and not plain:
                 return None
             if residual > WORSE * recent:
                 steps.clear()
                 recent = residual
             recent = min(recent, residual)
             steps = [*steps[-DEPTH:], (attraction, change)]
-            step = change if count % (PLAIN + 1) < PLAIN else _accelerated(steps)
+            step = change if plain or count % (PLAIN + 1) < PLAIN else _accelerated(steps)
             attraction = np.clip(attraction + step, 0.0, self.most)
         return None
 
@@ -130,6 +137,8 @@ class Attraction:
         """
         if load >= 0:
             found = self.settled(near, load=load)
+            if found is None or (found.pressure.all() and (near is None or not near.pressure.all())):
+                found = self.settled(near, load=load, plain=True) or found
             if found is not None:
                 return found
         start = near or self.settled(None) or self.settled(None, contact=self.fewest)
