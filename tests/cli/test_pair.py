@@ -119,6 +119,9 @@ def value_at(study, key):
         (MAPS, ["--missing", "interpolate"], "surfaces.upper.missing", "interpolate"),
         (MAPS, ["--outliers", "mask"], "surfaces.lower.outliers", "mask"),
         (MAPS, ["--crop", "0 um,4 um,0 um,5 um"], "surfaces.lower.crop", (0.0, 4.0, 0.0, 5.0)),
+        (MAPS, ["--tilt", "free"], "contact.tilt", "free"),
+        (["--gap", *MAPS[1:]], [], "ensemble.repetitions", 1),
+        (["--gap", *MAPS[1:]], [], "surfaces.gap", True),
         (MAPS, ["--lines", 7], "ensemble.repetitions", 7),
         (MAPS, ["--lines", 500], "ensemble.repetitions", 64),
         (MAPS, ["--lines", 3, "--offsets", 2, "--travel", "1 um"], "ensemble.repetitions", 6),
@@ -132,6 +135,13 @@ def value_at(study, key):
 def test_each_option_reaches_the_study(where, files, options, key, value):
     load = [] if "--load" in options else LOAD
     assert value_at(study_of(where, *files, *MATERIAL, *load, *options), key) == value
+
+
+def test_a_gap_is_pressed_as_it_is_at_its_one_position(where):
+    study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--level", "mean")
+    (upper, lower), gap = bodies_of(study).member(0, 0.0).pair, surface("lower").heights
+    assert not upper.heights.any()
+    np.testing.assert_allclose(upper.heights - lower.heights, gap - gap.mean(), atol=1e-12)
 
 
 def test_a_file_is_known_by_its_name_and_checksum(where):
@@ -275,6 +285,13 @@ def test_rubber_does_not_yield(where):
         ([*MAPS, "--hardness", "1 GPa", "--creep", "0.03"], ["--creep is for --wait"]),
         ([*PROFILES, "--wait", "1 h", "--creep", "0.03"], ["--wait is for --mechanics half-space"]),
         ([*MAPS, "--level", "line"], ["level"]),
+        ([*MAPS, "--tilt", "loose"], ["--tilt must be fixed or free, got 'loose'"]),
+        ([*PROFILES, "--tilt", "free"], ["--tilt is for --mechanics half-space"]),
+        ([], ["give UPPER and LOWER, or the --gap between them"]),
+        (["lower.csv"], ["give UPPER and LOWER, or the --gap between them"]),
+        ([*MAPS, "--gap", MAPS[0]], ["give UPPER and LOWER, or the --gap between them"]),
+        (["--gap", "upper.csv"], ["--gap must be one map"]),
+        (["--gap", *MAPS[1:], "--shifts", "3"], ["--shifts is not for the --gap of two faces"]),
         ([*MAPS, "--direction", "north"], ["--direction"]),
         ([*MAPS, "--direction", "0,360"], ["direction"]),
     ],

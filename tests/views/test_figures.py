@@ -51,7 +51,7 @@ def test_a_study_has_the_figures_that_it_asks_for(result):
 def test_measured_bodies_have_the_standard_set(maps, lines):
     of_each = ("friction", "compass", "positions", "cut_off")
     of_materials = [f"{name}{of}" for of in ("", "-2", "-3", "-4") for name in of_each]
-    assert names(maps, contact_picture(maps)) == [*of_materials, "budget", "sizes", "contacts"]
+    assert names(maps, contact_picture(maps)) == [*of_materials, "closure", "budget", "sizes", "contacts"]
     assert {"friction", "positions", "contact", "friction-4"} <= set(names(lines))
     assert not {"compass", "contacts", "cut_off"} & set(names(lines))
 

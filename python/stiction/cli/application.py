@@ -218,8 +218,6 @@ def start() -> int:
             said = error.format_message()  # type: ignore[attr-defined]
             # A number out of its range is said in the words of the library that looks at it.
             said = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", said)
-            if said.startswith("Missing argument") and {"--upper", "--lower"} & set(sys.argv):
-                said += "\n--upper and --lower are materials, such as steel; the files come first"
             say(f"{said}\ntry {command} --help")
     except MemoryError:
         say("there is not enough memory for this")

@@ -31,10 +31,12 @@ from stiction.studies.study import Study
 if TYPE_CHECKING:
     from stiction.views.answer import Doubt
 
-UpperFile = Annotated[Path, typer.Argument(
+UpperFile = Annotated[Path | None, typer.Argument(
     metavar="UPPER", help="A measured profile or surface: the slider. Scans of several places: a.csv,b.csv or a folder."
 )]  # fmt: skip
-LowerFile = Annotated[Path, typer.Argument(metavar="LOWER", help="What it is carried over; the same file may be both.")]
+LowerFile = Annotated[Path | None, typer.Argument(
+    metavar="LOWER", help="What it is carried over; the same file may be both."
+)]  # fmt: skip
 _motion = partial(optional, panel="Load and motion")
 _material = partial(optional, panel="Material")
 _pressed = partial(optional, panel="What is pressed")
@@ -55,6 +57,9 @@ MOTION = {
     "direction": _motion(
         "--direction DEGREES", 'Of areas, where the upper is about to move, from +x towards +y: "0,90".',
         "the compass in 30",
+    ),
+    "tilt": _motion(
+        "--tilt fixed|free", "Whether the slider turns until the load is in its middle, as on a ball joint.", "fixed"
     ),
 }  # fmt: skip
 
@@ -78,6 +83,9 @@ STRENGTH = {
 }  # fmt: skip
 
 PRESSED = {
+    "gap": _pressed(
+        "--gap FILE", "In place of UPPER and LOWER: a map that is the gap of two faces, as of a fracture.", False
+    ),
     "mechanics": _pressed(
         "--mechanics half-space|asperities", "The exact elastic answer (of lines: of half-planes), or a fast one.",
         "half-space of areas, asperities of lines",
@@ -148,8 +156,8 @@ Replace = Annotated[bool, _output("--replace", "Write over the results of anothe
 )
 @with_options(MOTION, ELASTICITY, MATERIALS, STRENGTH, PRESSED, LINES, AREAS, FILES)
 def pair(
-    upper: UpperFile,
-    lower: LowerFile,
+    upper: UpperFile = None,
+    lower: LowerFile = None,
     *,
     onset: OnsetMembers = None,
     workers: Workers = None,

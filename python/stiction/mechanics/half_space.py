@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 # The solver brings SciPy along, which takes longer to import than all else: where it is used.
 
 Boundary = Literal["free", "periodic"]
+Tilt = Literal["fixed", "free"]
 
 ADHESION_RANGE = 5e-4
 """µm over which the attraction of solids falls off unless another range is given: one to two distances of atoms."""
@@ -117,6 +118,9 @@ class HalfSpaceCurve(Curve):
     approach : (k,) ndarray, µm
         Displacement of the upper body since first touch: of its far points, or of its mean plane where periodic. NaN on
         a free half-plane, whose far points have no limit.
+    closure : (k,) ndarray, µm
+        Mean gap that was lost since first touch: the approach less the mean displacement, without the bending of free
+        bodies under the load, which is what is measured across a joint. Of periodic bodies it is the approach.
     error : (k,) ndarray
         No point under pressure is open by more than this, and no point overlaps by more (but where the pressure is at
         the hardness), in root-mean-square deviations of the gap (of the displacements under an even pressure, where
@@ -154,6 +158,7 @@ class HalfSpaceCurve(Curve):
 
     load: Floats = field(metadata={"unit": "mN"})
     approach: Floats = field(metadata={"unit": "µm"})
+    closure: Floats = field(metadata={"unit": "µm"})
     error: Floats
     iterations: NDArray[np.int64]
     contact_count: NDArray[np.int64]
@@ -223,6 +228,19 @@ class HalfSpaceCurve(Curve):
         return read_only(np.array([one.stiffness for one in self._pressed]))
 
     @cached_property
+    def closure_stiffness(self) -> Floats:
+        """(k,) dp/dc, GPa/µm, of the nominal pressure over the closure, in the first loading. Computed when asked for.
+
+        A thousand times as many MPa/mm, which the normal stiffness of joints is told in.
+        """
+        return read_only(np.array([one.closure_stiffness for one in self._pressed]))
+
+    @property
+    def tilt(self) -> Floats:
+        """(k, 2) or (k, 1) slopes along y and x, or x, by which the upper body has turned; 0 where it is fixed."""
+        return read_only(np.array([np.zeros(self._problem.gap.ndim) + one.problem.tilt for one in self._pressed]))
+
+    @cached_property
     def unloading_stiffness(self) -> Floats:
         """(k,) dF/dδ, mN/µm, as bodies unload or as ultrasound feels them: elastic at points that have yielded, too.
 
@@ -236,8 +254,9 @@ class HalfSpaceCurve(Curve):
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Pressure, gap and patches at `load[index]`."""
-        problem, place = self._problem, place_of(index, self.load.size, "loads")
+        place = place_of(index, self.load.size, "loads")
         one, sums = self._pressed[place], self._sums[place]
+        problem = one.problem
         pressure = one.on_grid(one.values)
         gap = problem.grids.displacement(pressure - one.attraction) + problem.gap - one.approach
         each = [one.on_grid(opposes[one.patch - 1]) for opposes in sums.opposing]
@@ -340,6 +359,7 @@ def half_space(
     boundary: Boundary = "free",
     compliance_share: float = 0.5,
     hardness: float | None = None,
+    tilt: Tilt = "fixed",
     direction: Direction | Sequence[Direction] = "+x",
     sliding: Sliding = "opposing",
     work_of_adhesion: float | str = 0.0,
@@ -371,6 +391,9 @@ def half_space(
         (1 - c_l) z_l + c_l z_u, but for a constant.
     hardness : float, GPa, optional
         The most that the pressure can be: elastic, perfectly plastic, in the first loading.
+    tilt : {"fixed", "free"}
+        Whether the upper body keeps its orientation, or turns about its middle until the resultant of the pressures is
+        there, to 1e-4 of its length, as on a ball joint. Approaches are then those of the middle.
     direction : {"+x", "-x"}, float or a sequence of them
         Where the upper body is about to move; on surfaces also an angle in degrees from +x towards +y.
     sliding : {"opposing", "all"}
@@ -391,9 +414,11 @@ def half_space(
     ------
     ValueError
         If the grids differ or an argument is outside its range; approaches also on free half-planes, which have none,
-        with a hardness, and from the one on at which all points of periodic bodies touch.
+        with a hardness, and from the one on at which all points of periodic bodies touch; a free tilt with any but
+        loads of free bodies without adhesion.
     RuntimeError
-        If a load's error does not reach the tolerance, or bodies that adhere come off before a load is reached.
+        If a load's error does not reach the tolerance, no tilt balances the bodies, or those that adhere come off
+        before a load is reached.
 
     Notes
     -----
@@ -421,6 +446,7 @@ def half_space(
     if isinstance(upper, Profile):
         model.for_profiles()
     choice("boundary", boundary, Boundary)
+    choice("tilt", tilt, Tilt)
     tolerance = number("tolerance", tolerance, above=0, below=1)
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
@@ -445,6 +471,10 @@ def half_space(
         from stiction.mechanics.adhesion import sticky
 
         problem = sticky(problem, work, length, float(model.effective_modulus))
+    if tilt == "free":
+        if boundary == "periodic" or work > 0 or approaches is not None:
+            raise ValueError("tilt must be 'fixed' but for loads of free bodies without adhesion, got 'free'")
+        problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_in_core_units("loads", loads, problem.area)
     name, steps = steps_of(problem, loads, in_core_units("approaches", approaches, "length"))

@@ -75,6 +75,8 @@ class Problem:
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
     missing: NDArray[np.bool_] | None = None  # where one body was not measured, and nothing touches
+    tilt: Floats | float = 0.0  # slopes along y and x, or x, by which the upper body is turned about its middle
+    turns: bool = False  # whether it turns until the resultant is in the middle
 
     @property
     def periodic(self) -> bool:
@@ -95,6 +97,16 @@ class Problem:
     def has_approach(self) -> bool:
         """Whether far points stay: not on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
+
+    @property
+    def measured(self) -> Floats:
+        """1 where both bodies were measured, else 0."""
+        return np.ones_like(self.gap) if self.missing is None else np.where(self.missing, 0.0, 1.0)
+
+    @cached_property
+    def even(self) -> Floats:
+        """Displacement under an even pressure of 1 GPa on what was measured, µm; 0 of whole periodic bodies."""
+        return np.asarray(self.grids.displacement(self.measured, threads=threads()))
 
     @cached_property
     def slope(self) -> list[Floats]:
@@ -128,6 +140,13 @@ class Pressed:
         """mN, of the attraction."""
         return float(np.sum(self.attraction)) * self.problem.cell
 
+    @property
+    def closure(self) -> float:
+        """Mean gap that was lost since first touch, µm."""
+        even, cell = self.problem.even, self.problem.cell
+        moved = float(self.values @ even.ravel()[self.points]) - float(np.sum(self.attraction * even))
+        return self.approach - moved * cell / self.problem.area
+
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values at the points, 0 elsewhere."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
@@ -152,6 +171,7 @@ class Pressed:
             "load": self.load,
             "contact_load": self.load + self.adhering,
             "approach": self.approach if self.problem.has_approach else np.nan,
+            "closure": self.closure,
             "error": self.error,
             "iterations": self.iterations,
             "contact_count": int(self.patch.max()),
@@ -160,21 +180,50 @@ class Pressed:
         }
 
     @cached_property
+    def free(self) -> NDArray[np.bool_]:
+        """Points whose pressure is below the hardness."""
+        return self.values < (np.inf if self.problem.hardness is None else self.problem.hardness)
+
+    @cached_property
     def stiffness(self) -> float:
         """dF/dδ, mN/µm, of the points as they are; infinite at full periodic contact, NaN without an approach."""
-        hardness = np.inf if self.problem.hardness is None else self.problem.hardness
-        return self._stiffness_of(self.values < hardness)
+        return self._stiffness_of(self.free)
 
     @cached_property
     def unloading_stiffness(self) -> float:
         """As `stiffness`, of all points: those that have yielded unload elastically."""
-        return self._stiffness_of(np.ones(self.values.shape, np.bool_))
+        return self.stiffness if self.free.all() else self._stiffness_of(np.ones_like(self.free))
+
+    @cached_property
+    def closure_stiffness(self) -> float:
+        """dp/dc, GPa/µm, of the nominal pressure over the closure, of points as they are; infinite at full contact."""
+        problem = self.problem
+        if not self.free.any():
+            return np.nan
+        if problem.periodic and problem.missing is None:
+            return self.stiffness / problem.area
+        pressure, approach = self._answer
+        lost = approach * problem.area / problem.cell - float((pressure * problem.even).sum())
+        return problem.gap.size / lost if lost > 0 else np.inf
+
+    @cached_property
+    def _answer(self) -> tuple[Floats, float]:
+        return self._answer_of(self.free)
+
+    def _answer_of(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
+        """Pressures (GPa) and approach (µm) that a load of 1 GPa on the mean adds."""
+        from stiction.mechanics.tilt import Answer
+
+        return Answer.of(self.problem, self.on_grid(free), slopes=self.problem.turns).to_load()
 
     def _stiffness_of(self, free: NDArray[np.bool_]) -> float:
         problem = self.problem
         if not (problem.has_approach and free.any()):
             return np.nan
-        compliance = problem.grids.linear_compliance(self.on_grid(free), threads=threads())
+        if problem.turns:
+            compliance = (self._answer if free is self.free else self._answer_of(free))[1] / problem.gap.size
+        else:
+            compliance = problem.grids.linear_compliance(self.on_grid(free), threads=threads())
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
@@ -261,35 +310,56 @@ def pressed(
         from stiction.mechanics.adhesion import sticking
 
         return sticking(problem, steps, tolerance=tolerance, progress=progress)
+    if problem.turns:
+        from stiction.mechanics.tilt import balanced
+
+        return balanced(problem, steps, tolerance=tolerance, progress=progress)
     contacts: list[Pressed] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
-    bound = np.array([np.inf if problem.hardness is None else problem.hardness])
-    gap, scale = problem.gap, 1.0
-    if (missing := problem.missing) is not None:
-        # So deep that they are never reached, and a tolerance in proportion, as it is of the deviation of the gap.
-        there = gap[~missing]
-        moved = np.ptp(problem.grids.displacement(np.where(missing, 0.0, steps[-1] / problem.area)))
-        gap = np.where(missing, 2 * there.max() + 4 * (moved if name == "loads" else steps[-1]), gap)
-        scale = float(gap.std() / there.std()) if np.ptp(there) > 0 else 1.0
-    solver = _core.HalfSpaceSolver(gap, problem.grids, bound=bound, tolerance=tolerance / scale, threads=threads())
+    solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
     near = None
     for step in steps.tolist():
-        if name == "loads":
-            mean = step / (problem.cell * problem.gap.size)
-            solution = solver.at(mean, near=near, threads=threads(), progress=report)
-        else:
-            solution = solver.at_approach(step, near=near, threads=threads(), progress=report)
+        solution = solver.at(step, near)
         near = solution.pressure
-        if missing is not None and solution.pressure.reshape(gap.shape)[missing].any():
-            raise RuntimeError(f"no solution at {step:g}: missing points would touch")
-        if not solution.error * scale <= tolerance:
-            raise RuntimeError(
-                f"no solution at {step:g} {'mN' if name == 'loads' else 'µm'}: "
-                f"error {solution.error * scale:.2g} after "
-                f"{solution.iterations} iterations, above the tolerance {tolerance:g}"
-            )
-        contacts.append(pressed_of(problem, solution, step if name == "loads" else None, scale=scale))
+        contacts.append(pressed_of(problem, solution, step if name == "loads" else None, scale=solver.scale))
     return contacts
+
+
+class Solver:
+    """Contacts of a problem at loads (mN) or approaches (µm) up to the most; missing points are too deep to touch."""
+
+    def __init__(
+        self, problem: Problem, name: Asked, most: float, *, tolerance: float,
+        report: Callable[[int, float], object] | None,
+    ) -> None:  # fmt: skip
+        self.problem, self.name, self.tolerance, self.report = problem, name, tolerance, report
+        bound = np.array([np.inf if problem.hardness is None else problem.hardness])
+        gap, self.scale = problem.gap, 1.0
+        if (missing := problem.missing) is not None:
+            # So deep that they are never reached, and a tolerance in proportion, as it is of the deviation of the gap.
+            there = gap[~missing]
+            moved = np.ptp(problem.grids.displacement(np.where(missing, 0.0, most / problem.area)))
+            gap = np.where(missing, 2 * there.max() + 4 * (moved if name == "loads" else most), gap)
+            self.scale = float(gap.std() / there.std()) if np.ptp(there) > 0 else 1.0
+        self._core = _core.HalfSpaceSolver(
+            gap, problem.grids, bound=bound, tolerance=tolerance / self.scale, threads=threads()
+        )
+
+    def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
+        """The contact at a load or approach; a `RuntimeError` if it does not reach the tolerance."""
+        problem, loads = self.problem, self.name == "loads"
+        value = step / (problem.cell * problem.gap.size) if loads else step
+        solve = self._core.at if loads else self._core.at_approach
+        solution = solve(value, near=near, threads=threads(), progress=self.report)
+        if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
+            raise RuntimeError(f"no solution at {step:g}: missing points would touch")
+        if not solution.error * self.scale <= self.tolerance:
+            raise RuntimeError(
+                f"no solution at {step:g} {'mN' if loads else 'µm'}: "
+                f"error {solution.error * self.scale:.2g} after "
+                f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
+            )
+        return solution
 
 
 def pressed_of(

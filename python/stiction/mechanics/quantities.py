@@ -84,6 +84,8 @@ QUANTITIES: dict[str, Quantity] = (
             for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
         },
         "normal_stiffness": Quantity("mN/um", "normal stiffness"),
+        "closure": Quantity("um", "closure, the mean gap lost since first touch", "closure"),
+        "closure_stiffness": Quantity("MPa/mm", "nominal pressure over closure, incremental", "stiffness of closure"),
         "tangential_stiffness": Quantity("mN/um", "tangential stiffness at rest"),
         "displacement_at_sliding": Quantity(
             "um", "displacement of the upper body before it slides", "creep before sliding"

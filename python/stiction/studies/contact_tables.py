@@ -12,7 +12,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, create_model, model
 
 from stiction._checks import Floats
 from stiction._units import exact, quantity, shortened
-from stiction.mechanics.half_space import ADHESION_RANGE, Boundary
+from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Profiles
@@ -214,6 +214,10 @@ class HalfSpace(ContactTable):
         description="Gap over which the attraction falls off by 1/e; 0.5 nm unless given."
     )
 
+    tilt: Tilt = Field(
+        description="Whether the upper of free bodies keeps its orientation, or turns until the load is in the middle."
+    )
+
     @model_validator(mode="after")
     def _adheres(self) -> HalfSpace:
         if self.adhesion_range is not None and not self.adheres:
@@ -231,12 +235,19 @@ class HalfSpace(ContactTable):
         """Whether there is an attraction between the bodies."""
         return bool(self.work_of_adhesion)
 
+    @model_validator(mode="after")
+    def _can_turn(self) -> HalfSpace:
+        if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
+            raise fault_at("tilt", 'must be "fixed" of periodic bodies and with a work of adhesion, got "free"')
+        return self
+
     def solid(self) -> dict[str, Any]:
         """What `half_space` takes besides bodies, loads and motion."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
             "compliance_share": self.compliance_share,
+            "tilt": self.tilt,
             "hardness": None if self.hardness is None else float(self.hardness),
             **({"work_of_adhesion": float(self.work_of_adhesion)} if self.work_of_adhesion else {}),
             **({"adhesion_range": float(self.adhesion_range)} if self.adhesion_range else {}),
@@ -306,6 +317,7 @@ KEYS: Keys = {
     "compliance_share": {"the half-space": 0.5},
     "work_of_adhesion": {"the half-space": None},
     "adhesion_range": {"the half-space": None},
+    "tilt": {"the half-space": "fixed"},
     "shear": {"generated surfaces": "+x"},
     "direction": {"generated surfaces": None, "measured areas": COMPASS},
     "sliding": {"generated surfaces": "opposing"},

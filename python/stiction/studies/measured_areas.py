@@ -33,6 +33,9 @@ class MeasuredAreas(MeasuredBodies):
         description="How many members, the first ones, are pairs of surrogates: other surfaces of the same spectra.",
     )  # fmt: skip
 
+    gap: Literal[True] | None = Field(
+        default=None, description="Said of one file that is both: the gap of two faces, pressed as it is."
+    )
     positions: tuple[tuple[int, int], ...] | None = Field(
         default=None, description="Rows and columns by which the upper of two prepared maps lies beyond the lower one."
     )
@@ -47,6 +50,8 @@ class MeasuredAreas(MeasuredBodies):
         upper, lower = self.filtered(scans, wavelength)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
+        if self.gap:
+            return AreasAt(*faces_of(levelled(lower, self.level)), ((0, 0),))
         if self.positions is not None:
             return AreasAt(upper, lower, self.positions)
         pairs = (
@@ -88,6 +93,13 @@ class MeasuredSurrogates(MeasuredBodies):
             return Areas(IsotropicPairs(upper, lower, self.level, seed), scans)
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
         return Areas(IsotropicPairs(turned_over(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
+
+
+def faces_of(gap: Surface) -> tuple[Surface, Surface]:
+    """A flat face, and a rough one from which it is as far as two faces are from each other."""
+    flat, steps = np.zeros_like(gap.heights), (*gap.history, "a gap, below a flat face")
+    lower = Surface(0.0 - gap.heights, spacing=gap.spacing, history=steps, missing=gap.missing)
+    return Surface(flat, spacing=gap.spacing, history=("a flat face",), missing=gap.missing), lower
 
 
 def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:

@@ -44,6 +44,11 @@ MECHANICS = ("half-space", "asperities")
 SPHERES = "contacts are taken as spheres on a strip 1 µm thick; better add --lay grooves or isotropic"
 HALF_PLANES = "taken as grooved across the scan; if not, add --lay isotropic"
 
+OF_A_GAP = (
+    "A gap does not say how its faces lean: contacts were taken to slide on half of its slopes. Closure, stiffness and "
+    "area do not depend on that."
+)
+
 Several = Any
 """One value or several: a number, a text with its unit, texts between commas, a list or an array of either."""
 
@@ -55,8 +60,9 @@ class Pair:
     Numbers are in µm, mN, GPa and degrees. Wrong ones are an `ArgumentError`, whenever what they decide is needed.
     """
 
-    upper: Any  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned, or several: the slider
-    lower: Any  # what it is carried over
+    upper: Any = None  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned, or several: the slider
+    lower: Any = None  # what it is carried over
+    gap: Any = None  # in place of both: one map that is the gap of two faces
     load: Several
     mu0: Several = None
     tau0: Several = None  # 0
@@ -89,6 +95,7 @@ class Pair:
     curvature: str | None = None
     shifts: int | None = None
     rotate: float | None = None
+    tilt: str | None = None
     unit: Several = None
     spacing: Several = None
     missing: str | None = None
@@ -99,6 +106,11 @@ class Pair:
     tip: Several = None
 
     def __post_init__(self) -> None:
+        bodies = (self.upper is not None) + (self.lower is not None)
+        if bodies != (2 if self.gap is None else 0):
+            more = "; {upper_material} and {lower_material} are materials, such as steel; the files come first"
+            more = "" if self.upper_material is None and self.lower_material is None else more
+            raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{more}")
         for name, allowed in _CHOICES.items():
             if (value := getattr(self, name)) is not None and value not in allowed:
                 raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}", got=repr(value))
@@ -127,7 +139,8 @@ class Pair:
 
     def _part(self, side: str, index: int) -> MeasuredFile:
         """One part by all of its scans."""
-        first, *others = (self._file(side, index, scan) for scan in _scans_of(side, getattr(self, side)))
+        given = getattr(self, side) if self.gap is None else self.gap
+        first, *others = (self._file(side, index, scan) for scan in _scans_of(side, given))
         return first.model_copy(update={"others": tuple(others) or None})
 
     def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
@@ -330,6 +343,8 @@ class Pair:
                 remarks.append(HALF_PLANES)
             elif self.contact_law != "hertz-cylinder":
                 remarks.append(SPHERES)
+        if self.gap is not None:
+            remarks.append(OF_A_GAP)
         return remarks
 
     def _study(self, contact: dict[str, Any]) -> Study:
@@ -359,6 +374,7 @@ class Pair:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
             table |= {"rotate": float(self.rotate or 0.0), "surrogates": self._number_of_surrogates(0)}
+            table |= {} if self.gap is None else {"gap": True}
         if press == "lines":
             replaced = "none" if self.surrogates is None else str(self.surrogates)
             table |= {"along": self.along or "x", "replace": replaced, "offsets": self._positions()[1]}
@@ -384,8 +400,8 @@ class Pair:
         elif self.press == "surrogates":
             repetitions = self._number_of_surrogates(SURROGATES)
         else:
-            repetitions = (self.shifts or SHIFTS) + self._number_of_surrogates(0)
-        pairs = math.prod(len(file.scans) for file in self.files)  # each as often as the others
+            repetitions = (1 if self.gap is not None else self.shifts or SHIFTS) + self._number_of_surrogates(0)
+        pairs = 1 if self.gap is not None else math.prod(len(file.scans) for file in self.files)  # each as often
         return {"repetitions": -(-repetitions // pairs) * pairs, "seed": SEED if self.seed is None else self.seed}
 
     def _positions(self) -> tuple[int, int]:
@@ -422,6 +438,7 @@ class Pair:
             table["direction"] = numbers_of("direction", self.direction)
         if mechanics == "half-space":
             table["compliance_share"] = known.compliance_share
+            table |= {} if self.tilt is None else {"tilt": self.tilt}
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
             table |= self._adhesion
@@ -499,7 +516,7 @@ class Pair:
         return area
 
 
-def pair_study(upper: Any, lower: Any, **asked: Any) -> Study:
+def pair_study(upper: Any = None, lower: Any = None, **asked: Any) -> Study:
     """The study of two measured bodies, files or in memory, with arguments by the names of `Pair`; it can be pressed.
 
     Raises
@@ -559,6 +576,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "lay": ("grooves", "isotropic"),
     "law": (*NAMED, JacksonGreen.name),
     "along": ("x", "y"),
+    "tilt": ("fixed", "free"),
     "detection": ("gap-minimum", "cell"),
     "curvature": ("convex", "signed"),
     "missing": ("error", "interpolate", "mask"),
@@ -575,6 +593,10 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
      "is for surfaces and surrogates; two profiles are one pair"),
     (("offsets", "travel"), lambda asked: asked.press == "lines", "is for lines; of maps give {lines} as well"),
     (("along",), lambda asked: asked.press == "lines" and not asked.are_profiles, "is for lines of surfaces"),
+    (("shifts", "rotate", "lines", "surrogates"), lambda asked: asked.gap is None,
+     "is not for the {gap} of two faces, which belong together"),
+    (("gap",), lambda asked: asked.are_maps and len(asked.files[0].scans) == 1, "must be one map"),
+    (("tilt",), lambda asked: "half-space" in asked.by, "is for {mechanics} half-space"),
     (("shifts", "rotate"), lambda asked: asked.press == "areas", "is for the areas of two maps, without {lines}"),
     (("direction",), lambda asked: asked.press != "lines", "is for areas; lines are moved both ways"),
     (("seed",), lambda asked: asked.has_surrogates, "is for {surrogates}"),

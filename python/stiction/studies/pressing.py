@@ -42,6 +42,8 @@ Mechanics = Literal["half-space", "asperities"]
 STIFFNESS_STEP = 0.02
 """The fraction of the approach on both sides of it over which the stiffness of asperities is taken."""
 
+MPA_OVER_MM = 1e6  # in GPa/µm; a line is 1 µm thick
+
 JUST_BEFORE = 1e-11
 """Fraction of an approach by which the one before a jump of the load is smaller: beyond the tolerance of `crossing`."""
 
@@ -137,6 +139,8 @@ def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
                 values.of(name)[at] = getattr(curve, name)
         values.of("status")[at] = STATUSES.index("ok")
         values.of("normal_stiffness")[at] = curve.stiffness
+        values.of("closure")[at] = curve.closure
+        values.of("closure_stiffness")[at] = curve.closure_stiffness * MPA_OVER_MM
         values.of("error")[at] = curve.error
         for place, load in enumerate(at):
             contact = curve.at(place)
@@ -217,7 +221,10 @@ def _by_asperities(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
     if not ok.size:
         return
     normal = curves[0].normal_elastic
-    values.of("normal_stiffness")[ok] = (normal[high] - normal[low]) / (steps[high] - steps[low])
+    values.of("closure")[ok] = approach[ok]
+    stiffness = (normal[high] - normal[low]) / (steps[high] - steps[low])
+    values.of("normal_stiffness")[ok] = stiffness
+    values.of("closure_stiffness")[ok] = stiffness / math.prod(values.extent) * MPA_OVER_MM
     for load in ok:
         table = asperities_of(listed(float(approach[load]), model=one), values.spacing, values.extent)
         for name, value in (table.statistics() | on_steepest(table, values.slopes)).items():

@@ -30,9 +30,10 @@ _NAMES = {"upper": "first", "lower": "second", "upper_material": "upper", "lower
 
 
 def pair(
-    first: Body,
-    second: Body,
+    first: Body | None = None,
+    second: Body | None = None,
     *,
+    gap: str | Path | Surface | None = None,
     load: Quantity | Sequence[Quantity],
     mu0: float | Sequence[float] | None = None,
     tau0: Quantity | Sequence[Quantity] | None = None,
@@ -55,6 +56,7 @@ def pair(
     lay: Literal["grooves", "isotropic"] | None = None,
     shifts: int | None = None,
     rotate: float | None = None,
+    tilt: Literal["fixed", "free"] | None = None,
     direction: Sequence[float] | None = None,
     lines: int | None = None,
     along: Literal["x", "y"] | None = None,
@@ -85,9 +87,10 @@ def pair(
     first, second : str, path, Profile, Surface or JoinedSpectrum
         The slider and what it is carried over, as files or as bodies; heights of both point out of the material, as
         they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them. Of a spectrum random
-        surfaces are pressed, and another scan beside it is taken by its own spectrum. A list,
-        or a folder, has scans of several places on one part: all pairs of them are pressed, and the interval is of the
-        parts.
+        surfaces are pressed, and another scan beside it is taken by its own spectrum. A list, or a folder, has scans of
+        several places on one part: all pairs of them are pressed, and the interval is of the parts.
+    gap : str, path or Surface
+        In place of both: one map that is the gap of two faces, as of a fracture, pressed at this position alone.
     load : str or float, or several, mN
         Normal load, "10 mN" or per nominal area "10 MPa"; numbers are mN.
     mu0 : float, or several
@@ -114,8 +117,8 @@ def pair(
         Gap over which the attraction falls off by 1/e; by default "0.5 nm", one to two distances of atoms.
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps and asperities of lines.
-    law, yield_strength, cutoff, level, lay, shifts, rotate, direction, lines, along, offsets, travel, detection, \
-    curvature, surrogates, seed, unit, spacing, missing, outliers, crop, channel, columns, \
+    law, yield_strength, cutoff, level, lay, shifts, rotate, tilt, direction, lines, along, offsets, travel, \
+    detection, curvature, surrogates, seed, unit, spacing, missing, outliers, crop, channel, columns, \
     tip
         As the options of `stiction pair`.
     directory : path, optional

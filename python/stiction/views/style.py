@@ -83,6 +83,8 @@ _LABELS = {
     "patch_area": "area of a contact (µm²)",
     "pressure": "pressure in contact (GPa)",
     "cut_off": "cut-off wavelength (µm)",
+    "closure": "closure (µm)",
+    "closure_stiffness": "stiffness of closure (MPa/mm)",
     "x": "$x$ (µm)",
     "y": "$y$ (µm)",
     "height": "height $z$ (µm)",

@@ -298,8 +298,8 @@ def _doubt(doubt: Doubt, more: str = "") -> str:
 # ---- Quantities ------------------------------------------------------------------------------------------------------
 
 _SHOWN = (
-    "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "contact_load",
-    *HELD, *ONSET,
+    "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "closure",
+    "closure_stiffness", "contact_load", *HELD, *ONSET,
 )  # fmt: skip
 """Quantities that every table has, where a result has them."""
 
@@ -310,7 +310,11 @@ _MORE = (
 """Those that a verbose one has besides."""
 
 _QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
-_SCALES = {"um^2": (1.0, "µm²"), "mN/um": (1.0, "mN/µm")}  # factor and name of units that have no prefixes
+_SCALES = {
+    "um^2": (1.0, "µm²"),
+    "mN/um": (1.0, "mN/µm"),
+    "MPa/mm": (1.0, "MPa/mm"),
+}  # factor and name of units that have no prefixes
 
 
 def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
@@ -324,6 +328,7 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
         hidden = {
             "contact_area": fraction and not verbose, "contact_area_fraction": not fraction,
             "pull_off_pressure": not fraction,
+            **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or getattr(study.surfaces, "gap", None))),
         }.get(name, False)  # fmt: skip
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
             rows += _row(name, words_of(name, study), [point[name] for point in loads])

@@ -52,6 +52,24 @@ def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: s
     return figure
 
 
+def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
+    """Closure and its incremental stiffness against nominal pressure, of what `at_load` returns; 80 mm wide."""
+    from matplotlib.figure import Figure
+
+    stress = 1000 / float(points["nominal_area"])  # MPa/mN
+    figure = Figure(figsize=(WIDTH, 100 * MILLIMETRE), layout="constrained")
+    for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
+        x = stress * np.asarray(points["load"].values, dtype=np.float64)
+        mean, low, high = (points[name].sel(statistic=each).values for each in STATISTICS)
+        ax.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
+        ax.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
+        ax.set(ylabel=label(name), ylim=(0, None))
+    figure.axes[1].set(xlabel=label("nominal_pressure"), xlim=(0, None))
+    bands = "bands: 95 %" if np.isfinite(low).any() else ""
+    figure.suptitle("\n".join(filter(None, (title, bands))), fontsize=6)
+    return figure
+
+
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
     """Friction coefficient and true contact area against the cut-off wavelength, at one load; 80 mm wide.
 

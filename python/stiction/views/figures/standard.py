@@ -25,7 +25,7 @@ from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import positions_figure, sizes_figure
 from stiction.views.figures.ensemble import area_figure, friction_figure, motions
-from stiction.views.figures.loads import cut_off_figure, load_figure
+from stiction.views.figures.loads import closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.figures.surfaces import length_scales_figure, profiles_figure
 from stiction.views.inputs import doubts_of_study
@@ -46,9 +46,9 @@ def drawn(
     Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
     (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
     as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
-    ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``, ``onset``, ``slip``, ``contact`` (of profiles) and
-    ``contacts`` (of maps), as far as the result has what they show; further mu0 and tau0 have theirs,
-    ``friction-2.png`` and so on.
+    ``closure`` (of maps), ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``, ``onset``, ``slip``,
+    ``contact`` (of profiles) and ``contacts`` (of maps), as far as the result has what they show; further mu0 and tau0
+    have theirs, ``friction-2.png`` and so on.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def hardness_of(study: Study) -> float | None:
 def title_of(study: Study) -> str:
     """Whose figure it is: the names of the two files."""
     upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
-    return f"{upper} on {lower}"
+    return f"gap {upper}" if getattr(study.surfaces, "gap", None) else f"{upper} on {lower}"
 
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
@@ -173,6 +173,8 @@ def _of_measured(
         if over is not None:
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
             yield f"cut_off{of}", _later(_cut_off, at, study, title=read.title)
+    if study.is_areal:
+        yield "closure", _later(closure_figure, points.isel(cut_off=0).sel(load=slice(max(asked))), title=read.title)
     yield "budget", _later(_budget, result, study, title=read.title)
     if study.friction.wait:
         yield "waiting", _later(_waiting, result, study, title=read.title)

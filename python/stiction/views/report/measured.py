@@ -55,6 +55,7 @@ _OF_LOAD = {
     "contact_area_fraction": "contact_area", "contact_area": "contact_area", "contact_count": "contact_count",
     "contact_load": "contact_load",
     "mean_pressure": "contact_area", "normal_stiffness": "normal_stiffness", "approach": "approach",
+    "closure": "closure", "closure_stiffness": "closure_stiffness",
     "share_on_largest": "share_on_largest", "share_at_edge": "share_at_edge",
     "fraction_on_small": "fraction_on_small", "load_share_at_hardness": "load_share_at_hardness",
     "share_beyond_hertz": "", "share_below_grid": "", "share_overlapping": "",

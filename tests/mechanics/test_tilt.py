@@ -1,0 +1,114 @@
+import numpy as np
+import pytest
+from stiction import Profile, Surface, half_space, self_affine_surface
+
+OFF_CENTRE = 1e-4  # of the length, what a balance leaves
+LINEAR = 0.03  # of a stiffness, taken over 2 % of the load on both sides, in which points come into contact
+DENSE = 1e-5  # of what points answer, by dense matrices
+BALL = 1e-3  # of a ball's tilt, which puts its summit in the middle
+
+ROUGH = {"hurst_exponent": 0.8, "rms": 0.02, "spacing": 0.1}
+
+
+def pair_of(seed, shape=(48, 64)):
+    return tuple(self_affine_surface(seed, side=side, shape=shape, **ROUGH) for side in ("upper", "lower"))
+
+
+def resultant(curve, index, missing=None):
+    """Distance from the middle of what is there, over the length."""
+    contact = curve.contact(index)
+    there = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
+    places = np.indices(contact.pressure.shape).reshape(contact.pressure.ndim, -1)
+    middles = [places @ weight.ravel() / weight.sum() for weight in (contact.pressure, there)]
+    return (middles[0] - middles[1]) / contact.pressure.shape
+
+
+@pytest.mark.parametrize("hardness", [None, 0.4])
+@pytest.mark.parametrize("holes", [False, True])
+def test_a_balanced_pair_has_its_resultant_in_the_middle_and_its_own_stiffness(hardness, holes):
+    upper, lower = pair_of(3)
+    missing = np.zeros(lower.heights.shape, bool)
+    if holes:
+        missing[:, 50:] = True
+        lower = Surface(lower.heights, spacing=lower.spacing, missing=missing)
+    loads = [0.1, 0.98, 1.0, 1.02, 5.0]
+    fixed, free = (half_space(upper, lower, loads, tilt=tilt, hardness=hardness) for tilt in ("fixed", "free"))
+    assert np.abs([resultant(fixed, each, missing) for each in range(5)]).max() > 0.05
+    assert np.abs([resultant(free, each, missing) for each in range(5)]).max() < OFF_CENTRE
+    assert not fixed.tilt.any()
+    assert free.tilt.shape == (5, 2)
+    area = (~missing).sum() * 0.01
+    for curve in (fixed, free):
+        rise = 0.04 / (curve.approach[3] - curve.approach[1])
+        assert curve.stiffness[2] == pytest.approx(rise, rel=LINEAR)
+        assert curve.closure_stiffness[2] == pytest.approx(0.04 / area / np.ptp(curve.closure[[1, 3]]), rel=LINEAR)
+    assert (free.stiffness < fixed.stiffness.max()).any()
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_closure_is_the_mean_gap_that_is_lost(boundary):
+    upper, lower = pair_of(5)
+    holed = Surface(lower.heights, spacing=lower.spacing, missing=np.arange(64) >= 50 + np.zeros((48, 1)))
+    for below in (holed, lower):
+        curve = half_space(upper, below, [0.5, 5.0, 5.001], boundary=boundary, tolerance=1e-8)
+        there = ~np.isnan(curve.contact(0).gap)
+        gap = (upper.heights - lower.heights)[there]
+        for index in range(3):
+            lost = (gap - gap.min()).mean() - np.nanmean(curve.contact(index).gap)
+            assert curve.closure[index] == pytest.approx(lost, rel=1e-9)
+        rise = 0.001 / (there.sum() * 0.01) / (curve.closure[2] - curve.closure[1])
+        assert curve.closure_stiffness[1] == pytest.approx(rise, rel=1e-3)
+    if boundary == "periodic":
+        np.testing.assert_allclose(curve.closure, curve.approach, rtol=1e-9)
+        np.testing.assert_allclose(curve.closure_stiffness, curve.stiffness / (48 * 64 * 0.01), rtol=1e-9)
+    else:
+        assert (curve.closure < curve.approach).all()
+
+
+def test_what_points_answer_agrees_with_dense_matrices():
+    from stiction.mechanics.tilt import Answer, arms_of
+
+    one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
+    problem, free = one.problem, one.on_grid(one.free)
+    found, points = Answer.of(problem, free, slopes=True), np.flatnonzero(free)
+    unit = np.eye(free.size).reshape(-1, *free.shape)
+    kernel = np.array([problem.grids.displacement(unit[point]).ravel()[points] for point in points])
+    whole = np.block([[kernel, -np.ones((points.size, 1))], [np.ones((1, points.size)), np.zeros((1, 1))]])
+    arms = [np.broadcast_to(arm, free.shape).ravel()[points] for arm in arms_of(problem)]
+    level = np.linalg.solve(whole, np.r_[np.zeros(points.size), free.size])
+    turned = [np.linalg.solve(whole, np.r_[-arm, 0.0])[:-1] for arm in arms]
+    turning = [[each @ arm / free.size for arm in arms] for each in turned]
+    assert found.approach == pytest.approx(level[-1], rel=DENSE)
+    np.testing.assert_allclose(found.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE)
+    np.testing.assert_allclose(found.turning, turning, rtol=100 * DENSE)
+
+
+@pytest.mark.parametrize("areal", [True, False])
+def test_a_ball_beside_the_middle_is_turned_until_its_summit_is_there(areal):
+    x = (np.arange(65) - 32) * 0.1
+    ball = -((x - 1.3) ** 2) / 40 - (x[:, np.newaxis] ** 2 / 40 if areal else 0)
+    kind = Surface if areal else Profile
+    curve = half_space(kind(0 * ball, spacing=0.1), kind(ball, spacing=0.1), [1e-2, 1.0], tilt="free")
+    np.testing.assert_allclose(curve.tilt[:, -1], 1.3 / 20, rtol=BALL)
+    assert np.isfinite(curve.closure).all()
+
+
+def test_a_load_that_one_point_carries_is_balanced():
+    x = (np.arange(65) - 32) * 0.1
+    ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
+    curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
+    assert np.abs(resultant(curve, 0)).max() < OFF_CENTRE
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"tilt": "loose"}, "tilt must be one of 'fixed', 'free'"),
+        ({"boundary": "periodic"}, "tilt must be 'fixed' but for loads of free bodies without adhesion, got 'free'"),
+        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' but"),
+        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' but"),
+    ],
+)
+def test_what_cannot_turn_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        half_space(*pair_of(1, (16, 16)), **({"loads": [1.0], "tilt": "free"} | arguments))
