@@ -627,7 +627,7 @@ def test_a_scan_of_waves_that_are_not_its_own_is_pressed_with_and_without_them(t
     assert [study.surfaces.vouched for study in studies.values()] == [None, None, True, None]
     lengths = {name: [float(each) for each in study.surfaces.cut_off] for name, study in studies.items()}
     assert (lengths["clean"], lengths["vouched"], lengths["cut"]) == ([0.0], [0.0], [0.3])
-    assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).noise]
+    assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
     faults = {
         name: [doubt for doubt in doubts_of_inputs(noisy, noisy, study) if doubt.severity == "fault"]
         for name, study in studies.items()

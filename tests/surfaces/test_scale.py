@@ -243,3 +243,23 @@ def test_a_wavelength_is_above_zero():
         found.gradient_at(0.0)
     with pytest.raises(ValueError, match="gradient must be a finite number above 0"):
         found.wavelength_of(-1.0)
+
+
+@pytest.mark.parametrize("colour", ["white", "band"])
+def test_the_cut_off_of_an_instrument_leaves_the_slope_of_the_waves_that_are_trusted(colour):
+    """A Gaussian takes a part of longer waves: with its wavelength at the limit h' would be a fifth too small."""
+    for seed in range(6):
+        made = self_affine_surface(
+            seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2
+        )
+        q = np.hypot(*np.meshgrid(np.fft.fftfreq(192), np.fft.fftfreq(192)))
+        waves = np.ones(q.shape) if colour == "white" else (q > 0.15) & (q < 0.35)
+        noise = np.fft.ifft2(np.fft.fft2(np.random.default_rng(seed).normal(size=q.shape)) * waves).real
+        scan = Surface(made.heights + 0.04 * made.heights.std() * noise / noise.std(), spacing=0.02)
+        limit = instrument_limit(scan)
+        assert limit.slope_share > 0.1
+        assert 0.04 <= limit.cut_off < limit.wavelength
+        bodies = (made, scan, cut_off(scan, limit.cut_off))
+        slopes = [float(scale_dependent_roughness(body).gradient[-1]) for body in bodies]
+        assert slopes[2] == pytest.approx(slopes[0], rel=0.06)
+        assert slopes[1] > 1.06 * slopes[0]

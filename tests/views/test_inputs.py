@@ -77,7 +77,7 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
     for body, word in ((noisy, "like noise"), (humming, "a line stands")):
         doubt = next(each for each in doubts_of_inputs(body, body, measured_study()) if word in each.text)
         limit = instrument_limit(body)
-        assert doubt.cut_off == limit.noise < 0.6
+        assert doubt.cut_off == limit.cut_off < limit.noise < 0.6
         assert doubt.severity == ("fault" if limit.slope_share > 0.1 else "caution")
         vouched = measured_study().with_changes({"surfaces.vouched": True})
         assert not any(word in each.text for each in doubts_of_inputs(body, body, vouched))
@@ -97,7 +97,7 @@ def test_waves_that_the_tip_cannot_follow_are_doubted_and_pressed_off_and_on():
     study = pair_study(scan, scan, tip="20 um", **common)
     limit = instrument_limit(scan, tip_radius=20.0)
     assert limit.reason == "tip"
-    assert study.surfaces.cells()["cut_off"].tolist() == [0.0, limit.wavelength]
+    assert study.surfaces.cells()["cut_off"].tolist() == [0.0, limit.cut_off]
     (doubt,) = doubts_of_inputs(scan, scan, study)
     assert "sharper than the tip follows" in doubt.text
     assert doubt.severity == "fault"

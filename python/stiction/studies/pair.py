@@ -388,7 +388,7 @@ class Pair:
         scanned = [(body, tip) for body, tip in scans if isinstance(body, (Profile, Surface))]
         bodies = [body for body, _ in scanned]
         limits = [instrument_limit(body, tip_radius=tip) for body, tip in scanned if np.ptp(body.heights) > 0]
-        longest = max((limit.wavelength for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
+        longest = max((limit.cut_off for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
         if not 0 < longest < min(float(np.min(body.extent)) for body in bodies) / 4:
             return {}
         return {"cut_off": ["0 um", exactly(longest, "um")]}

@@ -13,7 +13,7 @@ from stiction._shown import Shown, axes_for
 from stiction.surfaces.cut_off import transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, refuse_missing
-from stiction.surfaces.scale import variances
+from stiction.surfaces.scale import in_three_digits, variances
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -159,8 +159,7 @@ def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: 
     for wave in np.geomspace(shortest, longest, _CANDIDATES).tolist():
         kept = np.square(q * transmission(q, wave))
         if noise @ kept <= NOISE_LEFT * (of_mean @ kept):
-            digit = 10.0 ** (math.floor(math.log10(wave)) - 2)
-            return round(math.ceil(wave / digit - 1e-9) * digit, 12)
+            return in_three_digits(wave)
     return math.nan
 
 

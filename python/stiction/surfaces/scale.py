@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, number, read_only, truth
 from stiction._shown import Readable, Tabled
+from stiction.surfaces.cut_off import transmission
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -246,6 +247,9 @@ class InstrumentLimit(Tabled):
         Of a surface, `noise` of its lines along x and along y.
     slope_share, curvature_share : float
         Share of the mean square slope and curvature in waves below `wavelength`; 0 if that is of the pixels.
+    cut_off : float, µm
+        The wavelength at which `cut_off` leaves the mean square slope of the waves that are to be trusted, of which it
+        takes a part; at least two points.
 
     Examples
     --------
@@ -265,6 +269,7 @@ class InstrumentLimit(Tabled):
     noise_y: float = field(default=math.nan, metadata={"unit": "µm"})
     slope_share: float = 0.0
     curvature_share: float = 0.0
+    cut_off: float = field(default=math.nan, metadata={"unit": "µm"})
 
 
 def instrument_limit(
@@ -320,19 +325,35 @@ def instrument_limit(
         noise = math.nan
     if kind == "noise floor" and noise > 0 and _is_quantised(body):
         kind = "quantisation"
-    if noise > 0:  # by three digits that are not below it, which texts show
-        digit = 10.0 ** (math.floor(math.log10(noise)) - 2)
-        noise = round(math.ceil(noise / digit - 1e-9) * digit, 12)
+    noise = in_three_digits(noise) if noise > 0 else noise
     limits = {"pixels": 2 * spacing, kind: noise, "tip": math.nan}
     if radius is not None and (sharp := roughness.curvature > TIP_FACTOR / radius).any():
         limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
     reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
-    wave, shares = limits[reason], (0.0, 0.0)
+    wave, shares, cut = limits[reason], (0.0, 0.0), 2 * spacing
     if reason != "pixels":
         bent = float(roughness.curvature_at(wave) / roughness.curvature[-1])
         shares = float(roughness.fraction_below(wave)), 1 - bent**2
+        cut = _slope_kept(roughness, shares[0], wave, cut)
     along_x, along_y = along if len(along) == 2 else (math.nan, math.nan)
-    return InstrumentLimit(wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares)
+    return InstrumentLimit(wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares, cut)
+
+
+def in_three_digits(wavelength: float) -> float:
+    """A wavelength by three digits that are not below it, which texts show."""
+    digit = 10.0 ** (math.floor(math.log10(wavelength)) - 2)
+    return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
+
+
+def _slope_kept(roughness: ScaleDependentRoughness, share: float, longest: float, shortest: float) -> float:
+    """The cut-off between two wavelengths that takes a share of the mean square slope."""
+    q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
+    low, high = math.log(shortest), math.log(max(longest, shortest))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        kept = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
+        low, high = (middle, high) if kept > 1 - share else (low, middle)
+    return max(shortest, float(f"{math.exp(high):.1e}"))  # two digits, which two scans of a kind share
 
 
 Spectrum = tuple[Floats, Floats, Floats, float]

@@ -267,13 +267,14 @@ class Characterisation:
         )
         shortest = entry("shortest_wave", limit.pixels, "um")
         octave = entry("slope_in_shortest_octave", share)
+        off = with_unit(limit.cut_off, "um")
         wave, part = with_unit(limit.wavelength, "um"), f"{percent(self.untrusted)} of the mean square slope"
         if limit.reason == "pixels":
             words = f"nothing but its pixels{'' if self.tip_radius is None else ', and its tip follows all'}"
         elif self.untrusted < HARMLESS:
             words = f"below {wave} {REASONS[limit.reason]}: harmless, {part}"
         else:
-            words = f"not to be trusted below {wave}: {REASONS[limit.reason]}, {part}; --cutoff '{wave}' takes that off"
+            words = f"not to be trusted below {wave}: {REASONS[limit.reason]}, {part}; --cutoff '{off}' takes that off"
         below = f"those below {with_unit(2 * limit.pixels, 'um')} make {percent(share)} of the mean square slope"
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [

@@ -60,12 +60,13 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     of_upper, of_lower = (
         of_part(getattr(study.surfaces, side), body) for side, body in zip(SIDES, (upper, lower), strict=True)
     )
-    both = [each for each in of_upper if each in of_lower]
+    pairs = [(each, other) for each in of_upper for other in of_lower if each.text == other.text]
+    both = [max(pair, key=lambda each: each.cut_off) for pair in pairs]
     doubts = [
         replace(each, text=f"{name}: {each.text}")
         for name, of_body in (("both bodies", both), ("upper", of_upper), ("lower", of_lower))
         for each in of_body
-        if name == "both bodies" or each not in both
+        if name == "both bodies" or each.text not in {one.text for one in both}
     ]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
@@ -126,10 +127,10 @@ def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterato
         wave = with_unit(shortest, "um")
         part = f"{100 * limit.slope_share:.0f} % of the mean square slope"
         text = f"waves below {wave} have {part} and are hardly the surface's: {REASONS[limit.reason]}"
-        cure = f"--cutoff '{wave}' takes them off"
+        cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' takes their slope off"
         if limit.slope_share > UNKNOWN:
             cure += ", --cutoff none vouches for them"
-        yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", shortest)
+        yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", limit.cut_off)
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))
