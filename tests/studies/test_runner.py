@@ -156,6 +156,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
 
     monkeypatch.setattr(runner, "member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
+    monkeypatch.setattr(runner, "PATIENCE", 0.1)
     held = None
     with ThreadPoolExecutor(1) as pool:
         try:

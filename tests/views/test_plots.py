@@ -14,9 +14,7 @@ from stiction.views.report import report_page
 from stiction.views.report.surface import surface_page
 
 pytest.importorskip("selenium", reason="selenium is not installed")
-pytestmark = pytest.mark.skipif(
-    not (browser.CHROMIUM and browser.DRIVER), reason="Debian's chromium and chromium-driver are not installed"
-)
+pytestmark = browser.IN_BROWSER
 
 CONTROL, SHIFT = 2, 8  # bits of the browser's protocol
 TABLE = {"name": "scan.csv", "command": "stiction characterise scan.csv"}

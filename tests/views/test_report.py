@@ -22,9 +22,13 @@ from stiction.views.report.page import MARK
 
 pytest.importorskip("selenium", reason="selenium is not installed")
 
-in_browser = pytest.mark.skipif(
-    not (browser.CHROMIUM and browser.DRIVER), reason="Debian's chromium and chromium-driver are not installed"
-)
+
+def in_browser(test):
+    """Give a test the marks of those in a browser."""
+    for mark in browser.IN_BROWSER:
+        test = mark(test)
+    return test
+
 
 AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
 
