@@ -4,6 +4,7 @@ from stiction.mechanics.candidates import Candidates as Candidates, candidates a
 from stiction.mechanics.closed_forms import (
     dmt as dmt,
     effective_modulus as effective_modulus,
+    fuller_tabor as fuller_tabor,
     gentle_friction as gentle_friction,
     hertz_cylinder as hertz_cylinder,
     hertz_ellipse as hertz_ellipse,

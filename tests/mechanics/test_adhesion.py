@@ -3,7 +3,19 @@ import warnings
 import numpy as np
 import pytest
 from reference.least_energy import least_energy
-from stiction import Profile, Surface, dmt, half_space, jkr, maugis_dugdale, self_affine_surface, tabor_parameter
+from scipy.integrate import trapezoid
+from scipy.stats import norm
+from stiction import (
+    Profile,
+    Surface,
+    dmt,
+    fuller_tabor,
+    half_space,
+    jkr,
+    maugis_dugdale,
+    self_affine_surface,
+    tabor_parameter,
+)
 from stiction.mechanics.adhesion import Attraction
 
 OF_GAPS = 1e-3
@@ -206,7 +218,7 @@ def test_work_is_what_the_energy_changes_by_coming_and_going(case):
             elastic = net * problem.grids.displacement(net) / 2
             stuck = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
             energies.append(problem.cell * float((elastic - stuck).sum()))
-        works.append(float(np.trapezoid(curve.load, curve.approach)))
+        works.append(float(trapezoid(curve.load, curve.approach)))
         assert works[-1] == pytest.approx(energies[1] - energies[0], rel=OF_STEPS)
     assert works[0] == pytest.approx(-works[1], rel=OF_STEPS)
     assert works[2] > 0
@@ -264,6 +276,26 @@ def test_closed_forms_meet_at_their_limits():
     assert np.allclose(hard, dmt(loads, 1.0, 1e4, **work), rtol=1e-2)
     for law in (jkr, dmt):
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
+
+
+def test_level_summits_hold_as_many_balls_do_and_others_as_their_heights_say():
+    radius, modulus, work = 2.0, 1.3, 1e-3
+    a = np.geomspace(1e-3, 3.0, 200_000)
+    force = 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * work * modulus * a**3)
+    depth = a**2 / radius - np.sqrt(2 * np.pi * work * a / modulus)
+    last = int(np.argmin(depth))
+    deviations = -depth[last] * np.array([0.01, 0.5, 1.0, 2.0])
+    parameter, left = fuller_tabor(deviations, radius, modulus, work_of_adhesion=work)
+    assert parameter == pytest.approx([0.01, 0.5, 1.0, 2.0], rel=1e-4)
+    assert left[0] == pytest.approx(1, rel=1e-3)
+    heights = norm.ppf((np.arange(20_000) + 0.5) / 20_000)
+    for place in (1, 2, 3):
+        spread = deviations[place]
+        held = [
+            np.interp(heights * spread - gap, depth[last:], force[last:], left=0.0).mean()
+            for gap in np.linspace(-2 * spread, 6 * spread, 400)
+        ]
+        assert left[place] == pytest.approx(-min(held) / (1.5 * np.pi * work * radius), rel=0.01)
 
 
 def test_bodies_that_stick_rub_at_no_load():

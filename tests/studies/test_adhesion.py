@@ -158,6 +158,7 @@ def test_a_grid_that_decides_the_range_and_what_the_interval_leaves_out_are_said
 
 
 @pytest.mark.soak
+@pytest.mark.filterwarnings("ignore:adhesion_range")
 def test_what_adhesion_would_add_is_found_without_it():
     """60 pairs about the limit, with and without hardness: none is wrong beyond a factor of two."""
     draw, wrong, flat = np.random.default_rng(7), [], {"hurst_exponent": 0.8, "rms": 1.0, "shape": (64, 64)}

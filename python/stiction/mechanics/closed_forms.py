@@ -240,6 +240,55 @@ def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
     return radius, radius**3 - strength * radius**2 * (root + m**2 * angle)
 
 
+def fuller_tabor(
+    deviation: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
+) -> tuple[Floats, Floats]:
+    """What the spread of summits' heights leaves of adhesion: σ/δ, and the pull-off force over that of level summits.
+
+    Soft summits of one radius R, with normal heights of deviation σ, let go when they are stretched by
+    δ = 3/4 (π² w² R/E*²)^(1/3). Level ones are held by 3/2 π w R each; from σ/δ = 3 on little is left.
+
+    Parameters
+    ----------
+    deviation, radius : array_like of float, µm
+    effective_modulus : array_like of float, GPa
+    work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+
+    Notes
+    -----
+    Fuller & Tabor, Proceedings of the Royal Society A 345 (1975) 327; σ/δ is their 1/Δc. Summits are those of `jkr` and
+    do not feel each other.
+
+    Examples
+    --------
+    >>> from stiction import fuller_tabor
+    >>> parameter, left = fuller_tabor([0.01, 1.0], 50.0, 2e-3, work_of_adhesion=5e-5)  # rubber
+    >>> parameter.round(2), left.round(2)
+    (array([0.02, 1.97]), array([1.  , 0.15]))
+    """
+    from scipy.integrate import trapezoid
+    from scipy.optimize import minimize_scalar
+
+    r, e, w = _sticky(radius, effective_modulus, work_of_adhesion)
+    parameter = positive(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
+    left = np.empty(parameter.shape)
+    for place in np.ndindex(left.shape):
+        spread = float(parameter[place])
+        # A contact's radius over that at no load; its load over 3/2 π w R, and its height over δ.
+        a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
+        force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
+
+        def load(gap: float, spread: float = spread, force: Floats = force, height: Floats = height) -> float:
+            share = np.exp(-(((height + gap) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
+            return float(trapezoid(force * share, height))
+
+        gaps = np.linspace(-4 * spread, 6 * spread + 1, 200)
+        first = gaps[int(np.argmin([load(gap) for gap in gaps]))]
+        step = gaps[1] - gaps[0]
+        left[place] = -minimize_scalar(load, bounds=(first - step, first + step), method="bounded").fun
+    return np.asarray(parameter), left
+
+
 def _sticky(
     radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **others: ArrayLike
 ) -> list[Floats]:

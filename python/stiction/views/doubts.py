@@ -296,8 +296,8 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         added = added_by_adhesion(point, study)
         least = ADDED if study.by_half_space else 1.0  # asperities cannot say that there is none
         if study.is_measured and study.contact.work_of_adhesion is None and added > least:
-            more = f"{percent(added)} of the load" if added < 1 else "more than the load"
-            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add some {more} to that of the contacts"
+            more = f"{percent(added)} of the load or more" if added < 1 else "more than the load"
+            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add {more} to that of the contacts"
             also = "" if study.by_half_space else "--mechanics half-space and "
             yield Doubt(text, f"give {also}--adhesion, '0 mJ/m^2' where there is none", "caution")
         return
