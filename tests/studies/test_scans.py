@@ -124,7 +124,7 @@ def test_the_spread_between_places_is_in_the_interval_and_in_the_budget(spread) 
         assert budget[list(pieces)].sum() > 0.2
     assert "4 × 4 scans of both parts" in result.sentence
     one = pair(*(each[0] for each in scans), shifts=32, **given)
-    assert "one scan of each part: the spread between places is not in it" in one.sentence
+    assert "one scan of each part, without the spread between places" in one.sentence
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(one.interval)
     low, high = result.next_test
     assert low <= result.interval[0] < result.interval[1] <= high

@@ -115,7 +115,9 @@ of measured bodies, and a row of its verbose table, of its CSV and of its JSON."
 FRACTIONS: tuple[str, ...] = (*OF_CONTACTS, "share_on_steepest_upper", "share_on_steepest_lower")
 """Statistics of contacts."""
 
-STATISTICS: tuple[str, ...] = ("normal_stiffness", "closure", "closure_stiffness", "error", *FRACTIONS)
+STATISTICS: tuple[str, ...] = (
+    "normal_stiffness", "unloading_stiffness", "closure", "closure_stiffness", "error", *FRACTIONS,
+)  # fmt: skip
 """What a result of measured bodies holds of each member at each load, besides its sums."""
 
 

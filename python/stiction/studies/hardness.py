@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 FILE = "hardness.nc"
 """In the folder of a result: true area of its first members at the nodes."""
 
-MEMBERS = 4
-"""Members that are pressed at other hardnesses: what the area changes by is nearly the same at all positions."""
+MEMBERS, LINES = 4, 16
+"""Members that are pressed at other hardnesses, areas and lines, of which few contacts make each another."""
 
 NODES = 4
 """Hardnesses that are solved, beside that of the study and elastic bodies: they hold mu_s between them to 0.5 %."""
@@ -58,7 +58,7 @@ def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | No
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
-    members = min(MEMBERS, study.ensemble.repetitions)
+    members = min(MEMBERS if study.is_areal else LINES, study.ensemble.repetitions)
     tasks = [(index, hardness) for index in range(members) for hardness in hardnesses.tolist()]
     found = np.array(list(executor.map(partial(_areas_of_member, study, loads), tasks)))
     areas = found.reshape(members, -1, loads.size)

@@ -216,6 +216,10 @@ def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
     return {name: ((name,), list(one[name]()[:1]), attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
+PER_AREA = {"stiffness_per_area": "normal_stiffness", "unloading_stiffness_per_area": "unloading_stiffness"}
+"""Stiffnesses over the nominal area, and what they are of."""
+
+
 def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
     """With the fractions that follow from the sums, in place of what only they are made of."""
     dims, elastic = variables["normal_elastic"][:2]
@@ -225,7 +229,12 @@ def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any
         pressure = pull_off.values / float(nominal_area)
         variables["pull_off_pressure"] = (pull_off.dims, pressure, attributes_of("pull_off_pressure"))
     if nominal_area is not None:
-        found["contact_area_fraction"] = variables["contact_area"][1] / float(nominal_area)
+        area = float(nominal_area)
+        found["contact_area_fraction"] = variables["contact_area"][1] / area
+        found["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
+        for name, of in PER_AREA.items():
+            if of in variables:
+                found[name] = 1e3 * variables[of][1] / area  # of mN/µm³
     with np.errstate(divide="ignore", invalid="ignore"):
         carried = variables["contact_load"][1] if "contact_load" in variables else elastic
         found["mean_pressure"] = carried / variables["contact_area"][1]

@@ -280,7 +280,7 @@ def _memory(shape: tuple[int, ...]) -> Floats:
 
 def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """A member at each cut-off; what the member is goes to `arrays` at once."""
-    pressing = Pressing.of(study)
+    pressing = Pressing.of(study, index)
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = bodies_of(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}

@@ -31,7 +31,7 @@ from stiction.studies.contact_statistics import (
     pressed_on_steepest,
 )
 from stiction.studies.contact_tables import Asperities, HalfSpace
-from stiction.studies.result import Arrays
+from stiction.studies.result import Arrays, measured
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -56,6 +56,10 @@ def checked_loads(loads: ArrayLike) -> Floats:
     return values
 
 
+UNLOADED_MEMBERS = 4
+"""Members of which the stiffness of unloading is known, where there is a hardness."""
+
+
 @dataclass(frozen=True, eq=False)
 class Pressing:
     """How a pair of bodies is pressed to elastic loads, by whichever mechanics."""
@@ -64,13 +68,15 @@ class Pressing:
     angles: Floats  # degrees
     rules: tuple[Sliding, ...]
     how: ContactModel | dict[str, Any]  # of asperities, or what `half_space` takes
+    unloads: bool = True  # whether the stiffness of unloading is solved for, which takes a third of the time
 
     @classmethod
-    def of(cls, study: Study) -> Pressing:
-        """That of a study of measured bodies."""
+    def of(cls, study: Study, member: int = 0) -> Pressing:
+        """That of a study of measured bodies; of a member of it, only the first of which unload."""
         contact = study.contact
         how = contact.model() if isinstance(contact, Asperities) else contact.solid()
-        return cls(contact.steps(), contact.degrees(), contact.rules(), how)
+        unloads = member - measured(study).first_scanned < UNLOADED_MEMBERS
+        return cls(contact.steps(), contact.degrees(), contact.rules(), how, unloads)
 
     def pressed(self, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
         """Sums and statistics by name: (rules, directions, loads) of what depends on the motion, else (loads,)."""
@@ -141,6 +147,8 @@ def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) 
         values.of("normal_stiffness")[at] = curve.stiffness
         values.of("closure")[at] = curve.closure
         values.of("closure_stiffness")[at] = curve.closure_stiffness * MPA_OVER_MM
+        if pressing.unloads or curve.hardness is None:
+            values.of("unloading_stiffness")[at] = curve.unloading_stiffness
         values.of("error")[at] = curve.error
         for place, load in enumerate(at):
             contact = curve.at(place)

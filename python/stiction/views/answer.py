@@ -463,7 +463,7 @@ def _scans_text(study: Study) -> str:
     """How many scans of each part there are, and which spread between places is not in an interval."""
     counts = measured(study).scan_counts
     if counts == (1, 1):
-        return "one scan of each part: the spread between places is not in it"
+        return "one scan of each part, without the spread between places"
     words = f"{counts[0]} × {counts[1]} scans of both parts"
     single = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
     return words + "".join(f", and one of the {side}: the spread between its places is not in it" for side in single)

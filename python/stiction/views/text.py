@@ -15,6 +15,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, ONSET, QUANTITIES
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.contact_statistics import FRACTIONS
+from stiction.studies.member_values import PER_AREA
 from stiction.studies.resolution import seen
 from stiction.views.answer import ORIGIN, Answer, Doubt, answers, bracket_text, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
@@ -304,17 +305,15 @@ _SHOWN = (
 """Quantities that every table has, where a result has them."""
 
 _MORE = (
-    "approach", "share_opposing", *FRACTIONS, "load_share_at_hardness", "area_share_at_hardness", "relative_overlap",
-    "share_beyond_hertz", "share_below_grid", "share_crossed", "share_overlapping", "share_unanswered", "error",
+    "approach", *PER_AREA, "share_opposing", *FRACTIONS, "load_share_at_hardness", "area_share_at_hardness",
+    "relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed", "share_overlapping",
+    "share_unanswered", "error",
 )  # fmt: skip
 """Those that a verbose one has besides."""
 
 _QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
-_SCALES = {
-    "um^2": (1.0, "µm²"),
-    "mN/um": (1.0, "mN/µm"),
-    "MPa/mm": (1.0, "MPa/mm"),
-}  # factor and name of units that have no prefixes
+_SCALES = {unit: (1.0, unit.replace("um", "µm").replace("^2", "²")) for unit in ("um^2", "mN/um", "MPa/mm", "GPa/mm")}
+"""Factor and name of units that have no prefixes."""
 
 
 def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
@@ -327,8 +326,8 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     for name in (*_SHOWN, *(_MORE if verbose else ())):
         hidden = {
             "contact_area": fraction and not verbose, "contact_area_fraction": not fraction,
-            "pull_off_pressure": not fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or getattr(study.surfaces, "gap", None))),
+            **dict.fromkeys(("pull_off_pressure", *PER_AREA), not fraction),
         }.get(name, False)  # fmt: skip
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
             rows += _row(name, words_of(name, study), [point[name] for point in loads])

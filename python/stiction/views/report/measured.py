@@ -13,6 +13,7 @@ from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.quantities import HELD, QUANTITIES
 from stiction.studies.contact_picture import coming_and_going
+from stiction.studies.member_values import PER_AREA
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
@@ -54,7 +55,7 @@ MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 _OF_LOAD = {
     "contact_area_fraction": "contact_area", "contact_area": "contact_area", "contact_count": "contact_count",
     "contact_load": "contact_load",
-    "mean_pressure": "contact_area", "normal_stiffness": "normal_stiffness", "approach": "approach",
+    "mean_pressure": "contact_area", "normal_stiffness": "normal_stiffness", **PER_AREA, "approach": "approach",
     "closure": "closure", "closure_stiffness": "closure_stiffness",
     "share_on_largest": "share_on_largest", "share_at_edge": "share_at_edge",
     "fraction_on_small": "fraction_on_small", "load_share_at_hardness": "load_share_at_hardness",

@@ -435,6 +435,7 @@ function memberValues({facts, motions, chosen, members}, quantity, d, a, step, m
     const at = (part) => sums[part][index(member)];
     const value = over.length ? at(of) / over.reduce((sum, part) => sum + at(part), 0) : at(of);
     if (name === "contact_area_fraction") return value / facts.area;
+    if (name.endsWith("_per_area")) return 1000 * value / facts.area;
     return name === "mean_pressure" ? at("contact_load" in sums ? "contact_load" : "normal_elastic") / value : value;
   });
 }

@@ -31,7 +31,7 @@ const tau0 = () => state.tau0 / 1000; // GPa
 const COLOURS = ["var(--accent)", "var(--second)"]; // of results
 const RULE_COLOURS = {all: "var(--all)", opposing: "var(--opposing)"};
 
-const FRICTION = ["maps", "readout", "over", "friction", "area", "stiffness", "compass", "positions"];
+const FRICTION = ["maps", "readout", "over", "friction", "area", "stiffness", "unloading", "compass", "positions"];
 const hasBothRules = () => results.length === 1 && first.rules.length > 1;
 
 /** Index of a result's rule and way that are nearest to what is picked. */
@@ -250,7 +250,10 @@ const QUANTITY = {
   area: isMeasured
     ? {title: "true contact area _A_/_A_~0~ (%)", isLog: true, of: "contact_area_fraction", factor: 100}
     : {title: "true contact area _A_ (µm²)", isLog: true, of: "area", factor: 1},
-  stiffness: {title: "normal stiffness (mN/µm)", isLog: true, of: isMeasured ? "normal_stiffness" : "stiffness", factor: 1},
+  stiffness: isMeasured
+    ? {title: "normal stiffness over area (GPa/mm)", isLog: true, of: "stiffness_per_area", factor: 1}
+    : {title: "normal stiffness (mN/µm)", isLog: true, of: "stiffness", factor: 1},
+  unloading: {title: "normal stiffness over area (GPa/mm)", isLog: true, of: "unloading_stiffness_per_area", factor: 1},
 };
 
 const hasQuantity = ({facts: own}, id) => id === "friction" || (isMeasured
@@ -275,7 +278,7 @@ function showCurve(id) {
     return {value: slopesAlone(result, d, directions, rule, state.mu0, tau0()), colour, name: `by slope alone, ${rule}`};
   }).filter(({value}) => Number.isFinite(value)) : [];
   const room = isMeasured ? 1.15 : 1;
-  const x = {low: loads[0] / room, high: loads.at(-1) * room, isLog: true, title: "normal load _F_~N~ (mN)"};
+  const x = {low: loads[0] / room, high: loads.at(-1) * room, isLog: true, title: `normal load _F_~N~ (mN)${isMeasured ? `; 1 mN is ${shown(1000 / first.area)} MPa` : ""}`};
   const drawn = drawCurves(byId(id), series, x, {...QUANTITY[id], picked: loads[state.load], levels});
   byId(`${id}-caption`).textContent = curveCaption(series, [...dimensionIfAny(), ...amplitudeIfAny()], drawn, "load");
 }
@@ -382,7 +385,7 @@ function showSpectra() {
 const material = () => [state.mu0, state.tau0];
 
 function curveRows(id, head) {
-  const names = ["result", head, id === "area" || id === "stiffness" ? QUANTITY[id].title.replaceAll(/[_~]/g, "") : "mu_s", "lower", "upper", "status",
+  const names = ["result", head, ["area", "stiffness", "unloading"].includes(id) ? QUANTITY[id].title.replaceAll(/[_~]/g, "") : "mu_s", "lower", "upper", "status",
     "mu0", "tau0 (MPa)"];
   return () => [names, ...byId(id).drawn.series.flatMap(({name, points}) => points.map(({x, value, lower, upper, status}) =>
     [name || first.name, x, value, lower, upper, status ?? "", ...material()]))];
@@ -471,7 +474,7 @@ function connect() {
   connectLoads(said);
   if (!allLoads.length) return;
   connectMap(said);
-  for (const id of ["friction", "area", "stiffness", "over"]) if (drawings[id]) connectCurve(id);
+  for (const id of ["friction", "area", "stiffness", "unloading", "over"]) if (drawings[id]) connectCurve(id);
   connectOthers();
   atRest = () => {
     if (drawings.maps) settleMap();
@@ -712,6 +715,7 @@ function hideOthers() {
     friction: !allLoads.length,
     area: !allLoads.length || !results.some((result) => hasQuantity(result, "area")),
     stiffness: !allLoads.length || !results.some((result) => hasQuantity(result, "stiffness")),
+    unloading: !isMeasured || !results.some((result) => hasQuantity(result, "unloading")),
     compass: first.directions.length < 3 || !allLoads.length,
     positions: !isMeasured || first.repetitions < 2,
     contacts: !first.picture,
@@ -732,7 +736,7 @@ start(async () => {
   const ranges = results.map(({facts: own}) => own.loads).filter((ends) => ends.length);
   if (ranges.length) allLoads = [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
   drawings = {maps: showMaps, readout: showReadout, over: showOver, friction: () => showCurve("friction"),
-    area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), compass: showCompass, contacts: showContacts,
+    area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), unloading: () => showCurve("unloading"), compass: showCompass, contacts: showContacts,
     positions: showPositions, spectra: showSpectra};
   hideOthers();
   if (!allLoads.length) {

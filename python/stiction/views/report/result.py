@@ -56,6 +56,7 @@ PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
         name: (f"{words} against load", f"{words} against normal load", {"more": _ALONG.format("the load")})
         for name, words in (
             ("friction", "Friction coefficient"), ("area", "True contact area"), ("stiffness", "Normal stiffness"),
+            ("unloading", "Normal stiffness, unloading or by ultrasound,"),
         )
     },
     "positions": ("Single positions", "Friction coefficient of each pair", {}),
