@@ -31,8 +31,8 @@ FILE = "hardness.nc"
 MEMBERS, LINES = 4, 16
 """Members that are pressed at other hardnesses, areas and lines, of which few contacts make each another."""
 
-NODES = 4
-"""Hardnesses that are solved, beside that of the study and elastic bodies: they hold mu_s between them to 0.5 %."""
+NODES = 6
+"""Hardnesses that are solved, beside that of the study and elastic bodies: they hold mu_s between them to 0.7 %."""
 
 
 def hardnesses_wanted(study: Study) -> Floats:
