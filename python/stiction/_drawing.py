@@ -78,6 +78,7 @@ def draw_repeated(ax: Axes, found: Any) -> Axes:
         ax.axvline(found.limit, color="0.5", linewidth=0.8)
     ax.set_xlabel("shortest wavelength of an octave (µm)")
     ax.set_ylabel("rms height in it (nm)")
+    few_ticks(ax)
     ax.legend()
     return ax
 

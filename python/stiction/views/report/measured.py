@@ -199,7 +199,7 @@ def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, An
         said.append(
             {
                 "at": {name: float(value) for name, value in answer.at.items()},
-                "verdict": answer.verdict,
+                "verdict": answer.verdict, "covered": answer.covered,
                 "sentence": printable(answer.sentence, MOST_TEXT * 4),
                 "doubts": [_doubt(each) for each in answer.doubts],
                 "slopes": slopes_text(answer, point, study),

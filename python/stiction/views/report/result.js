@@ -13,7 +13,9 @@ const state = {
   way: 0,
   kind: 0,
   amplitude: 0,
-  dimension: isMeasured ? 0 : Math.floor(first.dimensions.length / 2),
+  // Of two readings of a scan the one whose interval covers both.
+  dimension: isMeasured ? Math.max(0, first.dimensions.indexOf(first.answers.find(({covered}) => !covered)?.at.cut_off))
+    : Math.floor(first.dimensions.length / 2),
   load: 0,
   side: 0,
   range: null,

@@ -1,0 +1,50 @@
+"""Scans with the noise of instruments, of four colours, beside the surfaces that they are of."""
+
+import numpy as np
+import pytest
+from stiction import Surface, pair, self_affine_surface
+from stiction.views.answer import headlines
+
+POINTS, SPACING = 112, 0.02
+ASKED = {
+    "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
+    "onset": 0, "direction": [0, 90, 180, 270],
+}  # fmt: skip
+HELD = 0.95  # of all that is to be quoted
+PAIRS = 75  # of each colour
+
+
+def noise(colour, random):
+    along = np.abs(np.fft.fftfreq(POINTS))
+    q, x = np.hypot(along[:, None], along), along + 0 * along[:, None]
+    waves = {
+        "white": 1.0, "band": (q > 0.15) & (q < 0.35), "pink": 1 / np.maximum(q, 1 / POINTS),
+        "line": (abs(x - 0.2) < 0.01) & (along[:, None] < 0.05),
+    }[colour]  # fmt: skip
+    made = np.fft.ifft2(np.fft.fft2(random.normal(size=q.shape)) * waves).real
+    return made / made.std()
+
+
+def answers_of(seed, colour):
+    """The answer of a pair without noise, and the first answer of the same with noise of 1 to 10 % of Sq."""
+    random = np.random.default_rng(1000 + seed)
+    rough = {
+        "hurst_exponent": random.uniform(0.4, 0.9), "rms": 0.002, "shape": (POINTS, POINTS), "spacing": SPACING,
+        "longest_wavelength": POINTS * SPACING / 8,
+    }  # fmt: skip
+    part, rough["shortest_wavelength"] = 10 ** random.uniform(-2, -1), SPACING * random.choice([4, 8, 12])
+    clean = [self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower")]
+    noisy = [
+        Surface(body.heights + part * body.heights.std() * noise(colour, random), spacing=SPACING) for body in clean
+    ]
+    return pair(*clean, cutoff="none", **ASKED).value, headlines(pair(*noisy, **ASKED).answers)[0]
+
+
+@pytest.mark.parametrize("colour", ["white", "band", "line", "pink"])
+@pytest.mark.soak
+def test_the_bracket_of_noisy_scans_holds_the_answer_of_the_surface(colour):
+    said = [answers_of(seed, colour) for seed in range(PAIRS)]
+    told = [(truth, one.bracket) for truth, one in said if one.bracket is not None]
+    assert len(told) > PAIRS / 2
+    held = [low - 1e-9 <= truth <= high for truth, (low, high) in told]
+    assert np.mean(held) >= HELD
