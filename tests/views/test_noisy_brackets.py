@@ -5,7 +5,7 @@ import pytest
 from stiction import Surface, pair, self_affine_surface
 from stiction.views.answer import headlines
 
-POINTS, SPACING = 112, 0.02
+POINTS, SPACING = 192, 0.02
 ASKED = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
     "onset": 0, "direction": [0, 90, 180, 270],
@@ -26,13 +26,13 @@ def noise(colour, random):
 
 
 def answers_of(seed, colour):
-    """The answer of a pair without noise, and the first answer of the same with noise of 1 to 10 % of Sq."""
+    """The answer of a pair without noise, and the first answer of the same with noise of 2.5 to 10 % of Sq."""
     random = np.random.default_rng(1000 + seed)
     rough = {
         "hurst_exponent": random.uniform(0.4, 0.9), "rms": 0.002, "shape": (POINTS, POINTS), "spacing": SPACING,
-        "longest_wavelength": POINTS * SPACING / 8,
+        "longest_wavelength": POINTS * SPACING / 4,
     }  # fmt: skip
-    part, rough["shortest_wavelength"] = 10 ** random.uniform(-2, -1), SPACING * random.choice([4, 8, 12])
+    part, rough["shortest_wavelength"] = 10 ** random.uniform(-1.6, -1), SPACING * random.choice([8, 12, 16])
     clean = [self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower")]
     noisy = [
         Surface(body.heights + part * body.heights.std() * noise(colour, random), spacing=SPACING) for body in clean
