@@ -32,7 +32,7 @@ MEMBERS, LINES = 4, 16
 """Members that are pressed at other hardnesses, areas and lines, of which few contacts make each another."""
 
 NODES = 6
-"""Hardnesses that are solved, beside that of the study and elastic bodies: they hold mu_s between them to 0.7 %."""
+"""Hardnesses that are solved, beside that of the study and elastic bodies: mu_s between them is right to about 1 %."""
 
 
 def hardnesses_wanted(study: Study) -> Floats:
