@@ -200,6 +200,18 @@ def command(name: str, *lines: str) -> Callable[[Function], Function]:
     return own.command(name, cls=_Command, epilog=examples(*lines))
 
 
+_OPTIONS = {
+    "upper": "UPPER", "lower": "LOWER", "upper_material": "--upper", "lower_material": "--lower",
+    "work_of_adhesion": "--adhesion",
+}  # fmt: skip
+"""Options that are called otherwise than their arguments."""
+
+
+def _option(argument: str) -> str:
+    """How an argument is called on the command line."""
+    return _OPTIONS.get(argument, f"--{argument.replace('_', '-')}")
+
+
 def start() -> int:
     """Run the command that the arguments are; its exit status."""
     for stream in (sys.stdout, sys.stderr):
@@ -227,9 +239,7 @@ def start() -> int:
         about = f"{named(error.filename)}: " if isinstance(error.filename, str) else ""
         say(f"{about}{reason(error)}")
     except ArgumentError as error:
-        from stiction.cli.options import option_of
-
-        say(error.said(option_of))
+        say(error.said(_option))
     except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so

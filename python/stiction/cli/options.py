@@ -139,21 +139,6 @@ FILES = {
 """How two files are read, each option given once for both or for one after the other."""
 
 
-def option_of(argument: str) -> str:
-    """How an argument is called on the command line."""
-    return _OPTIONS.get(argument, f"--{argument.replace('_', '-')}")
-
-
-_OPTIONS = {
-    "upper": "UPPER",
-    "lower": "LOWER",
-    "upper_material": "--upper",
-    "lower_material": "--lower",
-    "work_of_adhesion": "--adhesion",
-}
-"""Options that are called otherwise than their arguments."""
-
-
 def measurement(
     file: Path,
     unit: str | None,
