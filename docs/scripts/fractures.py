@@ -1,0 +1,203 @@
+"""Draws docs/images/fractures.png and prints the tables of docs/experiments.md: two fractures in granodiorite.
+
+    python docs/scripts/fractures.py FOLDER [SPECIMEN ...]
+
+FOLDER has vd1.npz (gap_um, spacing_um) and vd1-closure.csv (number, displacement in mm, nominal stress in MPa; loading,
+then unloading), and vd2 the same: what is read of github.com/danielvogler/hm_coupled_fracture_response.
+"""
+
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.ndimage import gaussian_filter, zoom
+from stiction import Surface, half_space, levelled
+from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_picture
+
+IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
+DIAMETER = 122e3  # µm
+YOUNG, POISSON = 11.0, 0.33  # GPa: 10 to 12 were measured; Poisson's ratio was not, and its authors assume this
+LOW, HIGH = (1.0, 2.0), (5.0, 10.0)  # MPa, between which stiffness is compared
+STEP = 4.0  # µm, of heights that were read from a picture
+FITTED = 1e3, 10e3  # µm, wavelengths from which the exponent of the gap is taken
+LEAST = 0.2  # MPa, below which there is nothing measured
+
+
+def gap_of(folder, name, *, square=True):
+    """The gap (µm) in the largest square of the disc, or in the disc and missing outside, as a surface."""
+    with np.load(folder / f"{name}.npz") as held:
+        heights, spacing = held["gap_um"].astype(float), float(held["spacing_um"])
+    side = int(DIAMETER / (np.sqrt(2) if square else 1) / spacing)
+    first = [(count - side) // 2 for count in heights.shape]
+    inside = heights[first[0] : first[0] + side, first[1] : first[1] + side]
+    if square:
+        return Surface(inside, spacing=spacing)
+    distance = np.hypot(*(np.indices(inside.shape) - (side - 1) / 2)) * spacing
+    return Surface(inside, spacing=spacing, missing=distance > DIAMETER / 2)
+
+
+def measured(folder, name):
+    """Displacement (mm) and stress (MPa) of the loading and of the unloading."""
+    number, displacement, stress = np.loadtxt(folder / f"{name}-closure.csv", delimiter=",", skiprows=2).T
+    top = int(stress.argmax())
+    assert (np.diff(number) == 1).all()
+    return (displacement[: top + 1], stress[: top + 1]), (displacement[top:], stress[top:])
+
+
+def computed(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free", tilt="free", hardness=None):
+    """Closure (mm) since first touch at stresses (MPa), and the curve."""
+    flat = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
+    rough = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
+    area = np.prod(gap.spacing) * (gap.heights.size - (0 if gap.missing is None else gap.missing.sum()))
+    curve = half_space(
+        flat, rough, stress * area / 1e3, effective_modulus=young / (1 - poisson**2) / 2, boundary=boundary, tilt=tilt,
+        hardness=hardness, tolerance=1e-5,
+    )  # fmt: skip
+    return curve.closure / 1e3, curve
+
+
+def secant(closure, stress, between):
+    """MPa/mm between two stresses, by straight lines between points."""
+    return float(np.diff(between)[0] / np.diff(np.interp(between, stress, closure))[0])
+
+
+def spectrum_of(gap):
+    """Wave number (1/µm) of each Fourier coefficient of a gap, its coefficients, and its Hurst exponent and density."""
+    heights = levelled(gap, "plane").heights * np.hanning(gap.heights.shape[0])[:, None]
+    heights = heights * np.hanning(gap.heights.shape[1])
+    wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
+    power = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
+    there = (wave > 1 / FITTED[1]) & (wave < 1 / FITTED[0])
+    slope, level = np.polyfit(np.log(wave[there]), np.log(power[there]), 1)
+    return -slope / 2 - 1, lambda wave: np.exp(level + np.euler_gamma) * wave**slope  # mean of the log of a power
+
+
+def waves(shape, spacing, density, longest, seed):
+    """Random heights (µm) with a spectrum over waves that are shorter than `longest` (µm)."""
+    wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
+    wave[0, 0] = np.inf
+    amplitude = np.where(wave > 1 / longest, np.sqrt(density(wave) / (np.prod(shape) * spacing**2)), 0.0)
+    noise = np.fft.fft2(np.random.default_rng(seed).standard_normal(shape)) / np.sqrt(np.prod(shape))
+    return np.fft.ifft2(amplitude * noise).real * np.prod(shape)
+
+
+def finer(gap, factor, seed=1):
+    """The gap on a grid that is finer by a factor, with waves of its exponent below two of its points."""
+    _, density = spectrum_of(gap)
+    spacing = gap.spacing[0] / factor
+    smooth = zoom(gap.heights, factor, order=1)
+    return Surface(smooth + waves(smooth.shape, spacing, density, 2 * gap.spacing[0], seed), spacing=spacing)
+
+
+def shifted(gap, by, seed=1):
+    """The gap after one face was moved by µm along x, if the face has the gap's spectrum and is another surface."""
+    _, density = spectrum_of(gap)
+    face = waves(gap.heights.shape, gap.spacing[0], density, FITTED[1], seed)
+    return Surface(gap.heights + by * np.gradient(face, gap.spacing[0], axis=1), spacing=gap.spacing)
+
+
+def changed(gap, change):
+    """A gap with its heights changed."""
+    return Surface(change(gap.heights), spacing=gap.spacing)
+
+
+def variants(folder, name):
+    """What is changed alone: words, the kind of its uncertainty or none, the gap and arguments of `computed`."""
+    gap, random = gap_of(folder, name), np.random.default_rng(1)
+    yield "frozen settings", "", gap, {}
+    for young in (10.0, 12.0):
+        yield f"E = {young:g} GPa", "E", gap, {"young": young}
+    yield "Poisson's ratio 0.25", "E", gap, {"poisson": 0.25}
+    yield "tilt fixed as scanned", "tilt", gap, {"tilt": "fixed"}
+    yield "tilt fixed after a plane is taken off", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
+    yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
+    yield "whole disc", "tilt", gap_of(folder, name, square=False), {}
+    yield "heights random within 4 µm", "digitising", changed(
+        gap, lambda z: z + random.uniform(-STEP / 2, STEP / 2, z.shape)
+    ), {}  # fmt: skip
+    yield "blurred by one point", "digitising", changed(gap, lambda z: gaussian_filter(z, 1.0)), {}
+    yield "points clipped at 1 mm put to 1.5 mm", "digitising", changed(gap, lambda z: np.where(z >= 1e3, 1.5e3, z)), {}
+    for hardness in (1.0, 0.5):
+        yield f"hardness {hardness:g} GPa", "hardness" if hardness >= 1 else "", gap, {"hardness": hardness}
+    yield "finer waves on a grid of half the spacing", "", finer(gap, 2), {}
+    for by in (100.0, 300.0):
+        yield f"one face moved by {by / 1e3:g} mm", "", shifted(gap, by), {}
+    yield "bow taken off (second degree)", "", levelled(gap, "quadratic"), {}
+
+
+def main(folder, names):
+    shown = {}
+    for name in names:
+        (load, stress), (back, falling) = measured(folder, name)
+        wanted = [secant(load, stress, between) for between in (LOW, HIGH)]
+        hurst, _ = spectrum_of(gap_of(folder, name))
+        clipped = float((gap_of(folder, name).heights >= 1e3).mean())
+        print(
+            f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, {100 * clipped:.1f} % of its points are clipped.\n"
+        )
+        print("| change | stiffness 1 to 2 MPa, MPa/mm | off | 5 to 10 MPa | off | area at 10 MPa, % |\n|-|-|-|-|-|-|")
+        print(f"| measured, loading | {wanted[0]:.0f} | | {wanted[1]:.0f} | | |")
+        returned = [secant(back[::-1], falling[::-1], between) for between in (LOW, HIGH)]
+        print(f"| measured, unloading | {returned[0]:.0f} | | {returned[1]:.0f} | | |")
+        steps = np.unique(np.concatenate([stress, LOW, HIGH]))
+        bands = {}
+        for words, kind, gap, how in variants(folder, name):
+            closure, curve = computed(gap, steps, **how)
+            found = [secant(closure, steps, between) for between in (LOW, HIGH)]
+            off = [100 * (value / is_ - 1) for value, is_ in zip(found, wanted, strict=True)]
+            area = 100 * curve.contact_area[-1] * stress[-1] / 1e3 / curve.load[-1]
+            cells = (f"{found[0]:.0f}", f"{off[0]:+.0f} %", f"{found[1]:.0f}", f"{off[1]:+.0f} %", f"{area:.1f}")
+            print(f"| {words} |", " | ".join(cells), "|", flush=True)
+            both = np.interp(stress, steps, closure), 1e6 * np.interp(stress, steps, curve.closure_stiffness)
+            bands.setdefault(kind, []).append(both) if kind or words.startswith("frozen") else None
+        shown[name] = (load, stress, back, falling, bands)
+    draw(shown)
+
+
+def whole(bands):
+    """Lower and upper ends of closure and stiffness: deviations of each kind, the largest, added as squares."""
+    ends = []
+    for which in (0, 1):
+        middle = bands[""][0][which]
+        middle = middle - middle[0] if which == 0 else middle
+        sums = np.zeros((2, middle.size))
+        for kind, found in bands.items():
+            others = [each[which] - (each[which][0] if which == 0 else 0) - middle for each in found] if kind else []
+            if others:
+                sums += np.square([np.minimum(0, np.min(others, axis=0)), np.maximum(0, np.max(others, axis=0))])
+        ends.append((middle, middle - np.sqrt(sums[0]), middle + np.sqrt(sums[1])))
+    return ends
+
+
+def draw(shown):
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(FULL_WIDTH, 100 * MILLIMETRE), layout="constrained")
+        axes = figure.subplots(2, len(shown), sharex=True, sharey="row", squeeze=False)
+        for (upper, lower), (name, (load, stress, back, falling, bands)) in zip(axes.T, shown.items(), strict=True):
+            closure, stiffness = whole(bands)
+            for ax, (middle, low, high) in ((upper, closure), (lower, stiffness)):
+                ax.fill_between(stress, low, high, color=ALL, alpha=0.2, linewidth=0, label="all uncertainties")
+                ax.plot(stress, middle, color=ALL, label="computed, nothing fitted")
+            for _, each in bands["E"][:2]:
+                lower.plot(stress, each, color=ALL, linewidth=0.5, linestyle="--")
+            upper.plot(stress, load - load[0], "o", color=FORCE, markersize=3, label="measured, loading")
+            upper.plot(falling, back - load[0], "x", color=FORCE, markersize=3, label="measured, unloading")
+            at = (stress[1:] + stress[:-1]) / 2
+            lower.plot(at, np.diff(stress) / np.diff(load), "o", color=FORCE, markersize=3)
+            rising = np.diff(back) < 0
+            unloading = np.diff(falling)[rising] / np.diff(back)[rising]
+            lower.plot((falling[1:] + falling[:-1])[rising] / 2, unloading, "x", color=FORCE, markersize=3)
+            upper.set_title(name, fontsize=7)
+            lower.set(xlabel="nominal stress (MPa)", xlim=(0, None), ylim=(0, 400))
+        axes[0, 0].set(ylabel=f"closure since {LEAST + 0.06:.2f} MPa (mm)", ylim=(0, None))
+        axes[1, 0].set(ylabel="stiffness (MPa/mm)")
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        save_picture(figure, IMAGE)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]), sys.argv[2:] or ["vd1", "vd2"])

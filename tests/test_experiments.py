@@ -1,0 +1,48 @@
+"""The script of docs/experiments.md: on bodies that are made, and on the data where somebody has them."""
+
+import os
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from stiction import Surface, self_affine_surface
+
+SCRIPT = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
+DATA = os.environ.get("STICTION_FRACTURES")  # the folder that the script takes
+EXPONENT = 0.15  # of a spectrum of 200 points
+FOUND = {"vd1": ((37, 116), (48, 122)), "vd2": ((25, 127), (50, 131))}  # MPa/mm at 1 to 2 and 5 to 10 MPa
+
+
+def test_the_largest_square_lies_in_the_disc_and_the_loading_comes_first(tmp_path):
+    spacing = 2000.0
+    heights = np.add.outer(np.arange(64.0), np.arange(64.0))
+    np.savez(tmp_path / "a.npz", gap_um=heights, spacing_um=spacing)
+    (tmp_path / "a-closure.csv").write_text("Number,Disp,sigmaZ\n[-],[mm],[MPa]\n1,0,1\n2,0.1,3\n3,0.02,1\n")
+    square, disc = (SCRIPT["gap_of"](tmp_path, "a", square=square) for square in (True, False))
+    assert np.hypot(*square.extent) <= SCRIPT["DIAMETER"] < np.hypot(*square.extent) + 3 * spacing
+    assert (~disc.missing).sum() * spacing**2 == pytest.approx(np.pi / 4 * SCRIPT["DIAMETER"] ** 2, rel=0.02)
+    (load, stress), (back, falling) = SCRIPT["measured"](tmp_path, "a")
+    assert SCRIPT["secant"](load, stress, (1.0, 3.0)) == pytest.approx(20)
+    assert [*back, *falling] == [0.1, 0.02, 3, 1]
+
+
+@pytest.mark.parametrize("hurst", [0.5, 0.9])
+def test_added_waves_go_on_with_the_spectrum(hurst):
+    gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
+    found, density = SCRIPT["spectrum_of"](gap)
+    assert found == pytest.approx(hurst, abs=EXPONENT)
+    wave, made = 1 / 800.0, SCRIPT["waves"]((256, 256), 250.0, density, 10e3, 1)
+    again = SCRIPT["spectrum_of"](Surface(made, spacing=250.0))[1]
+    assert again(wave) == pytest.approx(density(wave), rel=0.3)
+
+
+@pytest.mark.skipif(DATA is None, reason="STICTION_FRACTURES names no folder with the data, which have no licence")
+@pytest.mark.parametrize("name", list(FOUND))
+def test_the_frozen_settings_give_what_the_page_says(name):
+    folder, steps = Path(DATA), np.array([1.0, 2.0, 5.0, 10.0])
+    closure, _ = SCRIPT["computed"](SCRIPT["gap_of"](folder, name), steps)
+    (load, stress), _ = SCRIPT["measured"](folder, name)
+    for of, (closures, at) in zip(FOUND[name], ((closure, steps), (load, stress)), strict=True):
+        found = [SCRIPT["secant"](closures, at, between) for between in (SCRIPT["LOW"], SCRIPT["HIGH"])]
+        assert found == pytest.approx(of, abs=1)
