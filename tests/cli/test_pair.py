@@ -19,6 +19,8 @@ from stiction.studies.at_load import at_load
 from stiction.studies.export import export
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import ARGUMENTS, Pair
+from stiction.studies.pressing import Pressing
+from stiction.studies.text import StudyError
 from stiction.views.digits import quoted
 from stiction.views.inputs import doubts_of_inputs
 
@@ -142,6 +144,26 @@ def test_a_gap_is_pressed_as_it_is_at_its_one_position(where):
     (upper, lower), gap = bodies_of(study).member(0, 0.0).pair, surface("lower").heights
     assert not upper.heights.any()
     np.testing.assert_allclose(upper.heights - lower.heights, gap - gap.mean(), atol=1e-12)
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_closure_is_kept_with_its_stiffness(where, mechanics):
+    study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--mechanics", mechanics)
+    upper, lower = bodies_of(study).member(0, 0.0).pair
+    found = Pressing.of(study).pressed(upper, lower)
+    over_area = 1e6 * found["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
+    if mechanics == "asperities":
+        np.testing.assert_allclose(found["closure"], found["approach"])
+        np.testing.assert_allclose(found["closure_stiffness"], over_area)
+    else:
+        assert (found["closure"] < found["approach"]).all()
+        assert (found["closure_stiffness"] > over_area).all()
+
+
+def test_a_free_tilt_of_what_cannot_turn_is_refused(where):
+    study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--tilt", "free")
+    with pytest.raises(StudyError, match='tilt: must be "fixed" of periodic bodies'):
+        study.with_changes({"contact.boundary": "periodic"})
 
 
 def test_a_file_is_known_by_its_name_and_checksum(where):

@@ -319,6 +319,7 @@ class TestCases:
             (HALF_SPACES, "contact.law", "hertz-sphere"),
             (HALF_SPACES, "contact.approach", ["1 nm"]),
             (HALF_SPACES, "contact.boundary", "open"),
+            (HALF_SPACES, "contact.tilt", "loose"),
             (HALF_SPACES, "contact.load", ["1 nm"]),
             (HALF_SPACES, "contact.load", ["1 N"]),
             (HALF_SPACES, "contact.compliance_share", 1.5),
