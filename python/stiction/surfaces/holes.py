@@ -56,7 +56,7 @@ def outliers_of(heights: Floats) -> NDArray[np.bool_]:
     Off is what is off the median of three (of areas three or four) means of two neighbours, which a slope or another
     outlier does not move. Points that have fewer, at an edge or beside a missing one (NaN), are none.
     """
-    from scipy.ndimage import label
+    from scipy.ndimage import label, median_filter
 
     reach, sides = (3, [(1,), (2,), (3,)]) if heights.ndim == 1 else (1, [(0, 1), (1, 0), (1, 1), (1, -1)])
     padded = np.pad(heights, reach, constant_values=np.nan)
@@ -67,11 +67,17 @@ def outliers_of(heights: Floats) -> NDArray[np.bool_]:
 
     means = np.stack([(moved(steps, 1) + moved(steps, -1)) / 2 for steps in sides])
     judged = (np.isfinite(means).sum(axis=0) >= _FEWEST) & np.isfinite(heights)
-    off = np.abs(heights[judged] - np.nanmedian(means[:, judged], axis=0))
-    far = np.zeros(heights.shape, np.bool_)
-    far[judged] = off > OUTLYING * 1.4826 * np.median(off) if off.size else False
+    if not judged.any():
+        return np.asarray(judged)
+    off = np.zeros(heights.shape)
+    off[judged] = np.abs(heights[judged] - np.nanmedian(means[:, judged], axis=0))
+    usual = np.median(off[judged])
+    far = off > OUTLYING * 1.4826 * usual
     numbers, _ = label(far, np.ones((3,) * heights.ndim))
-    return np.asarray(far & (np.bincount(numbers.ravel())[numbers] == 1))
+    # A worn surface is smoother on its plateaus than in its valleys: a point stands out of those near as well.
+    near = median_filter(np.where(judged, off, usual), size=_NEAR[heights.ndim])
+    return np.asarray(far & (np.bincount(numbers.ravel())[numbers] == 1) & (off > OUTLYING * 1.4826 * near))
 
 
+_NEAR = {1: 31, 2: 7}  # points along each axis that are near, of lines and of areas
 _FEWEST = 3  # pairs of neighbours, of which one may have an outlier of its own
