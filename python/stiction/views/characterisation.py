@@ -201,8 +201,8 @@ class Characterisation:
         if self.body.missing is not None:
             rows.append(Row("", ("what follows is of heights with straight lines over the holes",)))
         count = int(outliers_of(with_gaps(self.body)).sum())
-        points = f"{count} single points" if count > 1 else "a single point"
-        text = f"{points} beyond {OUTLYING:g} deviations of the neighbours; --outliers mask masks"
+        single = f"{count} single points" if count > 1 else "a single point"
+        text = f"{single} beyond {OUTLYING:g} deviations of the neighbours; --outliers mask masks"
         rows.append(Row("outliers", (text if count else "none",), (entry("outliers", count),)))
         rows += [*self._parameter_rows(), Row("friction by slope", (self._friction_text(),))]
         if self.spectrum is not None and isinstance(self.body, Profile):
