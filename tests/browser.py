@@ -49,6 +49,15 @@ def open_page(driver, path, width=1280, height=900):
     wait_until_drawn(driver)
 
 
+def open_more(driver):
+    """Open what is behind "More" of the page of a result."""
+    driver.execute_async_script(
+        "const more = document.getElementById('more'); if (!more || more.open) arguments[0]();"
+        "else { more.addEventListener('toggle', () => arguments[0]()); more.open = true; }"
+    )
+    settle(driver)
+
+
 def wait_until_drawn(driver):
     wait(driver, lambda driver: driver.execute_script(READY))
     settle(driver)

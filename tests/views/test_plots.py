@@ -41,10 +41,10 @@ def driver(tmp_path_factory):
 @pytest.fixture(scope="module")
 def pages(small_result, profile, surface, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
-    maps = maps_result(folder)
+    maps, lines = maps_result(folder), lines_result(folder)
     texts = {
         "study": report_page(small_result), "maps": report_page(maps, picture=contact_picture(maps)),
-        "lines": report_page(lines_result(folder)), "profile": surface_page(profile, **TABLE).html(),
+        "lines": report_page(lines, picture=contact_picture(lines)), "profile": surface_page(profile, **TABLE).html(),
         "surface": surface_page(surface, **TABLE).html(),
     }  # fmt: skip
     for name, text in texts.items():
@@ -55,7 +55,7 @@ def pages(small_result, profile, surface, tmp_path_factory):
 KINDS = {
     "study": {"map-0", "over", "friction", "area", "stiffness"},
     "maps": {"friction", "area", "stiffness", "contacts", "positions", "spectra"},
-    "lines": {"friction", "area", "stiffness", "positions"},
+    "lines": {"friction", "area", "stiffness", "contacts", "positions"},
     "profile": {"heights", "spectrum", "distribution"},
     "surface": {"heights", "spectrum", "lines", "distribution"},
 }
@@ -109,6 +109,7 @@ def test_every_plot_is_looked_at_closer_and_moved(driver, pages, kind, plot):
     from selenium.webdriver.common.keys import Keys
 
     browser.open_page(driver, pages[kind])
+    browser.open_more(driver)
     whole = view(driver, plot)
     span = whole[:, 1] - whole[:, 0]
     wheel(driver, plot)
@@ -143,6 +144,7 @@ def test_every_plot_is_looked_at_closer_and_moved(driver, pages, kind, plot):
 def test_two_fingers_look_closer_at_every_plot(driver, pages, kind, plot):
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
     browser.open_page(driver, pages[kind])
+    browser.open_more(driver)
     whole = view(driver, plot)
     left, top, width, height = frame(driver, plot)
     middle, apart = (left + width / 2, top + height / 2), 0.1 * width

@@ -395,7 +395,7 @@ def test_the_answer_of_maps_is_that_of_the_library_and_moves_with_everything(ope
     beside = doubts_of_inputs(*bodies, study, [0.1, 0.5])
     first = answers(at_load(maps, [0.1]), study, beside=beside)[0]
     assert opened_maps.find_element("css selector", ".verdict").text == first.verdict
-    doubts = opened_maps.find_element("css selector", "#judgement").text
+    doubts = opened_maps.find_element("css selector", "#judgement").get_attribute("textContent")
     assert all(doubt.text[1:] in doubts for doubt in first.doubts)
     for mu0, tau0, load, way in ((0.3, 0.0, 1, 0), (0.62, 0.07, 2, 3), (0.1, 0.0, 0, 1)):
         enter(opened_maps, "mu0-number", mu0)
@@ -428,7 +428,12 @@ def test_the_compass_and_the_contacts_turn_with_the_direction(opened_maps, maps)
         slope = picture["contact_slope_x" if degrees == 0 else "contact_slope_y"].values
         assert sum(opposes) == (slope > 0).sum()
     assert "to +y" in by_id(opened_maps, "answer").text
-    assert len(opened_maps.find_elements("css selector", "#contacts image")) == 1
+    # Heights, and on them every patch in the colour of its rule; those that the edge cuts have an outline.
+    assert len(opened_maps.find_elements("css selector", "#contacts image")) == 2
+    patches = opened_maps.execute_script("return [...patches]")
+    assert set(patches) - {0} == set(range(1, picture.sizes["contact"] + 1))
+    outlined = opened_maps.find_element("css selector", "#contacts path[style*='#e00030'], #contacts path[d='']")
+    assert bool(outlined.get_attribute("d")) == bool(picture["contact_at_edge"].any())
 
 
 @in_browser
@@ -452,6 +457,7 @@ def test_no_serious_fault_for_those_who_cannot_see(driver, page, maps_page, sche
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
     for path in (page, maps_page):
         browser.open_page(driver, path)
+        browser.open_more(driver)
         assert browser.serious_faults(driver, axe) == []
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 

@@ -79,8 +79,8 @@ def complete(
 
 
 def write_picture(stored: Stored, *, anew: bool) -> None:
-    """Write the contacts of a typical member of measured areas beside its blocks, for figures and pages."""
-    if not stored.study.is_measured or not stored.study.is_areal:
+    """Write the contacts of a typical member of measured bodies beside its blocks, for figures and pages."""
+    if not stored.study.is_measured:
         return
     from stiction.studies.contact_picture import FILE, contact_picture
     from stiction.studies.export import export

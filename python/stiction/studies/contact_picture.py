@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, whole_number
-from stiction.mechanics.half_space import half_space
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
@@ -46,26 +46,29 @@ _OF_CONTACTS = {
     "contact_patch_area": ("area", "um^2", "area of a contact on the ground plan"),
     "contact_slope_x": ("slope_x", "1", "mean slope of a contact along x"),
     "contact_slope_y": ("slope_y", "1", "mean slope of a contact along y; it opposes the directions in which it rises"),
+    "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
 
 def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset | None:
-    """Heights, contacts and pressures of the member whose true area is the median one.
+    """Heights, contacts and pressures of the member whose true area is nearest to the mean.
 
     Parameters
     ----------
     result : xarray.Dataset or Stored
-        Of measured areas; of all others there is no picture.
+        Of measured bodies; of all others there is no picture.
     load : float, mN, optional
         By default the first that its study asks for.
 
     Returns
     -------
     xarray.Dataset or None
-        upper_height and lower_height (µm) over height_y and height_x; every contact over contact: contact_x, contact_y,
-        contact_force, contact_patch_area, contact_slope_x, contact_slope_y; of the half-space also zoom_pressure (GPa)
-        and zoom_height (µm) over zoom_y and zoom_x, about the contact that carries most of those inside. Attributes
-        member, load_mN, x and y (µm, how far the upper map is moved). None where no member has an answer.
+        Of maps upper_height and lower_height (µm) over height_y and height_x, and patch, the number of the contact at
+        each place from 1 on; of the half-space also zoom_pressure (GPa) and zoom_height (µm) over zoom_y and zoom_x,
+        about the contact that carries most of those inside. Of lines lower_height and gap (µm) over height_x. Every
+        contact over contact: contact_x, contact_y, contact_force, contact_patch_area, contact_slope_x, contact_slope_y,
+        contact_at_edge. Attributes member, load_mN, x and y (µm, how far the upper body is moved). None where no member
+        has an answer.
 
     Raises
     ------
@@ -73,7 +76,7 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         If the files that the study names are not there any more.
     """
     study = study_of_result(result)
-    if not study.is_measured or not study.is_areal:
+    if not study.is_measured:
         return None
     load = float(study.friction.load[0]) if load is None else load
     members = member_values(result, [load]).isel(cut_off=0, load=0)
@@ -82,14 +85,14 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         return None
     index = int(members["repetition"].values[typical(area)])
     member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
-    upper, lower = member.pair
-    assert isinstance(upper, Surface)
-    assert isinstance(lower, Surface)
     pressed = OneLoad.of(study, member.pair, load)
     if pressed is None:
         return None
-    attributes = {"member": index, "load_mN": load, "x": member.x, "y": member.y}
-    return _dataset(upper, lower, pressed.table(), pressed.pressure()).assign_attrs(attributes)
+    table = pressed.table()
+    made = _of_maps(pressed, table) if study.is_areal else _of_lines(pressed)
+    for name, (own, unit, words) in _OF_CONTACTS.items():
+        made[name] = ("contact", getattr(table, own).astype(np.float64), {"units": unit, "long_name": words})
+    return made.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
 
 
 def coming_and_going(result: Result) -> xarray.Dataset | None:
@@ -129,17 +132,35 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
 def picture_beside(result: Stored) -> xarray.Dataset | None:
     """The picture that lies beside a stored result, if there is one; a `StoreError` if it is damaged."""
     zoom = ("zoom_pressure", "zoom_height") if result.study.by_half_space else ()
-    return read_beside(result.path / FILE, (*_OF_CONTACTS, "upper_height", "lower_height", *zoom))
+    of_bodies = ("upper_height", "patch", *zoom) if result.study.is_areal else ("gap",)
+    return read_beside(result.path / FILE, (*_OF_CONTACTS, "lower_height", *of_bodies))
 
 
 def typical(area: Floats) -> int:
-    """The place of the value that is nearest to the median one of those that are known."""
-    return int(np.nanargmin(np.abs(area - np.nanmedian(area))))
+    """The place of the value that is nearest to the mean of those that are known."""
+    return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
-def _dataset(upper: Surface, lower: Surface, table: Table, pressure: Floats | None) -> xarray.Dataset:
+def _of_lines(pressed: OneLoad) -> xarray.Dataset:
     import xarray
 
+    upper, lower = pressed.upper, pressed.lower
+    if isinstance(pressed.curve, HalfSpaceCurve):
+        gap = pressed.curve.contact(0).gap
+    else:
+        gap = upper.heights - lower.heights
+        gap = gap - gap.min() - pressed.curve.approach[0]
+    length = {"units": "um"}
+    return xarray.Dataset(
+        {"lower_height": ("height_x", lower.heights, length), "gap": ("height_x", gap, length)},
+        {"height_x": ("height_x", lower.x - lower.x[0], length)},
+    )
+
+
+def _of_maps(pressed: OneLoad, table: Table) -> xarray.Dataset:
+    import xarray
+
+    upper, lower, pressure = pressed.upper, pressed.lower, pressed.pressure()
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     step = -(-max(rows, columns) // MOST_PICTURED)
     length = {"units": "um"}
@@ -147,10 +168,8 @@ def _dataset(upper: Surface, lower: Surface, table: Table, pressure: Floats | No
         f"{side}_height": (("height_y", "height_x"), body.heights[::step, ::step], length)
         for side, body in (("upper", upper), ("lower", lower))
     }
-    variables |= {
-        name: ("contact", getattr(table, own), {"units": unit, "long_name": words})
-        for name, (own, unit, words) in _OF_CONTACTS.items()
-    }
+    patch = _discs(lower, table) if pressure is None else pressed.patches()
+    variables["patch"] = (("height_y", "height_x"), patch[::step, ::step].astype(np.int32), {"units": "1"})
     coordinates: dict[str, Any] = {
         "height_y": ("height_y", np.arange(0, rows, step) * dy, length),
         "height_x": ("height_x", np.arange(0, columns, step) * dx, length),
@@ -164,6 +183,20 @@ def _dataset(upper: Surface, lower: Surface, table: Table, pressure: Floats | No
         for name, part, width in zip(("zoom_y", "zoom_x"), box, (dy, dx), strict=True):
             coordinates[name] = (name, np.arange(part.start, part.stop) * width, attributes_of(name[-1]))
     return xarray.Dataset(variables, coordinates)
+
+
+def _discs(lower: Surface, table: Table) -> NDArray[Any]:
+    """Numbers of the contacts of asperities over a map, as discs of their areas."""
+    found, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
+    for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
+        low, high = (
+            np.maximum([(y + way * radius) / dy, (x + way * radius) / dx], 0).round().astype(int) for way in (-1, 1)
+        )
+        rows, columns = (np.arange(first, last + 1) for first, last in zip(low, high, strict=True))
+        inside = np.hypot(rows[:, np.newaxis] * dy - y, columns * dx - x) <= radius + min(dx, dy) / 2
+        part = found[low[0] : high[0] + 1, low[1] : high[1] + 1]
+        part[inside[: part.shape[0], : part.shape[1]]] = number
+    return found
 
 
 def _around(at: float, size: int) -> slice:
@@ -216,7 +249,7 @@ def _checked(members: int | Sequence[int], known: list[int]) -> list[int]:
 
 
 def _places(at: xarray.DataArray, loads: Floats, chosen: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Loads and members; unless these are given, at each load the one whose true area is nearest to the median."""
+    """Loads and members; unless these are given, at each load the one whose true area is nearest to the mean."""
     for load in loads.tolist():
         if chosen is not None:
             yield from ((load, index) for index in chosen)

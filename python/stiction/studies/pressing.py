@@ -302,3 +302,9 @@ class OneLoad:
             return None
         pressed = self.curve.at(0)
         return pressed.on_grid(pressed.values)
+
+    def patches(self) -> NDArray[Any]:
+        """Numbers of the patches, from 1 on, over the grid of a half-space."""
+        assert isinstance(self.curve, HalfSpaceCurve)
+        pressed = self.curve.at(0)
+        return pressed.on_grid(pressed.patch)

@@ -186,7 +186,7 @@ def _of_measured(
         yield "adhesion", _later(adhesion_figure, ways, title=read.title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         yield "sizes", _later(_sizes, result, read, hardness)
-    if picture is not None:
+    if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", _later(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
     elif not (study.is_areal or study.by_half_space):

@@ -95,9 +95,10 @@ def page_of_measured(
     members = int(facts["repetitions"])
     onset = result.once(onset_beside) if isinstance(result, Stored) else None
     version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
-    details = "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
+    said = "".join(f"<p>{escaped(line)}</p>" for line in (*_beside(study, onset), *_held(result, study)))
+    details = said + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
-        study=study, name=name, head=[*_head(study, facts), *_beside(study, onset), *_held(result, study)],
+        study=study, name=name, head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
         facts=facts, numbers=numbers, version=str(version), there=members, details=details,
         pictures=("" if onset is None else onset_panels(onset, files))
@@ -234,10 +235,13 @@ def _gap(dataset: xarray.Dataset) -> dict[str, Any] | None:
 
 
 MOST_PIXELS = 256  # rows or columns of the heights that are drawn
-MOST_CONTACTS = 400  # contacts that are drawn: those with the largest forces
+MOST_CONTACTS = 2000  # contacts that are drawn: those with the largest forces
 CONTACT_BYTES = 4  # leading bytes of a double that are kept of what is only drawn
+MOST_POINTS = 700  # of a line as it is drawn
+AROUND = 5  # contacts near the strongest that are magnified with it, where they are not far
+CLOSEST = 60  # points of a line on both sides of the strongest contact that are magnified, at least
 
-COLUMNS = ("x", "y", "force", "patch_area", "slope_x", "slope_y")
+COLUMNS = ("x", "y", "force", "patch_area", "slope_x", "slope_y", "at_edge")
 """Variables of each contact, without the prefix `contact_`."""
 
 FEWEST_WAVES = 16  # rows and columns from which on a map has a spectrum
@@ -245,33 +249,64 @@ FEWEST_WAVES = 16  # rows and columns from which on a map has a spectrum
 
 def pictured(picture: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
     """Facts and packed numbers of a picture as `contact_picture` makes it."""
-    along_y, along_x = picture["height_y"].values, picture["height_x"].values
-    bodies = [picture[f"{side}_height"].transpose("height_y", "height_x").values for side in ("lower", "upper")]
     table = np.stack([picture[f"contact_{name}"].values for name in COLUMNS]).astype(np.float64)
-    load, member = float(picture.attrs["load_mN"]), int(picture.attrs["member"])
-    moved = [float(picture.attrs[name]) for name in ("x", "y")]
-    dy, dx = float(along_y[1] - along_y[0]), float(along_x[1] - along_x[0])
-    ranges, packs, spectra = [], {}, []
+    order = np.argsort(-table[2], kind="stable")
+    drawn = order[:MOST_CONTACTS]
+    facts = {
+        "load": float(picture.attrs["load_mN"]), "member": int(picture.attrs["member"]),
+        "moved": listed([float(picture.attrs[name]) for name in ("x", "y")]),
+        "contacts": {"columns": list(COLUMNS), "count": int(drawn.size), "all": int(table.shape[1])},
+    }  # fmt: skip
+    packs = {"contacts": packed(table[:, drawn], CONTACT_BYTES)}
+    if "gap" in picture:
+        return {"picture": facts | {"lines": _lines(picture, table[:, drawn])}}, packs
+    dy, dx = (float(np.diff(picture[name].values[:2])[0]) for name in ("height_y", "height_x"))
+    bodies = [picture[f"{side}_height"].transpose("height_y", "height_x").values for side in ("lower", "upper")]
+    levels, ends, extent = grey(bodies[0], (dy, dx))
+    ranks = np.append(0, np.empty(order.size, np.int64))
+    ranks[1 + order] = 1 + np.arange(order.size)
+    place = ranks[picture["patch"].transpose("height_y", "height_x").values]
+    packs |= {"lower": deflated(levels.tobytes()), "patches": deflated(_thinned(place).astype("<u2").tobytes())}
+    spectra = []
     for side, body in zip(("lower", "upper"), bodies, strict=True):
-        levels, ends, extent = grey(body, (dy, dx))
-        packs[side] = deflated(levels.tobytes())
-        ranges.append(ends)
-        if ends[1] > ends[0] and min(body.shape) >= FEWEST_WAVES:
+        if np.ptp(body) > 0 and min(body.shape) >= FEWEST_WAVES:
             radial = surface_spectrum(Surface(body, spacing=(dy, dx))).radial()
             spectra.append(
                 {"name": f"{side} body", "waveNumber": listed(radial.wave_number), "density": listed(radial.density)}
             )
     rows, columns = levels.shape
-    drawn = np.argsort(-table[2], kind="stable")[:MOST_CONTACTS]
-    packs["contacts"] = packed(table[:, drawn], CONTACT_BYTES)
-    return {
-        "picture": {
-            "rows": rows, "columns": columns, "ranges": ranges, "load": load, "member": member,
-            "moved": listed(moved), "extent": extent,
-            "contacts": {"columns": list(COLUMNS), "count": int(drawn.size), "all": int(table.shape[1])},
-        },
-        "spectra": spectra or None,
-    }, packs  # fmt: skip
+    facts |= {"rows": rows, "columns": columns, "range": ends, "extent": extent}
+    return {"picture": facts, "spectra": spectra or None}, packs
+
+
+def _thinned(ranks: NDArray[Any]) -> NDArray[Any]:
+    """Ranks of contacts from 1 on over as many pixels as heights have, the strongest of each, and 0 for none."""
+    every, most = -(-max(ranks.shape) // MOST_PIXELS), np.iinfo(np.uint16).max
+    ranks = np.where((ranks == 0) | (ranks > MOST_CONTACTS), most, ranks)
+    ranks = np.pad(ranks, [(0, -size % every) for size in ranks.shape], constant_values=most)
+    rows, columns = (size // every for size in ranks.shape)
+    found = ranks.reshape(rows, every, columns, every).min(axis=(1, 3))
+    return np.asarray(np.where(found == most, 0, found))
+
+
+def _lines(picture: xarray.Dataset, table: Floats) -> dict[str, Any]:
+    """Two lines in contact, in few points whole and in more about the strongest contact: x, lower and upper heights."""
+    x, lower = picture["height_x"].values, picture["lower_height"].values
+    upper = lower + picture["gap"].values.clip(0)
+    inside = np.flatnonzero(table[6] == 0)
+    apart = np.sort(np.abs(table[0] - table[0][inside[0] if inside.size else 0]))
+    middle = float(table[0][inside[0] if inside.size else 0])
+    widest = 4 * float(table[3].max())  # of lines 1 µm thick an area is a length
+    half = np.clip(1.3 * apart[min(AROUND, apart.size - 1)], max(CLOSEST * (x[1] - x[0]), widest), x[-1] / 10)
+    start = float(np.clip(middle - half, 0, max(x[-1] - 2 * half, 0)))
+    ends = np.searchsorted(x, [start, start + 2 * half])
+
+    def part(which: slice) -> list[Any]:
+        size = x[which].size
+        at = np.unique(np.linspace(0, size - 1, min(size, MOST_POINTS)).round().astype(int))
+        return [np.round(each[which][at], 5).tolist() for each in (x, lower, upper)]
+
+    return {"whole": part(slice(None)), "close": part(slice(*ends))}
 
 
 def grey(heights: Floats, spacing: tuple[float, float]) -> tuple[NDArray[np.uint8], list[float], list[float]]:

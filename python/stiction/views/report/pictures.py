@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import html
+import io
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 
-from stiction._shown import picture_of
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
 from stiction.studies.study import Study
@@ -85,7 +87,31 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
 def _panel(words: tuple[str, str, str], draw: Callable[[], Figure], *, wide: bool = False) -> str:
     name, seen, caption = words
     with mpl.rc_context(STYLE):
-        picture = picture_of(draw(), seen)
+        picture = _inline(draw(), seen)
     kind = "panel wide" if wide else "panel"
     below = f'<p class="caption">{caption}</p>'
     return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{below}</section>'
+
+
+MOST_VERTICES = 1000  # of what is drawn by lines; what has more is drawn by points
+RASTER = 200  # points an inch
+
+_COLOURS = {"#000000": "var(--ink)", "#ffffff": "var(--paper)", "#262626": "var(--ink)", "#404040": "var(--ink)"}
+"""Colours of figures that a page takes from its style, so that they are dark on dark screens."""
+
+
+def _inline(figure: Figure, seen: str) -> str:
+    """A figure as SVG that is part of the page, with a text for screen readers."""
+    for axes in figure.axes:
+        drawn: list[Any] = [*axes.collections, *axes.lines]
+        for artist in drawn:
+            paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
+            artist.set_rasterized(sum(len(each.vertices) for each in paths) > MOST_VERTICES)
+    text = io.StringIO()
+    figure.savefig(text, format="svg", dpi=RASTER, transparent=True, metadata={"Date": None, "Creator": None})
+    drawing = text.getvalue()
+    drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
+    drawing = re.sub("|".join(_COLOURS), lambda found: _COLOURS[found[0]], drawing)
+    drawing = re.sub(r'\bd="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), drawing)
+    named = f'<svg role="img" aria-label="{html.escape(seen)}" fill="var(--ink)" '
+    return f'<div class="figure">{drawing.replace("<svg ", named, 1)}</div>'

@@ -513,36 +513,58 @@ function drawCompass(place, directions, series, picked, said) {
   place.drawn = {series: series.map((each) => ({...each, points: each.points.map((p, d) => ({...p, x: directions[d]}))}))};
 }
 
-/** Heights {bytes, rows, columns, extent, range} from the first row at the bottom on, with contacts {x, y, force, opposes}
- * and what is said of each. */
-function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX], range: [lowest, highest]}, contacts, said) {
-  const unit = rem();
-  const wide = Math.max(place.clientWidth, 8 * unit) - 5.4 * unit;
-  place.style.height = `${Math.min((wide * alongY) / alongX, 40 * unit) + 6.2 * unit}px`;
-  const {X, Y, wholeX, wholeY, frame, inside, picture} = axes(place, {low: 0, high: alongX, title: "_x_ (µm)"}, {low: 0, high: alongY, title: "_y_ (µm)"}, 2.4);
+const CLIMBING = {name: "has to climb", colour: "#d55e00"};
+const LEANING = {name: "does not", colour: "#0072b2"};
+const CUT = {name: "cut by the edge", colour: "#e00030"};
+const kindsOf = (contacts) => (contacts.length ? [CLIMBING, LEANING, ...(contacts.some(({at_edge: isCut}) => isCut) ? [CUT] : [])] : []);
+const kindOf = ({opposes}) => (opposes ? CLIMBING : LEANING);
+
+/** A picture of rows and columns of colours from the first row at the bottom on, over all of the axes; none is clear. */
+function pixels({X, Y, wholeX, wholeY, inside}, rows, columns, colour) {
   const canvas = element("canvas", {width: columns, height: rows});
   const image = new ImageData(columns, rows);
   for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
-    const level = bytes[(rows - 1 - row) * columns + column];
-    image.data.set([...colourAt(GREYS, level / 255), 255], 4 * (row * columns + column));
+    const found = colour((rows - 1 - row) * columns + column);
+    if (found) image.data.set([...found, 255], 4 * (row * columns + column));
   }
   canvas.getContext("2d").putImageData(image, 0, 0);
   const [left, right, bottom, top] = [X(wholeX.low), X(wholeX.high), Y(wholeY.low), Y(wholeY.high)];
   inside.append(shape("image", {x: left, y: top, width: right - left, height: bottom - top, href: canvas.toDataURL("image/png"),
-    preserveAspectRatio: "none"}));
-  const strongest = Math.max(...contacts.map(({force}) => force));
-  place.hits = [];
-  for (const each of contacts) {
-    const r = (0.15 + 0.65 * Math.sqrt(each.force / strongest)) * unit;
-    const [cx, cy] = [X(each.x), Y(each.y)];
-    const mark = (colour, width) => {
-      const style = {"stroke-width": width, style: `fill: none; stroke: ${colour}`};
-      return each.opposes
-        ? shape("path", {d: `M${cx - r} ${cy}l${r} ${-r}l${r} ${r}l${-r} ${r}z`, ...style})
-        : shape("circle", {cx, cy, r: 0.8 * r, ...style});
-    };
-    inside.append(mark("#ffffff", 4), mark(each.opposes ? "#d55e00" : "#0072b2", 2.2));
-    place.hits.push({x: cx, y: cy, words: said(each)});
+    preserveAspectRatio: "none", style: "image-rendering: pixelated"}));
+}
+
+/** The line around the patches of a map that are chosen, by the number of each pixel. */
+function outline({X, Y, wholeX, wholeY}, rows, columns, numbers, isChosen) {
+  const [x, y] = [(column) => X((wholeX.high * column) / columns).toFixed(1), (row) => Y((wholeY.high * row) / rows).toFixed(1)];
+  const found = [];
+  for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
+    const own = numbers[row * columns + column];
+    if (!own || !isChosen(own - 1)) continue;
+    const isOther = (r, c) => r < 0 || c < 0 || r >= rows || c >= columns || numbers[r * columns + c] !== own;
+    for (const dc of [0, 1]) if (isOther(row, column + (dc || -1))) found.push(`M${x(column + dc)} ${y(row)}V${y(row + 1)}`);
+    for (const dr of [0, 1]) if (isOther(row + (dr || -1), column)) found.push(`M${x(column)} ${y(row + dr)}H${x(column + 1)}`);
+  }
+  return found.join("");
+}
+
+/** Heights {bytes, rows, columns, extent, range, patches} from the first row at the bottom on, with the patches of contacts
+ * {x, y, force, opposes, at_edge} by their numbers, and what is said of each. */
+function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX], range: [lowest, highest], patches}, contacts, said) {
+  const unit = rem();
+  const wide = Math.max(place.clientWidth, 8 * unit) - 5.4 * unit;
+  place.style.height = `${Math.min((wide * alongY) / alongX, 32 * unit) + 6.2 * unit}px`;
+  const names = legendRows(place, kindsOf(contacts));
+  const drawn = axes(place, {low: 0, high: alongX, title: "_x_ (µm)"}, {low: 0, high: alongY, title: "_y_ (µm)"}, names.length ? 0.4 + 1.25 * names.length : 2.4);
+  const {X, Y, frame, inside, picture} = drawn;
+  pixels(drawn, rows, columns, (at) => colourAt(GREYS, bytes[at] / 255));
+  place.hits = contacts.map((each) => ({x: X(each.x), y: Y(each.y), words: said(each)}));
+  if (patches) {
+    const colours = contacts.map((each) => [1, 3, 5].map((at) => parseInt(kindOf(each).colour.slice(at, at + 2), 16)));
+    pixels(drawn, rows, columns, (at) => colours[patches[at] - 1]);
+    inside.append(shape("path", {d: outline(drawn, rows, columns, patches, (number) => contacts[number]?.at_edge), "stroke-width": 2.5,
+      style: `fill: none; stroke: ${CUT.colour}`}));
+    drawLegend(drawn, names);
+    return;
   }
   const stops = GREYS.map((hex, i) => shape("stop", {offset: i / (GREYS.length - 1), "stop-color": `#${hex}`}));
   const bar = {...frame, y: 0.5 * unit, height: 0.7 * unit};
@@ -552,6 +574,55 @@ function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX], ra
     shape("rect", {...bar, fill: `url(#${place.id}-heights)`, style: "stroke: var(--muted)"}),
     ...ticksOf(from, to, false, 5).map(({value, text}) => shape("text", {x: at(value), y: bar.y + bar.height + 1.05 * unit, "text-anchor": "middle"}, text)),
     rich("_z_ (nm)", {x: bar.x - 0.4 * unit, y: bar.y + 0.6 * unit, "text-anchor": "end"}));
+}
+
+/** Two lines [x, lower, upper] (µm) in contact, whole and close, with contacts {x, patch_area, opposes, at_edge}. */
+function drawLines(place, {whole, close}, contacts, said) {
+  const unit = rem();
+  place.style.height = `${28 * unit}px`;
+  const names = legendRows(place, kindsOf(contacts));
+  const strip = 6.5;
+  const [x, lower] = close;
+  const [low, high] = [Math.min(...lower), Math.max(...lower)];
+  const room = high - low || 1e-3;
+  const drawn = axes(place, {low: x[0], high: x.at(-1), title: "_x_ (µm), magnified"}, {low: 1000 * (low - 0.1 * room), high: 1000 * (high + 0.6 * room), title: "height (nm)"},
+    strip + 1.25 * names.length);
+  const {X, Y, box, inside, picture} = drawn;
+  drawLegend(drawn, names);
+  const bodies = (into, [at, below, above], sx, sy, top, bottom) => {
+    const line = (heights) => at.map((each, i) => [sx(each), Math.min(Math.max(sy(1000 * heights[i]), top - 5), bottom + 5)]);
+    for (const [heights, edge, colour] of [[above, top - 5, "--upper"], [below, bottom + 5, "--lower"]]) {
+      const points = line(heights);
+      into.append(shape("path", {d: `${path([[points[0][0], edge], ...points, [points.at(-1)[0], edge]])}z`, "stroke-width": 0.8, style: `fill: var(${colour}); stroke: var(--muted)`}));
+    }
+  };
+  bodies(inside, close, X, Y, box.top, box.bottom);
+  const overview = {left: box.left, right: box.right, top: 0.5 * unit, bottom: (strip - 1) * unit};
+  const [least, most] = [Math.min(...whole[1]), Math.max(...whole[2])];
+  const [ox, oy] = [scaleOf({low: whole[0][0], high: whole[0].at(-1)}, overview.left, overview.right), scaleOf({low: 1000 * least, high: 1000 * most}, overview.bottom, overview.top)];
+  const clip = `${place.id}-whole`;
+  const frame = {x: overview.left, y: overview.top, width: overview.right - overview.left, height: overview.bottom - overview.top};
+  const over = shape("g", {"clip-path": `url(#${clip})`});
+  bodies(over, whole, ox, oy, overview.top, overview.bottom);
+  const lineOf = ([at, heights], from, to) => {
+    const found = at.flatMap((each, i) => (each > from && each < to ? [[each, heights[i]]] : []));
+    const height = (where) => heights[nearest(at, where)];
+    return [[from, height(from)], ...found, [to, height(to)]];
+  };
+  place.hits = [];
+  for (const each of contacts) {
+    const [from, to] = [each.x - each.patch_area / 2, each.x + each.patch_area / 2]; // lines are 1 µm thick
+    over.append(shape("circle", {cx: ox(each.x), cy: oy(1000 * whole[1][nearest(whole[0], each.x)]), r: 3, style: `fill: ${(each.at_edge ? CUT : kindOf(each)).colour}`}));
+    if (to < x[0] || from > x.at(-1)) continue;
+    const d = path(lineOf(close, from, to).map(([at, height]) => [X(at), Y(1000 * height)]));
+    for (const [colour, width] of [...(each.at_edge ? [[CUT.colour, 10]] : []), [kindOf(each).colour, 6]])
+      inside.append(shape("path", {d, "stroke-width": width, "stroke-linecap": "round", style: `fill: none; stroke: ${colour}`}));
+    place.hits.push({x: X(each.x), y: Y(1000 * close[1][nearest(close[0], each.x)]), words: said(each)});
+  }
+  picture.append(shape("defs", {}, shape("clipPath", {id: clip}, shape("rect", frame))), over,
+    shape("rect", {...frame, style: "fill: none; stroke: var(--muted)"}),
+    shape("rect", {x: ox(x[0]), y: overview.top, width: Math.max(ox(x.at(-1)) - ox(x[0]), 2), height: frame.height, "stroke-width": 2, style: "fill: none; stroke: var(--ring)"}),
+    shape("text", {x: box.left - 0.5 * unit, y: overview.top + 0.55 * frame.height, "text-anchor": "end"}, "whole"));
 }
 
 // ---- Files ----------------------------------------------------------------------------------------------------------

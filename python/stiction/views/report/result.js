@@ -17,14 +17,14 @@ const state = {
   dimension: isMeasured ? Math.max(0, first.dimensions.indexOf(first.answers.find(({covered}) => !covered)?.at.cut_off))
     : Math.floor(first.dimensions.length / 2),
   load: 0,
-  side: 0,
   range: null,
   quantity: "friction",
   colours: [0.1, 1],
   isLocked: false,
   pointed: null, // (dimension, load) under the pointer
 };
-const heights = [];
+let heights = null;
+let patches = null;
 let contactColumns = null;
 let loads = [];
 let allLoads = [];
@@ -94,9 +94,9 @@ function showReadout() {
       alone: slopesAlone(result, d, directions, curve.rule, state.mu0, tau0())};
   });
   const judged = judgement(points, load, dimension);
-  for (const {at, colour, name, rule, alone} of points) {
+  for (const [i, {at, colour, name, rule, alone}] of points.entries()) {
     const words = results.length > 1 ? name : facts.ruleWords[rule];
-    answers.push(element("p", {class: "of", style: `color: ${colour}`}, words), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone, knownOf(judged, rule)));
+    answers.push(element("p", {class: i && results.length < 2 ? "of other" : "of", style: `color: ${colour}`}, words), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone, knownOf(judged, rule)));
     if (judged.said?.parts && rule === "all" && knownOf(judged, rule)) answers.push(barOf(judged.said, at.value), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
   }
   const [{at}] = points;
@@ -104,6 +104,7 @@ function showReadout() {
   Object.assign(byId("readout").dataset, {dimension, load, mu0: state.mu0, tau0: tau0(), status: at.status, value: at.value, lower, upper});
   byId("answer").replaceChildren(...answers);
   byId("judgement").replaceChildren(...judged.elements);
+  byId("sentence").replaceChildren(...judged.more);
   byId("figures").replaceChildren(...points.filter(({r}, i) => i === points.findIndex((each) => each.r === r)).flatMap(
     (point) => [...(results.length > 1 ? [element("p", {class: "of", style: `color: ${point.colour}`}, point.name)] : []),
       figuresOf(point, load)]));
@@ -160,7 +161,8 @@ function whyNoInterval() {
 
 /** The verdict, and its reasons: the library's where it has spoken, at the points that were asked for. */
 function judgement(points, load, dimension) {
-  const saying = (elements, saysSlopes = false, said = null) => ({elements, saysSlopes, said});
+  const saying = (elements, saysSlopes = false, said = null) => ({elements, saysSlopes, said,
+    more: said ? [element("p", {class: "sentence"}, said.sentence), ...(saysSlopes ? [element("p", {class: "hint"}, said.slopes)] : [])] : []});
   if (results.length > 1) return saying([]);
   if (!isMeasured) {
     const {result, d, a, at} = points.find(({rule}) => rule === first.quotedRule) ?? points[0];
@@ -168,13 +170,13 @@ function judgement(points, load, dimension) {
       return saying([element("p", {class: "hint"}, "There are too many repetitions for intervals on a page; `stiction at` has them and the verdict.")]);
     const area = readOff(result, "area", d, a, [load], state.mu0, tau0())[0].value;
     const doubts = doubtsOfEnsemble({...facts, ...first}, at, area);
-    return saying(saidVerdict(verdictOf(facts, doubts), doubts, ""));
+    return saying(saidVerdict(verdictOf(facts, doubts), doubts));
   }
   const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other), 1e-300);
   const said = first.answers.find(({at}) => isNear(at.load, load) && isNear(at.mu0, state.mu0) && isNear(at.tau0, tau0()) &&
     (at.cut_off === undefined || isNear(at.cut_off, dimension)));
   const isAllRound = first.ways[state.way].directions.length === first.directions.length;
-  if (said) return saying(saidVerdict(said.verdict, said.doubts, isAllRound ? said.slopes : "", isAllRound ? said.sentence : ""), isAllRound && said.slopes !== "", isAllRound ? said : null);
+  if (said) return saying(saidVerdict(said.verdict, said.doubts), isAllRound && said.slopes !== "", isAllRound ? said : null);
   const near = first.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / load)) + (at.cut_off !== undefined && !isNear(at.cut_off, dimension) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
@@ -185,15 +187,15 @@ function judgement(points, load, dimension) {
     `${withUnit(near.at.load, "mN")} it is: ${near.verdict}. `, back)] : []);
 }
 
-function saidVerdict(verdict, doubts, more, sentence = "") {
+const MOST_DOUBTS = 3; // that are open below the verdict
+
+function saidVerdict(verdict, doubts) {
   const kind = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}[verdict];
-  return [
-    element("p", {class: `verdict ${kind}`}, verdict),
-    ...(doubts.length ? [element("ul", {class: "doubts"}, ...doubts.map(({text, cure, severity}) =>
-      element("li", {class: severity}, `${text[0].toUpperCase()}${text.slice(1)}; ${cure}.`)))] : []),
-    ...(sentence && verdict !== "Do not quote" ? [element("p", {class: "sentence"}, sentence)] : []),
-    ...(more ? [element("p", {class: "hint"}, more)] : []),
-  ];
+  const list = (some) => (some.length ? [element("ul", {class: "doubts"}, ...some.map(({text, cure, severity}) =>
+    element("li", {class: severity}, `${text[0].toUpperCase()}${text.slice(1)}; ${cure}.`)))] : []);
+  const rest = doubts.slice(MOST_DOUBTS);
+  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(doubts.slice(0, MOST_DOUBTS)),
+    ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 
 function figuresOf({result, d, a, at}, load) {
@@ -359,18 +361,24 @@ function showCompass() {
 }
 
 function showContacts() {
-  const {contacts: {columns, count, all}, load, moved, ranges} = first.picture;
+  const {contacts: {columns, count, all}, load, moved, lines} = first.picture;
   const contacts = Array.from({length: count}, (_, i) => Object.fromEntries(columns.map((name, c) => [name, contactColumns[c * count + i]])));
   const way = first.ways[state.way].directions;
   const degrees = first.directions[way.length === 1 ? way[0] : 0];
   const angle = (degrees * Math.PI) / 180;
   for (const each of contacts) each.opposes = each.slope_x * Math.cos(angle) + each.slope_y * Math.sin(angle) > 0;
-  drawContacts(byId("contacts"), {...first.picture, bytes: heights[state.side], range: ranges[state.side]}, contacts,
-    ({force, patch_area: area, opposes}) => `${withUnit(force, "mN")} on ${shown(area, 3)} µm²${opposes ? ", opposes" : ""}`);
-  const opposing = contacts.filter(({opposes}) => opposes).length;
-  byId("contacts-caption").textContent = `${counted(all, "contact")} at ${withUnit(load, "mN")}, the upper body moved by ${shown(moved[0], 3)} and ${shown(moved[1], 3)} µm: ` +
-    `diamonds are on slopes that oppose a motion at ${degrees}° (${opposing}), circles are not (${count - opposing}). Their size goes with the square root of the ` +
-    `force, the largest ${withUnit(Math.max(...contacts.map(({force}) => force), 0), "mN")}.` + (all > count ? ` The ${all - count} weakest are not drawn.` : "");
+  const said = ({force, patch_area: area, opposes, at_edge: isCut}) =>
+    `${withUnit(force, "mN")} on ${shown(area, 3)} µm²${opposes ? ", has to climb" : ""}${isCut ? ", cut by the edge" : ""}`;
+  if (lines) drawLines(byId("contacts"), lines, contacts, said);
+  else drawContacts(byId("contacts"), {...first.picture, bytes: heights, patches}, contacts, said);
+  const climbing = contacts.filter(({opposes}) => opposes).length;
+  const total = contacts.reduce((sum, {force}) => sum + force, 0);
+  const cut = contacts.reduce((sum, {force, at_edge: isCut}) => sum + (isCut ? force : 0), 0);
+  byId("contacts-caption").textContent = `The position whose true area is nearest to the mean${first.dimensions.length > 1 ? `, ${dimensionName(first.dimensions[0])}` : ""}: ${counted(all, "contact")} at ${withUnit(load, "mN")}; ` +
+    `pushed ${lines ? first.ways.find(({directions}) => directions.length === 1 && first.directions[directions[0]] === degrees).words : `at ${degrees}°`}, ${climbing} of them ${climbing === 1 ? "has" : "have"} to climb.` +
+    (cut ? ` The edge cuts contacts with ${percent(cut / total)} of the load.` : "") +
+    (lines ? " The upper line stands as it is pressed." : ` The upper map is moved by ${shown(moved[0], 3)} and ${shown(moved[1], 3)} µm.`) +
+    (all > count ? ` The ${all - count} weakest are not drawn.` : "");
   byId("contacts").drawn = {contacts};
 }
 
@@ -441,7 +449,7 @@ function connect() {
   state.mu0 = numberOf(said.mu0, 0, 1e3, state.mu0);
   state.tau0 = numberOf(said.tau0, 0, 1e9, state.tau0);
   for (const [key, count] of [["rule", first.rules.length], ["way", first.ways.length], ["amplitude", first.amplitudes.length],
-    ["kind", first.kinds.length], ["side", 2]]) state[key] = whole(said[key], count, state[key]);
+    ["kind", first.kinds.length]]) state[key] = whole(said[key], count, state[key]);
   const changed = () => {
     sayIfStrong();
     redraw(...FRICTION);
@@ -458,12 +466,11 @@ function connect() {
   choice("rule", hasBothRules() && !drawings.maps ? [] : first.rules.map(ruleName), state.rule, set("rule"));
   choice("way", first.ways.map(({words}) => words), state.way, set("way"));
   choice("kind", first.kinds.map(({words}) => words), state.kind, set("kind"));
-  choice("side", ["lower body", "upper body"], state.side, set("side", "contacts"));
   byId("amplitude-label").textContent = `Amplitude (${first.measure === "height" ? "total height" : first.measure})`;
   choice("amplitude", first.amplitudes.map(lengthName), state.amplitude, set("amplitude"));
   byId("dimension-label").textContent = isMeasured ? "Cut-off wavelength" : `Fractal dimension D${first.convention}`;
   byId("dimension-control").hidden = first.dimensions.length < 2;
-  const d = said.d === undefined ? NaN : Number(said.d);
+  const d = Number(said.d ?? NaN);
   if (Number.isFinite(d)) state.dimension = nearest(first.dimensions, d);
   const dimension = index("dimension", {value: state.dimension, count: first.dimensions.length,
     name: (at) => dimensionName(first.dimensions[at]), changed: (at) => { state.dimension = at; redraw(...FRICTION); }});
@@ -682,7 +689,6 @@ function addressOf() {
   if (state.range && String(state.range) !== String(allLoads)) [values.low, values.high] = state.range;
   if (state.quantity !== "friction") values.show = state.quantity;
   if (state.isLocked) [values.dark, values.light] = state.colours;
-  if (first.picture) values.side = state.side;
   return values;
 }
 
@@ -699,7 +705,7 @@ async function unpackAll() {
     result.motions = means.map((each, m) => ({means: each, sums: sums[m]}));
     if (picture) {
       contactColumns = await unpacked(`contacts-${r}`, facts.pictureBytes);
-      for (const side of ["lower", "upper"]) heights.push(await inflated(`${side}-${r}`));
+      if (!picture.lines) [heights, patches] = [await inflated(`lower-${r}`), new Uint16Array((await inflated(`patches-${r}`)).buffer)];
     }
   }
 }
@@ -727,7 +733,14 @@ function hideOthers() {
     byId("map-panel").hidden = true;
     delete drawings.maps;
   }
-  byId("top").classList.toggle("alone", lacking.maps);
+  byId("top").classList.toggle("alone", lacking.maps && lacking.contacts);
+  if (isMeasured) {
+    byId("main").classList.add("pair");
+    byId("top").after(byId("controls"));
+    byId("numbers").hidden = false;
+    byId("numbers").append(byId("figures"), byId("sentence"));
+  }
+  byId("more").addEventListener("toggle", () => redraw(...Object.keys(drawings)));
   for (const [id, isLacking] of Object.entries(lacking)) if (isLacking && id !== "maps") id === "readout" ? (byId("top").hidden = true, delete drawings[id]) : hide(id);
   byId(isMeasured ? "of-ensembles" : "of-members").hidden = true;
   byId("over-title").textContent = `Friction coefficient over ${isMeasured ? "cut-off wavelength" : "fractal dimension"}`;

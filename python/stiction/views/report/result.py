@@ -39,14 +39,13 @@ STATUSES = {
 """What the legend of the map says of each status; why it is so, `ADVICE` says."""
 
 _ALONG = "arrow keys move {}, plus and minus look closer"
-_SIDE = '<div class="row"><label for="side">Heights of the</label> <select id="side"></select></div>'
 _SPECTRA = (
     '<p class="caption">Density of the squared height over waves of all directions, after a Hann window, of the pieces '
     "that are shown above.</p>"
 )
 
 PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
-    "contacts": ("Contacts over the map", "Heights of a body with the contacts on them", {"above": _SIDE}),
+    "contacts": ("Where they touch", "The two bodies with their true contacts", {}),
     "compass": (
         "Friction around the compass", "Friction coefficient in every direction",
         {"kind": "plot square crosshair", "more": "arrow keys turn the direction"},
@@ -63,6 +62,9 @@ PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
     "spectra": ("Spectra", "Power spectra of both bodies over wave number", {"below": _SPECTRA}),
 }  # fmt: skip
 """Title of each plot, what is seen, and what else its markup has."""
+
+FIRST = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
+"""Plots of measured and of generated bodies that stand before "More"."""
 
 
 def save_report(
@@ -148,7 +150,7 @@ def _page(results: list[PageResult]) -> Page:
         "ruleWords": RULES,
         "results": [result.facts for result in results],
     }
-    several = len(results) > 1
+    several, shown = len(results) > 1, FIRST[studies[0].is_measured]
     return Page(
         name=" and ".join(result.name for result in results),
         head=[f"{f'{result.name}: ' if several else ''}{line}" for result in results for line in result.head],
@@ -156,16 +158,23 @@ def _page(results: list[PageResult]) -> Page:
             "percent": f"{100 * CONFIDENCE:g} %",
             "pairs": escaped(" and ".join(result.pairs for result in results)),
             "unfinished": "".join(result.unfinished() for result in results),
-            "panels": "".join(
-                panel(name, title, seen, **({"below": _caption(name)} | more))
-                for name, (title, seen, more) in PANELS.items()
-            ),
+            "touching": _panels("contacts"),
+            "panels": _panels(*shown),
+            "others": _panels(*(name for name in PANELS if name not in (*shown, "contacts"))),
             "pictures": "".join(result.pictures for result in results),
             "studies": "".join(result.described(several) for result in results),
         },
         facts=facts,
         numbers={f"{name}-{r}": text for r, result in enumerate(results) for name, text in result.numbers.items()},
         versions=f"Computed by stiction {', '.join(sorted({result.version for result in results}))}",
+    )
+
+
+def _panels(*names: str) -> str:
+    """Markup of plots."""
+    return "".join(
+        panel(name, title, seen, **({"below": _caption(name)} | more))
+        for name, (title, seen, more) in ((name, PANELS[name]) for name in names)
     )
 
 
