@@ -210,7 +210,7 @@ def test_a_page_of_a_scan_is_for_everybody(driver, pages, scheme):
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
     for kind in ("profile", "surface"):
         browser.open_page(driver, pages[kind])
-        assert browser.serious_faults(driver, browser.axe()) == []
+        assert browser.faults(driver, browser.axe()) == []
         asked = [url for url in browser.requests(driver) if not url.startswith(("data:", "blob:"))]
         assert {url.split("#")[0] for url in asked} == {pages[kind].as_uri()}
         browser.open_page(driver, pages[kind], width=360, height=740)

@@ -458,7 +458,7 @@ def test_no_serious_fault_for_those_who_cannot_see(driver, page, maps_page, sche
     for path in (page, maps_page):
         browser.open_page(driver, path)
         browser.open_more(driver)
-        assert browser.serious_faults(driver, axe) == []
+        assert browser.faults(driver, axe) == []
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 

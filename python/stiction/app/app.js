@@ -104,7 +104,10 @@ async function look(side) {
 async function demo() {
   const made = await posted("/demo");
   sides.forEach((side, i) => { scans[side] = {...made[i], isSample: true}; form[side].value ||= "mild steel"; });
+  form.tau0.value ||= "20";
+  form.hardness.value ||= "2";
   await Promise.all(sides.map(look));
+  form.requestSubmit();
 }
 
 const UNITS = {young: " GPa", hardness: " GPa", tau0: " MPa"};
@@ -185,7 +188,7 @@ function render() {
   if (!told) say(job.answer, [stopped, job.by].filter(Boolean).join("; "), !job.by);
   byId("command").textContent = commandOf(job);
   byId("share").hidden = !job.versions || isGoing || Boolean(job.by);
-  for (const link of byId("share").querySelectorAll("a")) link.href = keyed(`/jobs/${job.number}/${link.textContent}?save`);
+  for (const link of byId("share").querySelectorAll("a")) link.href = keyed(`/jobs/${job.number}/${link.dataset.file}?save`);
   const page = keyed(`/jobs/${job.number}/page.html?${job.versions}`);
   if (!job.versions || page === framed) return;
   const frame = byId("page");
@@ -198,7 +201,7 @@ function render() {
 const WORDS = {all: "all contacts rub", opposing: "only contacts that oppose the motion rub (the paper)"};
 const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
-/** Verdict and sentence; as long as it is computed the values, which the page has then. */
+/** Values, verdict and reasons; what is not the last is grey, and has no verdict. */
 function say(answer, by, isLast) {
   const place = byId("answer");
   const text = JSON.stringify([answer, by, isLast]);
@@ -207,13 +210,14 @@ function say(answer, by, isLast) {
   place.replaceChildren(...(by ? [node("p", {className: "hint"}, by)] : []));
   if (!answer) return;
   for (const {rule, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
-    const line = node("p", {className: "value", hidden: isLast}, node("i", {}, "μ"), node("sub", {}, "s"),
+    const line = node("p", {className: `value ${isLast ? "" : "hint"}`}, node("i", {}, "μ"), node("sub", {}, "s"),
       ` = ${quoted(mean, lower ?? NaN, upper ?? NaN)} `, node("small", {className: "hint"}, WORDS[rule]));
     Object.assign(line.dataset, {rule, value: mean, lower, upper});
     place.append(line);
   }
   if (isLast) place.append(node("p", {className: `verdict ${KIND[answer.verdict]}`}, answer.verdict),
-    node("p", {className: "sentence", id: "sentence"}, answer.sentence));
+    node("ul", {className: "doubts"}, ...answer.doubts.map(({text: words, cure, severity}) => node("li", {className: severity}, `${words}; ${cure}`))),
+    node("p", {className: "sentence", id: "sentence", hidden: true}, answer.sentence));
 }
 
 /** The line that gives the same numbers. */
@@ -233,7 +237,8 @@ function connectPage() {
   const inside = paged();
   if (!inside?.getElementById("readout")) return;
   inside.head.append(Object.assign(inside.createElement("style"), {textContent:
-    "body { padding: 0; max-width: none } header .over, header h1 { display: none } #controls { top: 0 }"}));
+    "body { padding: 0; max-width: none } header .over, header h1, #judgement, " +
+    ".pair #answer > :is(.of, .value, .interval) { display: none } #controls { top: 0 }"}));
   for (const name of ["input", "click", "keyup"]) inside.addEventListener(name, () => { clearTimeout(resting); resting = setTimeout(follow, AT_REST); });
   const fit = () => { byId("page").style.height = matchMedia("(min-width: 60rem)").matches ? "" : `${inside.documentElement.scrollHeight}px`; };
   new ResizeObserver(fit).observe(inside.documentElement);

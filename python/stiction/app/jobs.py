@@ -119,7 +119,9 @@ class Jobs:
         if job.first is not None and not job.folder.exists():
             job.words = "pressing asperities"
             with suppress(*FAULTS):  # what is wrong, the command says
-                await self._tell(job, "a first answer, by asperities at {finished} positions", first=job.first)
+                await self._tell(
+                    job, "a first answer, by asperities without hardness, at {finished} positions", first=job.first
+                )
         if job.folder.is_relative_to(self.root):
             job.words = "computing"
             watch = asyncio.create_task(self._watch(job))

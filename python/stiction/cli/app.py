@@ -21,5 +21,7 @@ def app(
     try:
         from stiction.app.run import run
     except ImportError:
-        raise ValueError('app needs the packages starlette and uvicorn: pip install "stiction[app]"') from None
+        raise ValueError(
+            'app needs the packages starlette and uvicorn: pip install "stiction[app]", or ./dev setup app in a clone'
+        ) from None
     run(say=say, keep=keep, demo=demo)

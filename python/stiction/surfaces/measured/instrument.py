@@ -40,11 +40,11 @@ def _opened(path: Path) -> Iterator[Any]:
     except FormatError:
         raise
     except Exception as error:  # forty readers have as many ways to fail
-        said = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        said = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
         if type(error).__name__ == "CannotDetectFileFormat":  # which goes on with what each of the forty says
-            said = "none of its formats"
+            said = ""
         raise FormatError(
-            f"is no profile or surface that SurfaceTopography reads ({said}); text should end in .csv or .txt"
+            f"is no profile or surface of a known format{said}; save it as X3P, or as text that ends in .csv or .txt"
         ) from None
 
 

@@ -145,7 +145,7 @@ function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
     button("+", "Look closer", () => look(place, redrawn, {times: 1.5})),
     button("−", "Look from farther", () => look(place, redrawn, {times: 1 / 1.5})),
     button("⟲", "All of it", () => { place.view = null; redrawn(); }));
-  if (hasScales) list.append(button("log", "Linear or logarithmic", () => {
+  if (hasScales) list.append(button("log", "log or linear scale", () => {
     place.isLog = !(place.axes?.y.isLog ?? false);
     place.view = null;
     redrawn();

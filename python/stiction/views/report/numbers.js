@@ -599,7 +599,7 @@ function shown(value, digits = 4) {
 
 /** A value with so many decimals, or rounded to tens, without the minus of a zero; as `digits._in_decimals`. */
 function inDecimals(value, digits) {
-  const text = digits >= 0 ? value.toFixed(Math.min(digits, 100)) : String(Math.round(value * 10 ** digits) / 10 ** digits);
+  const text = digits >= 0 ? value.toFixed(Math.min(digits, 100)) : String(Math.round(value / 10 ** -digits) * 10 ** -digits);
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
 }
 
