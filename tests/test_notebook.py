@@ -509,7 +509,7 @@ BAD = [
     ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),
     ({"lines": 3}, "shifts is for the areas of two maps, without lines"),
     ({"unit": "nm"}, "unit is for files"),
-    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or one of .* got list"),
+    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or one of .* got float"),
     ({"second": "nowhere.npy"}, "nowhere.npy"),
 ]
 

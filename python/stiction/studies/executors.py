@@ -99,6 +99,7 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
     is_notebook = Console().is_jupyter
     # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
-    with Progress(*columns, console=console, transient=True, disable=not (console.is_terminal or is_notebook)) as bar:
+    shown, passing = console.is_terminal or is_notebook, console.is_terminal
+    with Progress(*columns, console=console, transient=passing, disable=not shown) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda count=1: bar.advance(task, count)
