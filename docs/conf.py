@@ -90,9 +90,12 @@ def make_reachable(app: Sphinx, exception: Exception | None) -> None:
 
 
 SCANS = ROOT / "examples/scans"
-LIVE: dict[str, Any] = {
-    "maps": {"mechanics": "half-space", "load": ["5 MPa", "10 MPa", "20 MPa"], "shifts": 6},
-    "lines": {"mechanics": "half-space", "load": ["3 mN", "10 mN", "30 mN"], "lay": "grooves"},
+ON_BRASS = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
+ON_STEEL = ON_BRASS | {"lower": "steel", "mu0": "0.2±0.01", "tau0": "20±2 MPa", "hardness": "2±0.1 GPa"}
+LIVE: dict[str, tuple[str, dict[str, Any]]] = {
+    "quoted": ("honed_{}.csv", ON_STEEL | {"work_of_adhesion": "0 mJ/m^2", "load": "20 mN", "lay": "grooves"}),
+    "maps": ("ground_{}.x3p", ON_BRASS | {"load": "50 MPa"}),
+    "lines": ("lapped_{}.csv", ON_BRASS | {"load": "10 mN", "lay": "grooves"}),
 }
 """How the sample scans are pressed for the pages of results that a reader may play with."""
 
@@ -106,11 +109,10 @@ def make_live(app: Sphinx, exception: Exception | None) -> None:
 
     folder = Path(app.outdir) / "live"
     folder.mkdir(exist_ok=True)
-    given = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa"}
     with tempfile.TemporaryDirectory() as place:
-        for name, files in (("maps", "ground_{}.x3p"), ("lines", "lapped_{}.csv")):
+        for name, (files, given) in LIVE.items():
             scans = (SCANS / files.format(side) for side in ("upper", "lower"))
-            pair(*scans, **given, **LIVE[name], directory=Path(place) / name).report(folder / f"{name}.html")
+            pair(*scans, **given, directory=Path(place) / name).report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", names=["quick"])
     command = ["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", folder / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)

@@ -144,7 +144,10 @@ def test_the_sample_scans_are_what_their_script_writes(tmp_path, monkeypatch):
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
         path.name for path in SCANS.iterdir() if path.suffix in (".csv", ".x3p")
     )
-    for name, read, step in (("lapped_{}.csv", read_profile, 1e-4), ("ground_{}.x3p", read_surface, 5e-5)):
+    for name, read, step in (
+        ("lapped_{}.csv", read_profile, 1e-4), ("honed_{}.csv", read_profile, 1e-5),
+        ("ground_{}.x3p", read_surface, 5e-5),
+    ):  # fmt: skip
         for side in make.SIDES:
             here, now = (read(folder / name.format(side)) for folder in (SCANS, tmp_path))
             assert here.spacing == now.spacing

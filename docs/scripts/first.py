@@ -10,6 +10,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import half_space, levelled, pair, read_profile, turned_over
+from stiction.views.answer import answers, headlines
+from stiction.views.asked import at_asked_loads
 from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, STYLE, UPPER, label, save_picture
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,7 +35,7 @@ DARK = {
 
 
 def friction_against_load():
-    """Loads, and by rule the mean and its ends, of the two scans as `stiction pair` presses them."""
+    """By rule the value and the ends of `stiction pair`'s own interval, of everything that is known, at every load."""
     with tempfile.TemporaryDirectory() as folder:
         result = pair(
             SCANS / "lapped_upper.csv",
@@ -43,9 +45,9 @@ def friction_against_load():
             directory=folder,
             **GIVEN,
         )
-        at = result.at(LOADS.tolist())["friction_all_round"].squeeze()
-        print(result.at([ASKED])["friction_all_round"].squeeze().to_pandas())
-        return {rule: at.sel(sliding=rule).load() for rule in RULES}
+        found = headlines(answers(at_asked_loads(result.source), result.study, beside=result.beside))
+        rules = [{each.rule: (each.value, each.lower, each.upper) for each in one.rules} for one in found]
+        return {rule: np.transpose([one[rule] for one in rules]) for rule in RULES}
 
 
 def faces():
@@ -81,8 +83,7 @@ def draw(curves, dark):
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
     for rule, words in (("all", "all contacts rub"), ("opposing", "only climbing ones")):
-        table, colour = curves[rule], RULES[rule] if not dark or rule != "all" else "#a99cf0"
-        mean, low, high = (table.sel(statistic=each).values for each in ("mean", "lower", "upper"))
+        (mean, low, high), colour = curves[rule], RULES[rule] if not dark or rule != "all" else "#a99cf0"
         right.fill_between(LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
         right.semilogx(LOADS, mean, color=colour)
         at = float(np.interp(np.log(ASKED), np.log(LOADS), mean))
@@ -91,7 +92,7 @@ def draw(curves, dark):
             f"{at:.2f}", (ASKED, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
         )
         right.annotate(words, (LOADS[0], at), (2, -11), textcoords="offset points", color=colour)
-    right.set(ylim=(0, 0.4), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="what starts them sliding")
+    right.set(ylim=(0, 0.45), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="what starts them sliding")
     right.set(ylabel=label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
     return figure
 

@@ -2,8 +2,9 @@
 
     python examples/scans/make.py FOLDER
 
-Two traces of a stylus over lapped steel as text, and two maps of an interferometer over ground steel as X3P: with the
-tilt of a specimen that nobody levelled, the noise of the instrument, and heights in whole steps of its converter.
+Two traces of a stylus over honed steel and two over lapped steel as text, and two maps of an interferometer over ground
+steel as X3P: with the tilt of a specimen that nobody levelled, the noise of the instrument, and heights in whole steps
+of its converter. The honed traces are long and quiet enough to be quoted.
 """
 
 import hashlib
@@ -14,9 +15,11 @@ from pathlib import Path
 import numpy as np
 from stiction import self_affine, self_affine_surface
 
-POINTS = 4000
-STYLUS_SPACING = 0.1  # µm
-STYLUS_STEP = 0.1  # nm
+TRACES = {
+    "lapped": {"points": 4000, "spacing": 0.1, "waves": (40.0, 1.0), "noise": 0.3, "step": 0.1},
+    "honed": {"points": 6000, "spacing": 0.2, "waves": (60.0, 4.0), "noise": 0.02, "step": 0.01},
+}
+"""Points, lengths in µm, noise and step of the converter in nm."""
 SIZE = 256
 PIXEL = 0.2  # µm
 CONVERTER_STEP = 5e-11  # m
@@ -38,23 +41,23 @@ MAIN = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def trace(side: str) -> str:
+def trace(finish: str, side: str) -> str:
     """A stylus' text: positions in µm, heights in nm."""
+    points, spacing, waves, deviation, step = TRACES[finish].values()
     face = self_affine(
-        11,
+        11 if finish == "lapped" else 21,
         hurst_exponent=0.8,
         rms=0.05,
-        points=POINTS,
-        spacing=STYLUS_SPACING,
-        longest_wavelength=40.0,
-        shortest_wavelength=1.0,
+        points=points,
+        spacing=spacing,
+        longest_wavelength=waves[0],
+        shortest_wavelength=waves[1],
         side=side,
     )
-    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 0.3, POINTS)
-    nanometres = 1000.0 * face.heights + 0.4 * face.x + noise
-    steps = np.round(nanometres / STYLUS_STEP)
-    lines = [f"{x:.1f},{step * STYLUS_STEP:.1f}\n" for x, step in zip(face.x, steps, strict=True)]
-    return "".join(["# generated, not measured: lapped steel, stylus\n", "x (um),z (nm)\n", *lines])
+    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, deviation, points)
+    heights = np.round((1000.0 * face.heights + 0.4 * face.x + noise) / step) * step
+    lines = [f"{x:.1f},{z:.{1 if step > 0.05 else 2}f}\n" for x, z in zip(face.x, heights, strict=True)]
+    return "".join([f"# generated, not measured: {finish} steel, stylus\n", "x (um),z (nm)\n", *lines])
 
 
 def converter_steps(side: str) -> np.ndarray:
@@ -88,10 +91,11 @@ def write_x3p(path: Path, steps: np.ndarray) -> None:
 
 
 def main(folder: Path) -> None:
-    """Write the four files."""
+    """Write the six files."""
     folder.mkdir(parents=True, exist_ok=True)
     for side in SIDES:
-        (folder / f"lapped_{side}.csv").write_text(trace(side), encoding="utf-8")
+        for finish in TRACES:
+            (folder / f"{finish}_{side}.csv").write_text(trace(finish, side), encoding="utf-8")
         write_x3p(folder / f"ground_{side}.x3p", converter_steps(side))
 
 

@@ -369,6 +369,8 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
 
 SCANS = Path(__file__).parents[2] / "examples" / "scans"
 STEEL_ON_BRASS = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa"]
+HONED = ["--upper", "steel", "--lower", "steel", "--hardness", "2±0.1 GPa", "--mu0", "0.2±0.01", "--tau0", "20±2 MPa",
+         "--adhesion", "0 mJ/m^2", "--load", "20 mN", "--mechanics", "half-space"]  # fmt: skip
 RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "200 kPa", "--load", "100 kPa"]
 
 
@@ -381,8 +383,9 @@ RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "20
         pytest.param([SCANS / "ground_upper.x3p", SCANS / "ground_lower.x3p", *STEEL_ON_BRASS, "--load", "10 MPa",
                       "--shifts", 4], marks=pytest.mark.soak),
         [*MAPS, *RUBBER, "--shifts", 4],
+        [SCANS / "honed_upper.csv", SCANS / "honed_lower.csv", *HONED],
     ],
-    ids=["lapped", "ground", "rubber"],
+    ids=["lapped", "ground", "rubber", "honed"],
 )  # fmt: skip
 def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where, given, tmp_path):
     done = stiction_command("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
@@ -392,6 +395,7 @@ def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where,
     assert of_terminal <= 23, "the last one is the prompt"
     text = done.stdout
     assert "μ_s" in text
+    assert ("Quote it" in text) == ("2±0.1 GPa" in given)
     assert sum(text.count(words) for words in ("Quote it", "Quote with care", "Do not quote")) in (1, 2)
     assert not set(done.stderr) & {"\x1b"}
     assert "warning" not in done.stderr, "of what the user has not given"
