@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-HEIGHT_MAP = "cividis"
+HEIGHT_MAP = "gray"
 _FINE = 0.5  # heights (µm) below which they are drawn in nm
 _BAR = 0.25  # about how much of the width the bar of the scale takes at most
 

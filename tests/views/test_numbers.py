@@ -166,6 +166,8 @@ def test_the_map_of_the_page_is_that_of_the_library(numbers, result):
     widths = numbers("(loads) => mapOf(result, 'width', 1, loads, 0.3, 0.04).value", loads)
     expected = (wanted["upper"] - wanted["lower"]) / (2 * wanted["friction_coefficient"])
     assert np.array(widths, float) == pytest.approx(expected.values, rel=1e-5, nan_ok=True)
+    d, row = numbers("(map, widths) => beginning(map, widths)", found, widths)
+    assert widths[row][d] == pytest.approx(np.nanmin(np.where(sound, np.array(widths, float), np.nan)))
 
 
 def test_nothing_touches():

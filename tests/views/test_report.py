@@ -238,6 +238,8 @@ def test_one_looks_closer_by_rectangle_wheel_keys_and_buttons(opened):
 def test_arrow_keys_move_what_is_picked(opened):
     from selenium.webdriver.common.keys import Keys
 
+    opened.execute_script("pick(2, 40)")
+    browser.settle(opened)
     dimension, load = picked(opened)
     press_keys(opened, "map-0", Keys.ARROW_RIGHT + Keys.ARROW_UP * 3 + Keys.ARROW_LEFT * 2)
     assert picked(opened) == [dimension - 1, load + 3]

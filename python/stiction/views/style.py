@@ -59,7 +59,7 @@ STRENGTHS = ("#444444", "#aa4499")  # the lowest and the highest adhesive shear 
 AXES = {"x": "#0072b2", "y": "#d55e00"}  # of what is measured along an axis of a map
 LOCKED = "#7a0019"  # where contacts lock themselves
 FRICTION_MAP = "plasma"
-"""Colour map of friction coefficients; viridis is of fractal dimensions, cividis of heights, inferno of pressures."""
+"""Colour map of friction coefficients; viridis is of fractal dimensions, grey of heights, inferno of pressures."""
 SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: light first, dark last
 
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}

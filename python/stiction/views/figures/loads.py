@@ -48,7 +48,7 @@ def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: s
         both: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
         top = upper.secondary_xaxis("top", functions=both)
         top.set_xlabel(label("nominal_pressure"))
-        _plain_log(top)
+        _plain_log(top.xaxis)
     return figure
 
 
@@ -162,8 +162,16 @@ def _against(
     lower.set_ylabel(label("contact_area_fraction" if "contact_area_fraction" in points else "contact_area"))
     for ax in (upper, lower):
         few_ticks(ax)
+    _plain_log(lower.xaxis)
+    low, high = lower.get_ylim()
+    if lower.get_yscale() == "log" and high < 30 * low:
+        _plain_log(lower.yaxis)
     figure.suptitle(_head(points, title), fontsize=6)
-    figure.legend(*upper.get_legend_handles_labels(), title="bands: 95 %", loc="outside lower center", ncols=2)
+    where = figure if limits else upper
+    where.legend(
+        *upper.get_legend_handles_labels(), title="bands: 95 %", loc="outside lower center" if limits else "best",
+        ncols=2 if limits else 1,
+    )  # fmt: skip
     return figure
 
 
@@ -185,8 +193,8 @@ def _area(points: xarray.Dataset) -> Any:
 
 def _single_directions(axes: Axes, at: xarray.Dataset, x: Floats, colour: str) -> None:
     """Each of two directions as a thin line."""
-    if not 1 < at.sizes.get("direction", 1) <= MOST_SINGLE_DIRECTIONS:
-        return
+    if not 1 < at.sizes.get("direction", 1) <= MOST_SINGLE_DIRECTIONS or colour == RULES["all"]:
+        return  # where all contacts rub both are one line
     for direction, dashes in zip(at["direction"].values, ("--", ":"), strict=False):
         mean = at["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"
@@ -213,10 +221,10 @@ def _head(points: xarray.Dataset, title: str) -> str:
     return f"{title}\n{parameters}" if title else parameters
 
 
-def _plain_log(axes: Any) -> None:
-    """Numbers in place of powers of ten on a second axis."""
+def _plain_log(axis: Any) -> None:
+    """Numbers in place of powers of ten on an axis."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=8))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_locator(NullLocator())
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=8))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -111,6 +112,11 @@ def title_of(study: Study) -> str:
     return f"gap {upper}" if getattr(study.surfaces, "gap", None) else f"{upper} on {lower}"
 
 
+def words_of(study: Study) -> str:
+    """The same without endings and underscores, as a figure for print has it."""
+    return re.sub(r"\.\w+(?= on |$)", "", title_of(study)).replace("_", " ")
+
+
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
@@ -156,7 +162,7 @@ def _of_measured(
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
     points = at_load(result, np.unique([*study.contact.steps(), *asked]))
-    read = _Read(points.isel(cut_off=0), asked, title_of(study))
+    read = _Read(points.isel(cut_off=0), asked, words_of(study))
     hardness = hardness_of(study)
     first = asked[0]
     over = points if points.sizes["cut_off"] > 1 else None

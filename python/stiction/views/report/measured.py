@@ -24,7 +24,7 @@ from stiction.views.answer import answers, slopes_text
 from stiction.views.asked import at_asked_loads
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt, limit_of
-from stiction.views.figures.standard import hardness_of, once, picture_of, title_of
+from stiction.views.figures.standard import hardness_of, once, picture_of, title_of, words_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import adhesion_text, over_text, rules_of, value_of
@@ -101,8 +101,8 @@ def page_of_measured(
         study=study, name=name, head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
         facts=facts, numbers=numbers, version=str(version), there=members, details=details,
-        pictures=("" if onset is None else onset_panels(onset, files))
-        + adhesion_panel(once(result, coming_and_going), files),
+        pictures=("" if onset is None else onset_panels(onset, words_of(study)))
+        + adhesion_panel(once(result, coming_and_going), words_of(study)),
     )  # fmt: skip
 
 
@@ -297,7 +297,7 @@ def _lines(picture: xarray.Dataset, table: Floats) -> dict[str, Any]:
     apart = np.sort(np.abs(table[0] - table[0][inside[0] if inside.size else 0]))
     middle = float(table[0][inside[0] if inside.size else 0])
     widest = 4 * float(table[3].max())  # of lines 1 µm thick an area is a length
-    half = np.clip(1.3 * apart[min(AROUND, apart.size - 1)], max(CLOSEST * (x[1] - x[0]), widest), x[-1] / 10)
+    half = np.clip(1.3 * apart[min(AROUND, apart.size - 1)], max(CLOSEST * (x[1] - x[0]), widest), x[-1] / 7)
     start = float(np.clip(middle - half, 0, max(x[-1] - 2 * half, 0)))
     ends = np.searchsorted(x, [start, start + 2 * half])
 

@@ -353,14 +353,15 @@ function verdictOf({verdicts}, doubts) {
 
 // ---- Beginning and drawing -----------------------------------------------------------------------------------------
 
-/** Where to begin: the sound cell (d, l) of a map that is nearest to its middle, or the middle. */
-function beginning(map) {
+/** Where to begin: the sound cell (d, l) of a map whose width is least, or without widths that is nearest to its middle, or the middle. */
+function beginning(map, widths = null) {
   const [rows, columns] = [map.value.length, map.value[0].length];
   let best = [Math.floor(columns / 2), Math.floor(rows / 2)];
   let least = Infinity;
   map.isSound.forEach((row, l) => row.forEach((isSound, d) => {
     const distance = ((l + 0.5) / rows - 0.5) ** 2 + ((d + 0.5) / columns - 0.5) ** 2;
-    if (isSound && distance < least) [best, least] = [[d, l], distance];
+    const size = widths ? widths[l][d] ?? Infinity : distance;
+    if (isSound && size < least) [best, least] = [[d, l], size];
   }));
   return best;
 }

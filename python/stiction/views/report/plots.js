@@ -240,9 +240,9 @@ function tipOfNearest(place, here) {
 
 // ---- Colours --------------------------------------------------------------------------------------------------------
 
-// Sixteenths of viridis and eighths of cividis, which are in the public domain.
-const VIRIDIS = ["440154", "48186a", "472d7b", "424086", "3b528b", "33638d", "2c728e", "26828e", "21918c", "1fa088",
-  "28ae80", "3fbc73", "5ec962", "84d44b", "addc30", "d8e219", "fde725"];
+// Sixteenths of plasma, which is in the public domain.
+const PLASMA = ["0d0887", "310597", "4c02a1", "6600a7", "7e03a8", "9511a1", "aa2395", "bc3587", "cc4778", "da5a6a",
+  "e66c5c", "f0804e", "f89540", "fdac33", "fdc527", "f8df25", "f0f921"];
 const GREYS = ["202428", "f4f5f6"];
 
 /** A colour, [red, green, blue], at a share of a scale. */
@@ -255,7 +255,7 @@ function colourAt(scale, share) {
 }
 
 const LEVELS = 96;
-const LEVEL_COLOURS = Array.from({length: LEVELS}, (_, i) => `rgb(${colourAt(VIRIDIS, i / (LEVELS - 1))})`);
+const LEVEL_COLOURS = Array.from({length: LEVELS}, (_, i) => `rgb(${colourAt(PLASMA, i / (LEVELS - 1))})`);
 
 // ---- The map ---------------------------------------------------------------------------------------------------------
 
@@ -348,7 +348,7 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
 }
 
 function colourBar(id, frame, low, high, ticks, title, unit) {
-  const stops = VIRIDIS.map((hex, i) => shape("stop", {offset: i / (VIRIDIS.length - 1), "stop-color": `#${hex}`}));
+  const stops = PLASMA.map((hex, i) => shape("stop", {offset: i / (PLASMA.length - 1), "stop-color": `#${hex}`}));
   const at = scaleOf({low, high, isLog: true}, frame.x, frame.x + frame.width);
   let last = -Infinity;
   const inside = (ticks ?? []).filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);

@@ -124,16 +124,17 @@ function barOf({parts, intervals}, value) {
   const bar = shape("svg", {class: "bar", role: "img", width: "100%", height: 34});
   let from = 0;
   const names = ["μ0", "τ0 on the true area", "slopes"];
+  const colours = ["accent", "area", "opposing"].map((name) => `var(--${name})`);
   parts.forEach((part, index) => {
     const begin = part < 0 ? from + part : from;
-    bar.append(shape("rect", {x: percent(begin), y: 6, width: percent(Math.abs(part)), height: 16, fill: `var(--${["accent", "area", "opposing"][index]})`}));
+    bar.append(shape("rect", {x: percent(begin), y: 6, width: percent(Math.abs(part)), height: 16, fill: colours[index]}));
     from += part;
   });
   bar.append(shape("line", {x1: percent(low), x2: percent(high), y1: 14, y2: 14, stroke: "var(--ink)", "stroke-width": 2}));
   for (const end of [low, high]) bar.append(shape("line", {x1: percent(end), x2: percent(end), y1: 8, y2: 20, stroke: "var(--ink)", "stroke-width": 2}));
-  const words = parts.map((part, index) => `${(Math.round(1000 * part) / 1000 || 0).toFixed(3)} ${names[index]}`).join(" + ").replace("+ -", "\u2212 ");
-  bar.setAttribute("aria-label", `${words}; interval ${low.toFixed(3)} to ${high.toFixed(3)}`);
-  return element("div", {}, bar, element("p", {class: "hint"}, words));
+  const said = parts.map((part, index) => `${index ? (part <= -0.0005 ? " \u2212 " : " + ") : ""}${Math.abs(part).toFixed(3)} ${names[index]}`);
+  bar.setAttribute("aria-label", `${said.join("")}; interval ${low.toFixed(3)} to ${high.toFixed(3)}`);
+  return element("div", {}, bar, element("p", {class: "hint"}, ...said.map((text, index) => element("span", {style: `color: ${colours[index]}; font-weight: 600`}, text))));
 }
 
 function answerOf(at, rule, alone, known) {
@@ -595,10 +596,12 @@ function connectOneMap(own, r) {
   });
 }
 
-/** Where the map begins: at what the address says, or at the sound cell nearest to its middle. */
+/** Where the map begins: at what the address says, or at the sound cell whose interval is narrowest. */
 function beginMap(said, isAddressed) {
   showMaps();
-  const [d, l] = beginning(maps[0]);
+  const {result, a} = picked(0);
+  const widths = first.hasIntervals ? mapOf(result, "width", a, loads, state.mu0, tau0()).value : null;
+  const [d, l] = beginning(maps[0], widths);
   if (!isAddressed) sliders.dimension.set(state.dimension = d);
   if (said.load === undefined) sliders.load.set(state.load = l);
   const ends = [numberOf(said.dark, 1e-300, 1e300, NaN), numberOf(said.light, 1e-300, 1e300, NaN)];
