@@ -216,7 +216,7 @@ function say(answer, by, isLast) {
     place.append(line);
   }
   if (isLast) place.append(node("p", {className: `verdict ${KIND[answer.verdict]}`}, answer.verdict),
-    node("ul", {className: "doubts"}, ...answer.doubts.map(({text: words, cure, severity}) => node("li", {className: severity}, `${words}; ${cure}`))),
+    node("ul", {className: "doubts", tabIndex: 0}, ...answer.doubts.map(({text: words, cure, severity}) => node("li", {className: severity}, `${words}; ${cure}`))),
     node("p", {className: "sentence", id: "sentence", hidden: true}, answer.sentence));
 }
 
