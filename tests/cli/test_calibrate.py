@@ -140,3 +140,5 @@ def test_a_folder_of_own_interfaces_is_listed(tmp_path):
     assert "operator A. B." in done.stdout
     assert "notes" not in done.stdout
     assert_refused(stiction_command("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")
+    (tmp_path / "empty").mkdir()
+    assert "empty: holds no interfaces" in stiction_command("interfaces", "empty", cwd=tmp_path).stdout

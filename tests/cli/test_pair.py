@@ -305,6 +305,8 @@ def test_rubber_does_not_yield(where):
         ([*MAPS, "--wait", "1 h", "--creep", "0.03"], ["--wait needs --hardness"]),
         ([*MAPS, "--hardness", "1 GPa", "--wait", "1 mn", "--creep", "0.03"], ["--wait", "'mn'", "min, h"]),
         ([*MAPS, "--hardness", "1 GPa", "--creep", "0.03"], ["--creep is for --wait"]),
+        ([*MAPS, "--hardness", "1 GPa", "--wait", "1 h", "--creep", "-1"], ["--creep must be finite", "'-1'"]),
+        ([*MAPS, "--hardness", "0..2 GPa"], ["--hardness must be above 0, got '0..2 GPa'"]),
         ([*PROFILES, "--wait", "1 h", "--creep", "0.03"], ["--wait is for --mechanics half-space"]),
         ([*MAPS, "--level", "line"], ["level"]),
         ([*MAPS, "--tilt", "loose"], ["--tilt must be fixed or free, got 'loose'"]),
@@ -322,6 +324,28 @@ def test_bad_input_is_one_message_and_status_2(where, arguments, words):
     done = stiction_command("pair", *MATERIAL, *LOAD, "--output", "bad", *arguments, cwd=where)
     assert_refused(done, *words)
     assert not (where / "bad" / "blocks").exists()
+
+
+def test_what_waits_has_a_first_answer_and_a_check_that_do_not(where):
+    waiting = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
+    given = asked(where, *MAPS, *MATERIAL, *LOAD, *waiting)
+    with contextlib.chdir(where):
+        assert [list(map(float, each.friction.wait)) for each in given.studies] == [[60.0, 3600.0], []]
+        assert not given.first_study.friction.wait
+
+
+@pytest.mark.parametrize("bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAPS[2:]]])
+def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
+    lines, rows = profile("upper").heights.copy(), surface("upper").heights.copy()
+    lines[300:340] = rows[10:14, 20:26] = np.nan
+    np.savetxt(
+        where / "hole.csv", np.column_stack([np.arange(2000) * 0.01, lines]), delimiter=",", header="x (um),z (um)"
+    )
+    np.save(where / "hole.npy", rows)
+    options = ["--missing", "mask", "--mechanics", "half-space", "--onset", 0, "--output", tmp_path / "out"]
+    done = stiction_command("pair", *bodies, *MATERIAL, *LOAD, *options, cwd=where)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "report.html").exists()
 
 
 @pytest.mark.parametrize(

@@ -197,6 +197,8 @@ def test_a_hardness_that_tests_and_prediction_share_cancels(tmp_path) -> None:
         pair(*faces(0.02), hardness=text, interface=tmp_path / "film.csv", **given) for text in (known, "0.5..1.51 GPa")
     )
     assert np.ptp(shared.interval) < 0.5 * np.ptp(apart.interval)
+    in_words = pair(*faces(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **given)
+    assert in_words.interval == pytest.approx(shared.interval, rel=1e-6)
 
 
 def test_waiting_tells_both_apart_on_one_plastic_pair() -> None:

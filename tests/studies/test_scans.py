@@ -173,6 +173,8 @@ def test_scans_that_are_not_alike_are_refused(tmp_path) -> None:
     given = {"mechanics": "asperities", "onset": 0, **QUICK}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
         pair([scan(1, "upper"), scan(2, "upper", points=40)], scan(1, "lower"), **given)
+    with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are the same"):
+        pair([scan(1, "upper"), scan(2, "upper"), scan(1, "upper")], scan(1, "lower"), **given)
     with pytest.raises(ValueError, match="second must have at least one scan"):
         pair(scan(1, "upper"), tmp_path, **given)
     with pytest.raises(ValueError, match=r"surfaces.surrogates: of several scans"):

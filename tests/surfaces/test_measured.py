@@ -176,6 +176,14 @@ def test_texts_that_are_no_profile_are_refused_with_the_reason(file, text, said)
     assert said in refusal(file(text))
 
 
+@pytest.mark.parametrize("rows", [(0,), (1, 3)])
+def test_rows_without_any_height_are_rows_of_a_text(tmp_path, rows):
+    lines = ["nan,NaN,nan,nan" if row in rows else "1,2,3.5,4" for row in range(4)]
+    (tmp_path / "map.csv").write_text("\n".join(lines))
+    missing = read_surface(tmp_path / "map.csv", unit="um", spacing="1 um", missing="mask").missing
+    assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
+
+
 def test_positions_printed_with_few_digits_are_uniform_within_them(file):
     true = 0.156245 * np.arange(9600)
     for printed in (

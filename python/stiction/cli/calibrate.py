@@ -123,5 +123,8 @@ def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
     from stiction.views.rows import record
 
     there = known() if folder is None else interfaces_in(folder)
+    if not (there or as_json):
+        tell(f"{folder}: holds no interfaces; stiction calibrate with --output NAME keeps one")
+        return
     found = [{**about, "name": name} for name, about in there.items()]
     tell(record("interfaces", [], interfaces=found) if as_json else interfaces_text(found))

@@ -77,7 +77,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     inputs, strength = inputs_of(study), None
     if (known := interface_of(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
-        joint = hardness is not None and hardness.known.text == known.about.get(HARDNESS)
+        joint = hardness is not None and hardness.known.says(known.about.get(HARDNESS, ""))
         strength = fit.mu0, fit.tau0, fit.hardness if joint else None
         gone = ("mu0", "tau0", *(("hardness",) if joint else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}

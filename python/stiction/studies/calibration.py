@@ -357,7 +357,7 @@ class Interface:
         area = np.exp(found.scatter * random.standard_normal(len(fit.mu0)))
         if (own := found.yields) is not None:
             drawn = {name: each.quantile(random.random(len(fit.mu0))) for name, each in own.known.items()}
-            if "hardness" in drawn and own.known["hardness"].text == self.about.get(HARDNESS):
+            if "hardness" in drawn and own.known["hardness"].says(self.about.get(HARDNESS, "")):
                 drawn["hardness"] = fit.hardness  # what is common to tests and prediction is drawn once
             area = area * own.area_of(drawn)
         return highest_density(found.coefficient(fit.mu0, fit.tau0, area), 0.0)

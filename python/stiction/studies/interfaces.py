@@ -109,8 +109,9 @@ def read_interface(path: str | Path) -> Interface:
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
         ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
-    except (ValueError, KeyError) as error:
-        raise ValueError(f"{named(path)}: is a damaged interface: {error}") from None
+    except (ValueError, KeyError):
+        said = "an entry of its head is missing, or a row is not of three numbers"
+        raise ValueError(f"{named(path)}: is a damaged interface: {said}") from None
     if table.ndim != 2 or table.shape[1] != 3 or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
         raise ValueError(f"{named(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
     fit = _fit(sliding, *table.T)

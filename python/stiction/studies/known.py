@@ -87,6 +87,14 @@ class Known:
         """Whether it is a number."""
         return self.distribution == "exact"
 
+    def says(self, text: str) -> bool:
+        """Whether a text says the same of a hardness, in whatever unit."""
+        try:
+            other = self if text == self.text else known("", text, "hardness")
+        except ValueError:
+            return False
+        return self.distribution == other.distribution and np.allclose([self.low, self.high], [other.low, other.high])
+
     def quantile(self, probability: ArrayLike) -> Floats:
         """Values below which it lies with these probabilities."""
         from scipy.special import ndtr, ndtri
@@ -127,6 +135,8 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
         low, high = (_one(name, end, kind) for end in _with_units(first, last))
         if not 0 <= low < high:
             raise ValueError(f"{name} must be a range from a smaller to a larger value, got {shortened(text)}")
+        if kind == "hardness" and low == 0:
+            raise ValueError(f"{name} must be above 0, got {shortened(text)}")
         if flat or low == 0:
             return Known(0.5 * (low + high), low, high, "uniform", text)
         if kind:

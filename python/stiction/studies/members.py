@@ -213,6 +213,9 @@ class Bodies:
         for side, scans in zip(SIDES, self._parts, strict=True):
             if len(scans) > 1 and len({_grid(scan) for scan in scans}) > 1:
                 raise ValueError(f"surfaces.{side}: the scans of a part must have the same points and spacing")
+            heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
+            if len(set(heights)) < len(heights):
+                raise ValueError(f"surfaces.{side}: two scans of a part are the same; give each place once")
         if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: of several scans of a part all members are pieces of these")
         self._scans = self._parts[0][0], self._parts[1][0]
@@ -261,7 +264,7 @@ class Bodies:
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         found = []
-        with contextlib.suppress(ValueError):  # of fewer members
+        with contextlib.suppress(ValueError, IndexError):  # of fewer members
             for index in range(_AVERAGED):
                 missing = missing_of(*self.member(index, float(self._surfaces.cells()["cut_off"][0])).pair)
                 found.append(1.0 if missing is None else 1 - float(missing.mean()))

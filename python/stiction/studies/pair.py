@@ -239,17 +239,21 @@ class Pair:
     def known(self) -> dict[str, list[Known]]:
         """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
         found: dict[str, list[Known]] = {}
-        for name, kind in _KINDS.items():
+        for name in _KINDS:
             texts = [each for each in listed(getattr(self, name)) if each is not None]
             if not any(isinstance(each, str) and NO_NUMBER.search(each) for each in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
                 raise ArgumentError(f"{{{name}}} must be one value where it is a range, got {{got}}", got=repr(texts))
-            try:
-                found[name] = [known("", each, kind) for each in texts]
-            except ValueError as error:
-                raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+            found[name] = self._read(name)
         return found
+
+    def _read(self, name: str) -> list[Known]:
+        """What is known of an input, as it was given."""
+        try:
+            return [known("", each, _KINDS[name]) for each in listed(getattr(self, name)) if each is not None]
+        except ValueError as error:
+            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
     @cached_property
     def strength(self) -> Interface | None:
@@ -282,8 +286,7 @@ class Pair:
             names |= {"young", "poisson"}
         table: dict[str, Any] = {}
         for name in sorted(names):
-            kind = _KINDS[name]
-            own = self.known.get(name) or [known("", each, kind) for each in listed(getattr(self, name))]
+            own = self.known.get(name) or self._read(name)
             table[name] = [each.text for each in own] if name in ("young", "poisson") else own[0].text
         if self.strength is not None:
             name = str(self.interface)
@@ -351,7 +354,7 @@ class Pair:
         strengths = at_least_0("tau0", quantities_of("tau0", self._middle("tau0"), "pressure"), self.tau0)
         coefficients = at_least_0("mu0", numbers_of("mu0", self._middle("mu0")), self.mu0)
         friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
-        if self.wait is not None and self.by[0] == "half-space":
+        if self.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}: bodies that do not yield do not creep into each other")
             friction["wait"] = _rising(quantities_of("wait", self.wait, "time"))

@@ -161,6 +161,7 @@ def _values(cells: list[str], number: re.Pattern[str]) -> list[re.Match[str] | N
             any_number = True
             values.append(match)
         elif _MISSING.fullmatch(cell):
+            any_number |= cell.lower() == "nan"  # no header says it, and a row may have nothing else
             values.append(None)
         else:
             return None

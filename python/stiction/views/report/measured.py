@@ -292,7 +292,9 @@ def _thinned(ranks: NDArray[Any]) -> NDArray[Any]:
 def _lines(picture: xarray.Dataset, table: Floats) -> dict[str, Any]:
     """Two lines in contact, in few points whole and in more about the strongest contact: x, lower and upper heights."""
     x, lower = picture["height_x"].values, picture["lower_height"].values
-    upper = lower + picture["gap"].values.clip(0)
+    gap = picture["gap"].values
+    there = np.isfinite(gap)  # over holes it is drawn straight
+    upper = lower + np.interp(x, x[there], gap[there]).clip(0)
     inside = np.flatnonzero(table[6] == 0)
     apart = np.sort(np.abs(table[0] - table[0][inside[0] if inside.size else 0]))
     middle = float(table[0][inside[0] if inside.size else 0])
