@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 import stiction
 import typer
@@ -332,6 +333,20 @@ def test_what_waits_has_a_first_answer_and_a_check_that_do_not(where):
     with contextlib.chdir(where):
         assert [list(map(float, each.friction.wait)) for each in given.studies] == [[60.0, 3600.0], []]
         assert not given.first_study.friction.wait
+
+
+def test_table_and_record_have_the_interval_of_each_rule_and_of_one_direction_its_own(where, tmp_path):
+    options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
+    stiction_command("pair", *MAPS, *MATERIAL, *options, "--output", tmp_path / "out", cwd=where)
+    table = pandas.read_csv(tmp_path / "out" / "result.csv", comment="#").set_index("sliding")
+    ends = [f"mu_s of all that is known: {end}" for end in ("lower", "upper")]
+    read = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
+    for more, told in (([], 1), (["--direction", 0], 0)):
+        for rule in json.loads(stiction_command(*read, *more, cwd=where).stdout)["answers"][0]["rules"]:
+            assert rule["lower"] <= rule["value"] <= rule["upper"]
+            known = table.loc[[rule["rule"]], ends].dropna().to_numpy()
+            assert len(known) == 1
+            assert not told or known[0] == pytest.approx([rule["lower"], rule["upper"]], rel=1e-8)
 
 
 @pytest.mark.parametrize("bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAPS[2:]]])

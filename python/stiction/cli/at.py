@@ -28,6 +28,9 @@ Tau0 = Annotated[
     str | None,
     option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa of a study, its own of a pair"),
 ]
+OF_MEANS = ("friction_known", "friction_next_test", "friction_if_known", "width_if_known", "friction_waited")
+"""What is known of the mean of all directions, and of none alone."""
+
 Direction = Annotated[
     float | None, option("--direction DEGREES", "Where the upper body is about to move.", "the mean of all")
 ]
@@ -83,7 +86,8 @@ def _loads(stored: Stored, texts: list[str]) -> list[float]:
     loads = []
     for each in texts:
         amount, per_area = load_of("load", each)
-        loads.append(amount * _nominal_area(stored, each) if per_area else float(amount))
+        force = amount * _nominal_area(stored, each) if per_area else float(amount)
+        loads.append(float(f"{force:.12g}"))  # as that of a pair, so that it is the same
     return sorted(set(loads))
 
 
@@ -112,4 +116,6 @@ def _towards(found: xarray.Dataset, direction: float) -> xarray.Dataset:
         shown = ", ".join(f"{each:g}" for each in known) or "none"
         raise ValueError(f"--direction must be one of those of the result, {shown}; got {direction:g}")
     one = found.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
-    return one.sel(direction=direction % 360) if "direction" in one.dims else one
+    if "direction" not in one.dims:
+        return one
+    return one.drop_vars([name for name in OF_MEANS if name in one]).sel(direction=direction % 360)

@@ -153,7 +153,9 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
         unit = "" if own["unit"].iloc[0] == "1" else f" ({own['unit'].iloc[0]})"
         columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
         table = table.merge(own[[*on, *columns]].rename(columns=columns), on=on, how="left")
-    table = table.merge(_verdicts(answers(at, study, beside=beside), keys), on=keys, how="left")
+    table = table.merge(_verdicts(answers(at, study, beside=beside), keys), on=[*keys, "sliding"], how="left")
+    of_mean = [name for name in table if name.startswith("mu_s ")]
+    table.loc[table["motion"] != _FRICTION["friction_all_round"], of_mean] = math.nan
     for key in keys:
         table[key] *= column_of(key)[1]
     return table.rename(columns={key: column_of(key)[0] for key in keys} | {"motion": "upper body to (degree)"})
@@ -172,19 +174,23 @@ def _of_loads(at: xarray.Dataset) -> list[str]:
 def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
     import pandas
 
+    rules = [(one, rule, rule is one.rules[0]) for one in found for rule in one.rules]
     waited = {
-        f"mu_s after {duration(each.seconds)}{end}": [getattr(one.waited[index], name) for one in found]
+        f"mu_s after {duration(each.seconds)}{end}": [
+            getattr(one.waited[index], name) if first else math.nan for one, _, first in rules
+        ]
         for index, each in enumerate(found[0].waited if found else ())
         for name, end in (("value", ""), ("lower", ": lower"), ("upper", ": upper"))
     }
     return pandas.DataFrame(
         {
-            **{key: [one.at[key] for one in found] for key in keys},
-            "mu_s of all that is known: lower": [one.lower for one in found],
-            "mu_s of all that is known: upper": [one.upper for one in found],
+            **{key: [one.at[key] for one, *_ in rules] for key in keys},
+            "sliding": [rule.rule for _, rule, _ in rules],
+            "mu_s of all that is known: lower": [rule.lower for _, rule, _ in rules],
+            "mu_s of all that is known: upper": [rule.upper for _, rule, _ in rules],
             **waited,
-            "verdict": [one.verdict for one in found],
-            "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one in found],
+            "verdict": [one.verdict for one, *_ in rules],
+            "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one, *_ in rules],
         }
     )
 
