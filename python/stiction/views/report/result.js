@@ -193,7 +193,7 @@ const MOST_DOUBTS = 3; // that are open below the verdict
 function saidVerdict(verdict, doubts) {
   const kind = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}[verdict];
   const list = (some) => (some.length ? [element("ul", {class: "doubts"}, ...some.map(({text, cure, severity}) =>
-    element("li", {class: severity}, `${text[0].toUpperCase()}${text.slice(1)}; ${cure}.`)))] : []);
+    element("li", {class: severity}, `${text.replace(/^[a-z]/, (one) => one.toUpperCase())}; ${cure}.`)))] : []);
   const rest = doubts.slice(MOST_DOUBTS);
   return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(doubts.slice(0, MOST_DOUBTS)),
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
