@@ -100,7 +100,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         found["friction_known"][place] = one.value, *one.interval()
         found["friction_next_test"][place] = one.value, *one.next_test()
         for index, wait in enumerate(study.friction.wait):
-            waited[(*place, index)] = one.after(float(wait))
+            if one.bears(float(at["nominal_area"]), at["load"].values[one.load], float(wait)):
+                waited[(*place, index)] = one.after(float(wait))
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
         for index, name in enumerate(order if quoted and np.prod(shape) <= MOST_BUDGETS else ()):
             if name in one.names:
@@ -216,6 +217,11 @@ class _Point:
         if key not in self.areas.kept:
             self.areas.kept[key] = stdtrit(self.freedom, strata(len(self.names) + 1)[:, -1])
         return _ends(self._draws(dict.fromkeys(self.places, 0.5)) * (1 + self.areas.kept[key] * self.scatter))
+
+    def bears(self, area: float, load: float, wait: float) -> bool:
+        """Whether the hardness that is left after some seconds bears a load (mN) on the nominal area (µm²)."""
+        creep, hardness = creep_of(self.study), self.areas.hardness
+        return creep is not None and hardness is not None and load < area * hardness * wait**-creep.value
 
     def after(self, wait: float) -> tuple[float, float, float]:
         """The coefficient after some seconds under load, with its 95 % interval: the hardness has fallen meanwhile."""
