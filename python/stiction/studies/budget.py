@@ -90,7 +90,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
     six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), Areas.of(at, study, result)
-    read = at[[name for name in _READ if name in at]]
+    read, pressures = at[[name for name in _READ if name in at]], at["load"].values / float(at["nominal_area"])
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
         sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
@@ -100,8 +100,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         found["friction_known"][place] = one.value, *one.interval()
         found["friction_next_test"][place] = one.value, *one.next_test()
         for index, wait in enumerate(study.friction.wait):
-            if one.bears(float(at["nominal_area"]), at["load"].values[one.load], float(wait)):
-                waited[(*place, index)] = one.after(float(wait))
+            waited[(*place, index)] = one.after(float(wait), pressures[one.load])
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
         for index, name in enumerate(order if quoted and np.prod(shape) <= MOST_BUDGETS else ()):
             if name in one.names:
@@ -218,17 +217,18 @@ class _Point:
             self.areas.kept[key] = stdtrit(self.freedom, strata(len(self.names) + 1)[:, -1])
         return _ends(self._draws(dict.fromkeys(self.places, 0.5)) * (1 + self.areas.kept[key] * self.scatter))
 
-    def bears(self, area: float, load: float, wait: float) -> bool:
-        """Whether the hardness that is left after some seconds bears a load (mN) on the nominal area (µm²)."""
-        creep, hardness = creep_of(self.study), self.areas.hardness
-        return creep is not None and hardness is not None and load < area * hardness * wait**-creep.value
+    def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
+        """The coefficient after some seconds under a nominal pressure (GPa), with its 95 % interval.
 
-    def after(self, wait: float) -> tuple[float, float, float]:
-        """The coefficient after some seconds under load, with its 95 % interval: the hardness has fallen meanwhile."""
+        The hardness has fallen meanwhile; NaN where it does not bear the pressure.
+        """
         creep, hardness = creep_of(self.study), self.areas.hardness
         assert creep is not None, "a study that waits has its creep"
         assert hardness is not None, "and a hardness"
-        area = self.areas.factor(self.load, np.array([hardness * wait**-creep.value]), 1.0)
+        left = hardness * wait**-creep.value
+        if pressure >= left:
+            return math.nan, math.nan, math.nan
+        area = self.areas.factor(self.load, np.array([left]), 1.0)
         own = self.friction.coefficient(self.mu0, self.tau0)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
         return float(value[0]), *_ends(self._draws({}, wait))
