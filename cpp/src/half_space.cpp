@@ -31,6 +31,8 @@ constexpr std::int64_t most_coarse_iterations = 100;
 constexpr int most_certificates = 20;
 // Deviation of displacements that should be equal, relative to the compliance, which is then right to 1e-7.
 constexpr double compliance_tolerance = 1e-3;
+// Share of that where only differences of displacements count, which no energy makes better.
+constexpr double of_differences = 0.03;
 // Points up to which their own matrix is solved, which transforms of the grid take longer than.
 constexpr std::size_t most_among = 1024;
 // Deviation of displacements, in those of a cell, below which they are those of an even load: round-off.
@@ -198,10 +200,10 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// The sum of pressures of some points under which each of them moves by 1, by conjugate gradients with their matrix;
-// not a number where a pressure is below 0, as round-off of contacts that are single points has it.
-double sum_under_one_displacement(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
-                                  const Crew& crew) {
+// Pressures of some points under which each of them moves by 1, by conjugate gradients with their matrix; none where
+// one is below 0, as round-off of contacts that are single points has it.
+std::vector<double> under_one_displacement(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
+                                           const Crew& crew) {
   const std::size_t size = points.size();
   std::vector<double> matrix(size * size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -234,7 +236,7 @@ double sum_under_one_displacement(Values influence, const Grid& grid, const std:
     }
   }
   const bool presses = std::all_of(pressure.begin(), pressure.end(), [](double one) { return one >= 0.0; });
-  return presses ? std::accumulate(pressure.begin(), pressure.end(), 0.0) : std::numeric_limits<double>::quiet_NaN();
+  return presses ? pressure : std::vector<double>();
 }
 
 }  // namespace
@@ -471,54 +473,63 @@ HalfSpaceSolution HalfSpaceSolver::on_level(std::size_t level, std::vector<doubl
   return {descent.search().take_pressure(), approach, error, iterations};
 }
 
-double linear_compliance(const HalfSpaceGrids& grids, std::span<const bool> free, const Crew& crew) {
+LinearAnswer linear_answer(const HalfSpaceGrids& grids, std::span<const bool> free, const Crew& crew) {
   const Grid& grid = grids.levels()[0];
   if (free.size() != grid.size()) {
-    throw std::invalid_argument("linear_compliance: free must be on the grid");
+    throw std::invalid_argument("linear_answer: free must be on the grid");
   }
-  const auto count = static_cast<std::size_t>(std::count(free.begin(), free.end(), true));
-  if (count == 0) {
-    throw std::invalid_argument("linear_compliance: there must be a free point");
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (free[i]) {
+      points.push_back(i);
+    }
   }
-  if (grid.periodic && count == free.size()) {
-    return 0.0;
+  if (points.empty()) {
+    throw std::invalid_argument("linear_answer: there must be a free point");
   }
-  if (count <= most_among) {
+  // Pressures of free points are above 0 everywhere, as charges are on a conductor. An even start is as good as any
+  // that the pressures at hand give: at the edges, where those vanish, these are highest.
+  std::vector<double> start(free.size(), 0.0);
+  for (const std::size_t i : points) {
+    start[i] = 1.0 / static_cast<double>(points.size());
+  }
+  if (grid.periodic && points.size() == free.size()) {
+    return {0.0, std::move(start)};
+  }
+  const bool floats = grid.line && !grid.periodic;  // displacements have no zero, only differences
+  if (!floats && points.size() <= most_among) {
     const Values influence = grids.influence(crew);
     if (!influence.empty()) {
-      std::vector<std::size_t> points;
-      for (std::size_t i = 0; i < free.size(); ++i) {
-        if (free[i]) {
-          points.push_back(i);
+      const std::vector<double> each = under_one_displacement(influence, grid, points, crew);
+      if (!each.empty()) {
+        const double sum = std::accumulate(each.begin(), each.end(), 0.0);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          start[points[i]] = each[i] / sum;
         }
-      }
-      const double sum = sum_under_one_displacement(influence, grid, points, crew);
-      if (!std::isnan(sum)) {
-        return 1.0 / sum;
+        return {1.0 / sum, std::move(start)};
       }
     }
   }
-  // Pressures of sum 1 on these points alone, without a gap. They are above 0 everywhere, as charges are on a
-  // conductor. An even start is as good as any that the pressures at hand give: at the edges, where those vanish, these
-  // are highest.
   const auto kernel = grids.kernel(0, crew);
-  std::vector<double> start(free.size());
-  std::vector<double> bound(free.size());
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    start[i] = free[i] ? 1.0 / static_cast<double>(count) : 0.0;
-    bound[i] = free[i] ? std::numeric_limits<double>::infinity() : 0.0;
+  std::vector<double> bound(free.size(), 0.0);
+  for (const std::size_t i : points) {
+    bound[i] = std::numeric_limits<double>::infinity();
   }
+  const double mean = 1.0 / static_cast<double>(free.size());
   Workspace workspace;
-  Descent descent(*kernel, std::move(start), 1.0 / static_cast<double>(free.size()), bound, workspace, crew);
+  Descent descent(*kernel, std::move(start), mean, bound, workspace, crew);
   descent.renew(std::vector<double>(free.size(), 0.0), true);
   for (std::int64_t i = 0; i < most_iterations; ++i) {
-    if (descent.balance() <= compliance_tolerance * std::abs(descent.search().approach())) {
+    const double error = descent.balance();
+    const double unit = floats ? of_differences * mean * grids.even_deviation() : std::abs(descent.search().approach());
+    if (error <= compliance_tolerance * unit) {
       break;
     }
     descent.iterate();
   }
   descent.balance();
-  return descent.search().work();
+  const double compliance = descent.search().work();
+  return {compliance, descent.search().take_pressure()};
 }
 
 }  // namespace stiction

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -24,6 +25,7 @@ namespace {
 constexpr double modulus = 10.0;
 constexpr double tight = 1e-10;
 constexpr double of_compliance = 1e-6;
+constexpr double of_answer = 5e-3;  // pressures, whose energy is right to the square of it
 const std::vector<double> unbounded{std::numeric_limits<double>::infinity()};
 
 // Waves of several lengths, as a map or a line.
@@ -115,7 +117,7 @@ TEST_CASE("an approach is met by the load that it takes") {
   CHECK(found.approach == doctest::Approx(0.005).epsilon(1e-6));
 }
 
-TEST_CASE("the compliance is that of the matrix of the points, few or many") {
+TEST_CASE("the answer to a load is that of the matrix of the points, few or many") {
   for (const Grid& grid :
        {Grid{1, 60, 1.0, 0.1, true, true}, Grid{40, 40, 0.1, 0.1, false, true}, Grid{40, 40, 0.1, 0.1, false, false}}) {
     const HalfSpaceGrids grids(grid, modulus);
@@ -142,15 +144,22 @@ TEST_CASE("the compliance is that of the matrix of the points, few or many") {
       }
       const Eigen::VectorXd even = matrix.ldlt().solve(Eigen::VectorXd::Ones(size));
       REQUIRE(even.minCoeff() > 0.0);
-      CHECK(stiction::linear_compliance(grids, {free.get(), grid.size()}) ==
-            doctest::Approx(1.0 / even.sum()).epsilon(of_compliance));
+      const stiction::LinearAnswer found = stiction::linear_answer(grids, {free.get(), grid.size()});
+      CHECK(found.compliance == doctest::Approx(1.0 / even.sum()).epsilon(of_compliance));
+      double difference = 0.0;
+      for (Eigen::Index i = 0; i < size; ++i) {
+        const double pressure = found.pressure[points[static_cast<std::size_t>(i)]];
+        difference = std::max(difference, std::abs(pressure * even.sum() - even[i]));
+      }
+      CHECK(difference < of_answer * even.maxCoeff());
+      CHECK(std::accumulate(found.pressure.begin(), found.pressure.end(), 0.0) == doctest::Approx(1.0));
     }
   }
   const HalfSpaceGrids grids(Grid{8, 8, 0.1, 0.1, false, true}, modulus);
   std::array<bool, 64> all{};
-  CHECK_THROWS_AS(stiction::linear_compliance(grids, all), std::invalid_argument);
+  CHECK_THROWS_AS(stiction::linear_answer(grids, all), std::invalid_argument);
   all.fill(true);
-  CHECK(stiction::linear_compliance(grids, all) == 0.0);
+  CHECK(stiction::linear_answer(grids, all).compliance == 0.0);
 }
 
 TEST_CASE("what is no problem is refused, and progress can end a solution") {

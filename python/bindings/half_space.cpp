@@ -85,15 +85,21 @@ void bind_half_space(py::module_& module) {
           py::arg("pressure").noconvert(), py::kw_only(), py::arg("threads") = 1,
           "Displacement [µm] of each point under a pressure [GPa].")
       .def(
-          "linear_compliance",
+          "linear_answer",
           [](const HalfSpaceGrids& grids, const Marks& free, std::size_t threads) {
-            const auto marks = grid(free);
-            const Checkpoint checkpoint = until_interrupted();
-            const py::gil_scoped_release release;
-            return linear_compliance(grids, marks, Crew(threads, checkpoint));
+            LinearAnswer answer;
+            {
+              const auto marks = grid(free);
+              const Checkpoint checkpoint = until_interrupted();
+              const py::gil_scoped_release release;
+              answer = linear_answer(grids, marks, Crew(threads, checkpoint));
+            }
+            const std::vector<py::ssize_t> shape(free.shape(), free.shape() + free.ndim());
+            const py::array_t<double> pressure = array_from(std::move(answer.pressure)).reshape(shape);
+            return std::pair(pressure, answer.compliance);
           },
           py::arg("free").noconvert(), py::kw_only(), py::arg("threads") = 1,
-          "dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike.");
+          "Pressures [GPa] of sum 1 under which all free points move alike, and by how much [µm].");
 
   py::class_<HalfSpaceSolution>(module, "HalfSpaceSolution", "A pressure and what is known of it.")
       .def_property_readonly(

@@ -48,8 +48,8 @@ class HalfSpaceGrids:
     ) -> None: ...
     def displacement(self, pressure: NDArray[float64], *, threads: int = 1) -> NDArray[float64]:
         """Displacement [µm] of each point under a pressure [GPa]."""
-    def linear_compliance(self, free: NDArray[numpy.bool], *, threads: int = 1) -> float:
-        """dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike."""
+    def linear_answer(self, free: NDArray[numpy.bool], *, threads: int = 1) -> tuple[NDArray[float64], float]:
+        """Pressures [GPa] of sum 1 under which all free points move alike, and by how much [µm]."""
     @property
     def periodic(self) -> bool: ...
 

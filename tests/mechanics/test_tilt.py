@@ -70,7 +70,7 @@ def test_what_points_answer_agrees_with_dense_matrices():
 
     one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
     problem, free = one.problem, one.on_grid(one.free)
-    found, points = Answer.of(problem, free, slopes=True), np.flatnonzero(free)
+    found, points = Answer.of(problem, free), np.flatnonzero(free)
     unit = np.eye(free.size).reshape(-1, *free.shape)
     kernel = np.array([problem.grids.displacement(unit[point]).ravel()[points] for point in points])
     whole = np.block([[kernel, -np.ones((points.size, 1))], [np.ones((1, points.size)), np.zeros((1, 1))]])

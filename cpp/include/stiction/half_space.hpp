@@ -98,8 +98,14 @@ class HalfSpaceSolver {
   double pressure_scale_ = 0.0;
 };
 
-/// dδ/dp [µm/GPa] for the sum of pressures over free points under which all of them move alike; 0 at full contact.
-/// `free`: not 0 where a point is. To 1e-7 of itself: the energy of pressures whose error is its root.
-double linear_compliance(const HalfSpaceGrids& grids, std::span<const bool> free, const Crew& crew = Crew());
+/// What free points answer as they are to a load, under which all of them move alike.
+struct LinearAnswer {
+  double compliance = 0.0;       ///< dδ/dp [µm/GPa] for the sum of pressures; 0 at full contact
+  std::vector<double> pressure;  ///< on the grid, of sum 1
+};
+
+/// `free`: not 0 where a point is. The compliance is right to 1e-7 of itself: the energy of pressures whose error is
+/// its root.
+LinearAnswer linear_answer(const HalfSpaceGrids& grids, std::span<const bool> free, const Crew& crew = Crew());
 
 }  // namespace stiction

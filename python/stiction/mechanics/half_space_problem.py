@@ -204,26 +204,25 @@ class Pressed:
             return self.stiffness / problem.area
         pressure, approach = self._answer
         lost = approach * problem.area / problem.cell - float((pressure * problem.even).sum())
-        return problem.gap.size / lost if lost > 0 else np.inf
+        return 1 / lost if lost > 0 else np.inf
 
     @cached_property
     def _answer(self) -> tuple[Floats, float]:
         return self._answer_of(self.free)
 
     def _answer_of(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Pressures (GPa) and approach (µm) that a load of 1 GPa on the mean adds."""
+        """Pressures (GPa) of sum 1 on free points under which these move alike, and by how much (µm)."""
+        if not self.problem.turns:
+            return self.problem.grids.linear_answer(self.on_grid(free), threads=threads())
         from stiction.mechanics.tilt import Answer
 
-        return Answer.of(self.problem, self.on_grid(free), slopes=self.problem.turns).to_load()
+        return Answer.of(self.problem, self.on_grid(free)).to_load()
 
     def _stiffness_of(self, free: NDArray[np.bool_]) -> float:
         problem = self.problem
         if not (problem.has_approach and free.any()):
             return np.nan
-        if problem.turns:
-            compliance = (self._answer if free is self.free else self._answer_of(free))[1] / problem.gap.size
-        else:
-            compliance = problem.grids.linear_compliance(self.on_grid(free), threads=threads())
+        compliance = (self._answer if free is self.free else self._answer_of(free))[1]
         return problem.cell / compliance if compliance > 0 else np.inf
 
 

@@ -43,7 +43,7 @@ class HalfSpace:
         self.solver = _core.HalfSpaceSolver(
             np.zeros(self.shape), problem.grids, bound=everywhere, tolerance=self.tolerance, threads=threads()
         )
-        compliance = self.grids.linear_compliance(everywhere > 0, threads=threads()) * self.ratio
+        compliance = self.grids.linear_answer(everywhere > 0, threads=threads())[1] * self.ratio
         self.stiffness = (self.cell / compliance if compliance > 0 else np.inf) if self.moves else np.nan
 
     def at(self, load: float, near: Slip | None = None) -> Slip:

@@ -67,8 +67,8 @@ class Answer:
     turning: Floats
 
     @classmethod
-    def of(cls, problem: Problem, free: NDArray[np.bool_], *, slopes: bool) -> Answer:
-        """That of free points, as a mask; of slopes if they are asked for."""
+    def of(cls, problem: Problem, free: NDArray[np.bool_]) -> Answer:
+        """That of free points, as a mask."""
         bound = np.where(free, UNBOUND, 0.0)
         arms = arms_of(problem)
 
@@ -79,8 +79,6 @@ class Answer:
 
         level, approach = solved(np.zeros_like(problem.gap))
         moments = moments_of(level, arms)
-        if not slopes:
-            return cls(level, approach, moments, [], np.zeros((0, 0)))
         moved = float(np.abs(problem.grids.displacement(level, threads=threads())[free]).mean())
         turned = []
         for arm in arms:
@@ -90,12 +88,10 @@ class Answer:
         return cls(level, approach, moments, turned, (turning + turning.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
-        """Pressures and approach of a load of 1 GPa on the mean, which stays in the middle where slopes are known."""
-        if not self.turned:
-            return self.pressure, self.approach
+        """Pressures of sum 1 and approach of a load that stays in the middle."""
         slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(slope * each for slope, each in zip(slopes, self.turned, strict=True))
-        return pressure, self.approach + float(slopes @ self.moments)
+        return pressure / pressure.size, (self.approach + float(slopes @ self.moments)) / pressure.size
 
 
 def moments_of(pressure: Floats, arms: list[Floats]) -> Floats:
@@ -126,7 +122,7 @@ def balanced(
         tried = 0
         while float(np.abs(moments / (mean * lengths)).max()) > BALANCED:
             near = pressed.on_grid(pressed.values).ravel()
-            turning = Answer.of(problem, pressed.on_grid(pressed.free), slopes=True).turning
+            turning = Answer.of(problem, pressed.on_grid(pressed.free)).turning
             step = np.linalg.solve(np.diag(STIFFEST * mean * lengths**2 / height) - turning, moments)
             step *= min(1.0, FURTHEST * height / float(np.abs(step * lengths / 2).max()))
             # The energy is concave over slopes: beyond its crest along the step the moments change sides.
