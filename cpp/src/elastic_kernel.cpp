@@ -359,9 +359,7 @@ class Filter {
       between[2 * i] = between[2 * i + 1] = difference * cosine;
     }
     for (Real* factors : {of_first, of_second, between}) {
-      for (std::size_t i = shape_.along_y(); i < size; ++i) {
-        factors[2 * i] = factors[2 * i + 1] = factors[2 * (size - i)];
-      }
+      std::reverse_copy(factors + 2, factors + 2 * (size - shape_.along_y() + 1), factors + 2 * shape_.along_y());
     }
     multiply_columns(parts(first), parts(second), of_first, of_second, between, 2 * size);
   }

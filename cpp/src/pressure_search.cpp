@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -51,6 +52,40 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
     any |= marks[i];
   }
   return any != 0;
+}
+
+// from + slope, from + 2 slope, ... beginning at a multiple.
+STICTION_MULTIVERSION
+void draw_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
+  for (std::int32_t j = 0; j < count; ++j) {
+    values[j] = from + slope * static_cast<float>(first + j);
+  }
+}
+
+struct Moments {
+  double sum = 0.0;
+  double moment = 0.0;  // of first, first + 1, ... times the values
+};
+
+STICTION_MULTIVERSION
+Moments moments_of(const float* values, std::int32_t first, std::int32_t count) {
+  std::array<double, sums_at_once> sums{};
+  std::array<double, sums_at_once> moments{};
+  constexpr auto lanes = static_cast<std::int32_t>(sums_at_once);
+  const std::int32_t whole = count - count % lanes;
+  for (std::int32_t j = 0; j < whole; j += lanes) {
+    for (std::int32_t lane = 0; lane < lanes; ++lane) {
+      const auto value = static_cast<double>(values[j + lane]);
+      sums[static_cast<std::size_t>(lane)] += value;
+      moments[static_cast<std::size_t>(lane)] += value * static_cast<double>(first + j + lane);
+    }
+  }
+  for (std::int32_t j = whole; j < count; ++j) {
+    const auto value = static_cast<double>(values[j]);
+    sums[0] += value;
+    moments[0] += value * static_cast<double>(first + j);
+  }
+  return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(moments.begin(), moments.end(), 0.0)};
 }
 
 struct Cut {
@@ -189,13 +224,13 @@ double PressureSearch::balance(const Crew& crew) {
   // Every point under pressure has moved, or is at its bound and says nothing of the approach.
   double sum = 0.0;
   std::size_t count = 0;
+  const float* response = part_ != 0.0 ? response_.data() : residual_.data();
   for (const std::int32_t point : moved_) {
     const auto i = static_cast<std::size_t>(point);
     const double p = pressure_[i];
-    if (p > 0.0 && p < bound_at(i)) {
-      sum += potential_[i] + (part_ != 0.0 ? part_ * static_cast<double>(response_[i]) : 0.0);
-      ++count;
-    }
+    const bool between = (p > 0.0) & (p < bound_at(i));  // without a branch, which is hard to foresee
+    sum += between ? potential_[i] + part_ * static_cast<double>(response[i]) : 0.0;
+    count += between ? 1 : 0;
   }
   if (count == 0) {
     add_response(0, pressure_.size());
@@ -240,9 +275,16 @@ void PressureSearch::mark(std::size_t first, std::size_t last, std::vector<std::
     add_response(first, count);
     if (mark_free(&pressure_[first], &potential_[first], bound, count, approach_, marks.data())) {
       std::size_t many = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        places[many] = static_cast<std::int32_t>(first + i);
-        many += marks[i];
+      for (std::size_t from = 0; from < count; from += sums_at_once) {
+        std::uint64_t some = 0;
+        std::memcpy(&some, &marks[from], sizeof(some));
+        if (some == 0) {
+          continue;
+        }
+        for (std::size_t i = from; i < std::min(from + sums_at_once, count); ++i) {
+          places[many] = static_cast<std::int32_t>(first + i);
+          many += marks[i];
+        }
       }
       found.insert(found.end(), places.begin(), places.begin() + static_cast<std::ptrdiff_t>(many));
     }
@@ -264,19 +306,21 @@ double PressureSearch::approach_of_bounds() const {
   return last <= first ? last : first + 0.5 * (last - first);
 }
 
-// Of each run of points that are not free: the free points on both sides (by their place in the list) and their
-// distance, the place of the first point of the run, and how many there are.
+// Each run of points that are not free: the free points on both sides (by their place in the list) and how many there
+// are, then its parts on this side of the edge and beyond: the first point, how many, and how many of the run precede.
 template <class Between>
 void PressureSearch::for_each_gap(Between between) const {
-  const auto size = static_cast<std::int64_t>(pressure_.size());
+  const auto size = static_cast<std::int32_t>(pressure_.size());
   const std::size_t last = free_.size() - 1;
   for (std::size_t k = 0; k < last; ++k) {
-    const std::int64_t count = free_[k + 1] - free_[k] - 1;
+    const std::int32_t count = free_[k + 1] - free_[k] - 1;
     if (count > 0) {
-      between(k, k + 1, free_[k] + 1, count);
+      between(k, k + 1, count, std::array<Run, 2>{{{free_[k] + 1, count, 0}, {0, 0, count}}});
     }
   }
-  between(last, std::size_t{0}, free_[last] + 1, size - free_[last] - 1 + free_[0]);
+  const std::int32_t after = size - free_[last] - 1;
+  between(last, std::size_t{0}, after + free_[0],
+          std::array<Run, 2>{{{free_[last] + 1, after, 0}, {0, free_[0], after}}});
 }
 
 std::span<const float> PressureSearch::residual() {
@@ -285,13 +329,11 @@ std::span<const float> PressureSearch::residual() {
     residual_[i] = static_cast<float>(mean_ - potential_[i]);
   }
   if (continued()) {
-    const std::size_t size = residual_.size();
-    for_each_gap([&](std::size_t left, std::size_t right, std::int64_t first, std::int64_t count) {
+    for_each_gap([&](std::size_t left, std::size_t right, std::int32_t count, const std::array<Run, 2>& runs) {
       const float from = residual_[static_cast<std::size_t>(free_[left])];
       const float slope = (residual_[static_cast<std::size_t>(free_[right])] - from) / static_cast<float>(count + 1);
-      for (std::int64_t j = 0; j < count; ++j) {
-        const auto i = static_cast<std::size_t>(first + j);
-        residual_[i < size ? i : i - size] = from + slope * static_cast<float>(j + 1);
+      for (const Run& run : runs) {
+        draw_line(from, slope, run.before + 1, run.count, residual_.data() + run.first);
       }
     });
   }
@@ -336,19 +378,16 @@ void PressureSearch::collect(std::span<const float> preconditioned) {
     collected_[k] = static_cast<double>(preconditioned[static_cast<std::size_t>(free_[k])]);
   }
   if (continued()) {
-    const std::size_t size = preconditioned.size();
-    for_each_gap([&](std::size_t left, std::size_t right, std::int64_t first, std::int64_t count) {
-      double sum = 0.0;
-      double moment = 0.0;
-      for (std::int64_t j = 0; j < count; ++j) {
-        const auto i = static_cast<std::size_t>(first + j);
-        const auto value = static_cast<double>(preconditioned[i < size ? i : i - size]);
-        sum += value;
-        moment += value * static_cast<double>(j + 1);
+    for_each_gap([&](std::size_t left, std::size_t right, std::int32_t count, const std::array<Run, 2>& runs) {
+      Moments total;
+      for (const Run& run : runs) {
+        const Moments one = moments_of(preconditioned.data() + run.first, run.before + 1, run.count);
+        total.sum += one.sum;
+        total.moment += one.moment;
       }
-      moment /= static_cast<double>(count + 1);
-      collected_[left] += sum - moment;
-      collected_[right] += moment;
+      total.moment /= static_cast<double>(count + 1);
+      collected_[left] += total.sum - total.moment;
+      collected_[right] += total.moment;
     });
   }
 }
@@ -392,7 +431,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
     double slope = 0.0;
     double square = 0.0;
     reach = 0.0;
-    clipped_ = false;
+    bool outside = false;
     for (std::size_t k = 0; k < size; ++k) {
       const auto i = static_cast<std::size_t>(free_[k]);
       const auto rest = static_cast<double>(residual_[i]);
@@ -404,8 +443,9 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
       square += rest * rest;
       reach = std::max(reach, std::abs(length * direction));
       target_[k] = pressure_[i] + length * direction;
-      clipped_ = clipped_ || target_[k] < 0.0 || target_[k] > most_[k];
+      outside |= (target_[k] < 0.0) | (target_[k] > most_[k]);
     }
+    clipped_ = outside;
     if (!plain_ && slope > 0.0 && square > 0.0) {
       plain_length_ = length_ * slope / square;
     }
@@ -433,21 +473,27 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   return step_;
 }
 
+// The longest part of the step that keeps within the bounds.
+double PressureSearch::farthest() const {
+  double part = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const auto i = static_cast<std::size_t>(moved_[k]);
+    const auto move = static_cast<double>(step_[i]);
+    const double room = move < 0.0 ? pressure_[i] : most_[k] - pressure_[i];
+    part = move == 0.0 ? part : std::min(part, room / std::abs(move));
+  }
+  return part;
+}
+
 bool PressureSearch::advance(std::span<const float> response) {
   check(response);
   double descent = 0.0;
   double curvature = 0.0;
-  double farthest = std::numeric_limits<double>::infinity();  // that keeps within the bounds
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const auto i = static_cast<std::size_t>(moved_[k]);
     const auto move = static_cast<double>(step_[i]);
     descent += move * (mean_ - potential_[i]);
     curvature += move * static_cast<double>(response[i]);
-    if (move < 0.0) {
-      farthest = std::min(farthest, pressure_[i] / -move);
-    } else if (move > 0.0) {
-      farthest = std::min(farthest, (most_[k] - pressure_[i]) / move);
-    }
   }
   const double best = descent / curvature;
   if (!(descent > 0.0) || !(curvature > 0.0) || !std::isfinite(best)) {
@@ -459,7 +505,8 @@ bool PressureSearch::advance(std::span<const float> response) {
   }
   // A whole step that meets bounds is taken as it is where it lowers the energy: a part of it would leave a part of
   // the pressure on points that it wants to free.
-  double part = clipped_ ? (best >= least_change ? 1.0 : best) : std::min(best, std::max(farthest, 1.0));
+  const double part =
+      clipped_ ? (best >= least_change ? 1.0 : best) : (best <= 1.0 ? best : std::min(best, std::max(farthest(), 1.0)));
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const auto i = static_cast<std::size_t>(moved_[k]);
     pressure_[i] =

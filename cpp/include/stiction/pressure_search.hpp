@@ -73,11 +73,18 @@ class PressureSearch {
  private:
   static constexpr std::size_t block = 64;  // points that are looked at together
 
+  struct Run {
+    std::int32_t first;
+    std::int32_t count;
+    std::int32_t before;  // points that precede it
+  };
+
   void check(std::span<const float> grid) const;
   double bound_at(std::size_t i) const { return bounds_.empty() ? everywhere_[0] : bounds_[i]; }
   double approach_of_bounds() const;
   void add_response(std::size_t first, std::size_t count);
   void mark(std::size_t first, std::size_t last, std::vector<std::int32_t>& found);
+  double farthest() const;
   bool continued() const { return line_ && !plain_ && !free_.empty(); }
   template <class Between>
   void for_each_gap(Between between) const;
