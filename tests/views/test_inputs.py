@@ -88,18 +88,23 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
     assert any("of the mean square slope" in text for text in texts(noisy, noisy))
 
 
-def test_waves_that_the_tip_cannot_follow_are_doubted_and_pressed_off_and_on():
+def test_waves_that_the_tip_cannot_follow_are_doubted_and_stay():
     scan = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
     )
     common = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
-    assert pair_study(scan, scan, **common).surfaces.cells()["cut_off"].tolist() == [0.0]
     study = pair_study(scan, scan, tip="20 um", **common)
-    limit = instrument_limit(scan, tip_radius=20.0)
-    assert limit.reason == "tip"
-    assert study.surfaces.cells()["cut_off"].tolist() == [0.0, limit.cut_off]
+    assert instrument_limit(scan, tip_radius=20.0).reason == "tip"
+    # Without them it would be smoother still, and further from the surface that the tip smoothed.
+    assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
     (doubt,) = doubts_of_inputs(scan, scan, study)
-    assert "sharper than the tip follows" in doubt.text
-    assert doubt.severity == "fault"
+    assert "sharper than the tip follows: the surface is steeper" in doubt.text
+    assert doubt.severity == "caution"
+    # Noise is doubted and pressed off and on as without a tip.
+    noisy = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
+    study = pair_study(noisy, noisy, tip="20 um", **common)
+    assert study.surfaces.cells()["cut_off"].tolist() == [0.0, instrument_limit(noisy).cut_off]
+    found = doubts_of_inputs(noisy, noisy, study)
+    assert [each.severity for each in found if "of the mean square slope" in each.text] == ["fault", "caution"]
     with pytest.raises(ValueError, match="tip"):
         pair_study(scan, scan, tip="20", **common)

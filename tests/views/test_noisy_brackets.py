@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import grey_dilation
 from stiction import Surface, pair, self_affine_surface
 from stiction.views.answer import headlines
 
@@ -48,3 +49,26 @@ def test_the_bracket_of_noisy_scans_holds_the_answer_of_the_surface(colour):
     assert len(told) > PAIRS / 2
     held = [low - 1e-9 <= truth <= high for truth, (low, high) in told]
     assert np.mean(held) >= HELD
+
+
+def seen_by_a_ball(body, radius):
+    """The heights that a ball scans: those of its lowest point, which its flanks push up."""
+    away = SPACING * np.arange(-int(radius / SPACING), int(radius / SPACING) + 1)
+    square = away[:, None] ** 2 + away**2
+    ball = np.sqrt(np.maximum(radius**2 - square, 0)) - radius
+    there = grey_dilation(body.heights, footprint=square <= radius**2, structure=ball, mode="wrap")
+    return Surface(there, spacing=SPACING)
+
+
+@pytest.mark.parametrize("hurst", [0.5, 0.8])
+def test_what_a_blunt_tip_hides_is_in_the_bracket(hurst):
+    rough = {
+        "hurst_exponent": hurst, "rms": 0.01, "shape": (POINTS, POINTS), "spacing": SPACING,
+        "longest_wavelength": POINTS * SPACING / 4, "shortest_wavelength": 6 * SPACING,
+    }  # fmt: skip
+    clean = [self_affine_surface(1, side=side, **rough) for side in ("upper", "lower")]
+    truth = pair(*clean, cutoff="none", **ASKED).value
+    (said,) = headlines(pair(*(seen_by_a_ball(each, 0.3) for each in clean), tip="300 nm", **ASKED).answers)
+    assert truth < said.value < truth + 0.25 * (truth - ASKED["mu0"])
+    assert said.bracket[0] < truth < said.bracket[1]
+    assert any("sharper than the tip follows" in doubt.text for doubt in said.doubts)

@@ -387,10 +387,10 @@ class Pair:
 
     def _both_readings(self) -> dict[str, Any]:
         """The scans as they are and without waves of unknown origin, where these have much of the slope."""
-        scans = [(scan.read(), scan.tip) for file in self.files for scan in file.scans]
-        scanned = [(body, tip) for body, tip in scans if isinstance(body, (Profile, Surface))]
-        bodies = [body for body, _ in scanned]
-        limits = [instrument_limit(body, tip_radius=tip) for body, tip in scanned if np.ptp(body.heights) > 0]
+        scans = [scan.read() for file in self.files for scan in file.scans]
+        bodies = [body for body in scans if isinstance(body, (Profile, Surface))]
+        # Not by the tip, which takes slope away: without those waves the scan would be further from the surface.
+        limits = [instrument_limit(body) for body in bodies if np.ptp(body.heights) > 0]
         longest = max((limit.cut_off for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
         if not 0 < longest < min(float(np.min(body.extent)) for body in bodies) / 4:
             return {}

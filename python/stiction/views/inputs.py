@@ -13,7 +13,7 @@ from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import CLEAR, UNKNOWN, instrument_limit
+from stiction.surfaces.scale import CLEAR, UNKNOWN, InstrumentLimit, instrument_limit
 from stiction.surfaces.spectrum import peak_of, power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import REASONS
@@ -117,20 +117,22 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
 
 
 def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterator[Doubt]:
-    """Waves that are the instrument's and not the surface's; a cut-off takes them off."""
+    """Waves that are the instrument's and not the surface's, which a cut-off takes off, and those that a tip blurs."""
     try:
-        limit = instrument_limit(body, tip_radius=tip_radius)
+        limit = instrument_limit(body)
+        blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius)
     except ValueError:  # flat
         return
     shortest = limit.wavelength if limit.slope_share > NOISE else 0.0
     if shortest:
-        wave = with_unit(shortest, "um")
-        part = f"{100 * limit.slope_share:.0f} % of the mean square slope"
-        text = f"waves below {wave} have {part} and are hardly the surface's: {REASONS[limit.reason]}"
+        text = f"{_waves(limit)} and are hardly the surface's: {REASONS[limit.reason]}"
         cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' takes their slope off"
         if limit.slope_share > UNKNOWN:
             cure += ", --cutoff none vouches for them"
         yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", limit.cut_off)
+    if blunt.reason == "tip" and blunt.slope_share > NOISE:
+        text = f"{_waves(blunt)} and are sharper than the tip follows: the surface is steeper"
+        yield Doubt(text, "a sharper tip shows how much", "caution", blunt.cut_off)
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))
@@ -138,6 +140,10 @@ def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterato
         part, wave = percent(peak[1]), with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps of the instrument, has {part} of the curvature"
         yield Doubt(text, f"--cutoff '{with_unit(CLEAR * peak[0], 'um')}' takes it off", "caution", peak[0])
+
+
+def _waves(limit: InstrumentLimit) -> str:
+    return f"waves below {with_unit(limit.wavelength, 'um')} have {percent(limit.slope_share)} of the mean square slope"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
