@@ -143,7 +143,8 @@ def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterato
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    return f"waves below {with_unit(limit.wavelength, 'um')} have {percent(limit.slope_share)} of the mean square slope"
+    part = f"{100 * limit.slope_share:.0f} %"  # in as few digits as make two scans of a kind alike
+    return f"waves below {with_unit(limit.wavelength, 'um')} have {part} of the mean square slope"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
