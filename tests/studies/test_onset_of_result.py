@@ -6,13 +6,15 @@ import math
 import numpy as np
 import pandas
 import pytest
+import xarray
 from measured_studies import study_of, write_maps, write_profiles
-from stiction import Study, approach_at_load, contacts, half_space, read_result
+from stiction import Profile, Study, approach_at_load, contacts, half_space, read_result, self_affine
 from stiction.studies.executors import threads
 from stiction.studies.export import export
 from stiction.studies.intervals import of_sample
 from stiction.studies.members import bodies_of
 from stiction.studies.onset import FILE, backbone, onset_beside, onset_of_result
+from stiction.studies.pair import pair_study
 from stiction.studies.runner import fill
 from stiction.studies.store import open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
@@ -79,6 +81,22 @@ def test_asperities_of_lines_have_one_and_half_planes_no_displacement(tmp_path):
         )
         assert ("iwan_chi" in found.attrs) == (mechanics == "asperities")
         assert "slips" in onset_text(found)
+
+
+def test_it_is_that_of_the_reading_to_quote():
+    waves = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
+    noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
+    scans = [
+        Profile(self_affine(seed, points=3000, spacing=0.01, **waves).heights + each, spacing=0.01)
+        for seed, each in enumerate(noise)
+    ]
+    asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
+    both = pair_study(*scans, **asked)
+    asis, without = both.surfaces.cells()["cut_off"].tolist()
+    alone = {cut: computed(pair_study(*scans, cutoff=cut, **asked)) for cut in (asis, without)}
+    found = computed(both)
+    xarray.testing.assert_identical(found, alone[without])
+    assert float(abs(found["displacement"] - alone[asis]["displacement"]).max()) > 0
 
 
 def test_nothing_holds_bodies_without_friction_and_generated_ones_have_none(study):

@@ -18,6 +18,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
+from stiction.studies.pair import Pair
 from stiction.surfaces.holes import outliers_of
 
 HOLE = np.s_[20:44, 30:50]
@@ -137,9 +138,15 @@ def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whol
     doubt = "12 % of the points are interpolated, in holes larger than the contacts"
     assert any(doubt in each.text for each in filled.doubts)
     assert not any("interpolated" in each.text for each in masked.doubts)
-    for refused, why in (({"mechanics": "asperities"}, "take whole scans"), ({"surrogates": 2}, "takes whole scans")):
-        with pytest.raises(ValueError, match=why):
-            pair(path, path, missing="mask", **READ, **ASKED, **refused)
+    for refused, why in (
+        ({"mechanics": "asperities"}, "take whole scans"),
+        ({"surrogates": 2}, "surrogates makes surfaces of a spectrum, which takes whole scans"),
+        ({"work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion takes whole scans.*missing interpolate"),
+    ):
+        asked = READ | ASKED | refused
+        asked.pop("onset")
+        with pytest.raises(ValueError, match=why):  # before anything is computed
+            Pair(upper=path, lower=path, missing="mask", **asked)
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])

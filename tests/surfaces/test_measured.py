@@ -137,7 +137,7 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         (" \n\r\n", "nothing but blanks"),
         ("x (um),z (um)\n", "no numbers were found"),
         ("a text\nwithout numbers\n", "no numbers were found"),
-        ("x (um),z (um)\n0,1\n0.1,2\n", "holds 2 point(s)"),
+        ("x (um),z (um)\n0,1\n0.1,2\n", "holds too few points, 2: a profile needs at least 4, a map two rows"),
         ("x (V),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n", "has positions in 'V', which is no length"),
         ("x (um),y (um),z (um)\n" + "0,0.1,2\n" * 9, "has 3 columns of numbers that may be positions and several"),
         ("z (um)\n" + "0,0.1,2,3\n" * 9, "holds 9 rows of 4 columns; a profile has one column"),

@@ -20,6 +20,7 @@ from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.maps import cells_of, study_of_result
 from stiction.studies.members import bodies_of, pair_of
 from stiction.studies.pressing import OneLoad
+from stiction.studies.result import measured
 from stiction.studies.store import read_beside
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
@@ -79,12 +80,13 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
     if not study.is_measured:
         return None
     load = float(study.friction.load[0]) if load is None else load
-    members = member_values(result, [load]).isel(cut_off=0, load=0)
+    cut_off = measured(study).quoted_cut_off()
+    members = member_values(result, [load]).isel(load=0).sel(cut_off=cut_off)
     area = members["contact_area"].values
     if not np.isfinite(area).any():
         return None
     index = int(members["repetition"].values[typical(area)])
-    member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
+    member = bodies_of(study).member(index, cut_off)
     pressed = OneLoad.of(study, member.pair, load)
     if pressed is None:
         return None

@@ -29,6 +29,7 @@ from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum,
 from stiction.surfaces.measured.writing import with_gaps, write_profile, write_surface
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import unknown_below
 from stiction.surfaces.surface import Surface, lengths
 
 Column = int | str
@@ -195,6 +196,11 @@ class MeasuredFile(Table):
             )
         return _body(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
+    @property
+    def bodies(self) -> list[Profile | Surface]:
+        """All scans of the part as they were read, without spectra."""
+        return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
+
     def filled(self) -> Floats:
         """Share of the points that are interpolated, and area (length, of a profile) of the largest such hole, µm."""
         if self.missing != "interpolate" or self.body is not None or is_spectrum(Path(self.file)):
@@ -350,6 +356,14 @@ class MeasuredBodies(Table):
     def cells(self) -> dict[str, Floats]:
         """The dimensions of a result that come before its members, and their values."""
         return {"cut_off": array_of(self.cut_off)}
+
+    def quoted_cut_off(self) -> float:
+        """The cut-off (µm) of the reading to quote: the first without waves of unknown origin, or else the first."""
+        asked: list[float] = self.cells()["cut_off"].tolist()
+        if len(asked) == 1:
+            return asked[0]
+        unknown = unknown_below([*self.upper.bodies, *self.lower.bodies])
+        return next((each for each in asked if each >= unknown), asked[0])
 
     def located(self, directory: Path) -> Self:
         """The same with absolute names of files; those that are not absolute are relative to the directory."""

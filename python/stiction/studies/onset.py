@@ -49,12 +49,13 @@ def onset_of_result(
 ) -> xarray.Dataset | None:
     """How the members of a measured pair begin to slide at the first load of its study, or another (mN), mu0 and tau0.
 
-    So many of its members, the first ones, are computed: 16 by default, 4 of areas by the half-space. The dataset has
-    over fraction (of the sliding load) and statistic (mean, lower, upper) tangential_load, displacement, slipped_area,
-    slipped_load and energy_lost, over statistic sliding_load, displacement_at_sliding, stiffness and, of normal loads,
-    unloading_stiffness, and of areas the map of what slips first of the first member, see `slip_map`. Its attributes
-    say load, mu0, tau0 and how many members there are, and have the parameters of the Iwan and LuGre models of the mean
-    curve. None of generated bodies, where nothing holds the bodies, and where no member has an answer.
+    Of several cut-offs it is that of the reading to quote. So many members, the first ones, are computed: 16 by
+    default, 4 of areas by the half-space. The dataset has over fraction (of the sliding load) and statistic (mean,
+    lower, upper) tangential_load, displacement, slipped_area, slipped_load and energy_lost, over statistic
+    sliding_load, displacement_at_sliding, stiffness and, of normal loads, unloading_stiffness, and of areas the map of
+    what slips first of the first member, see `slip_map`. Its attributes say load, mu0, tau0 and how many members there
+    are, and have the parameters of the Iwan and LuGre models of the mean curve. None of generated bodies, where nothing
+    holds the bodies, and where no member has an answer.
     """
     if not study.is_measured:
         return None
@@ -68,7 +69,7 @@ def onset_of_result(
     few = surfaces.is_areal and study.by_half_space
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
-    of_member: Any = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0)
+    of_member: Any = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off())
     of_member = sharing(of_member, executor, len(indices), points_of_member(study))
     found = [each for each in executor.map(of_member, indices) if each]
     if not found:
@@ -77,9 +78,11 @@ def onset_of_result(
     return onset.assign(found[0]["map"])
 
 
-def onset_of_member(study: Study, index: int, *, load: float, mu0: float, tau0: float) -> dict[str, Any] | None:
+def onset_of_member(
+    study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
+) -> dict[str, Any] | None:
     """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
-    member = bodies_of(study).member(index, float(study.surfaces.cells()["cut_off"][0]))
+    member = bodies_of(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (POISSON_RATIO, POISSON_RATIO)
     try:
         pressed = OneLoad.of(study, member.pair, load)

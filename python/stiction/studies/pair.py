@@ -29,7 +29,7 @@ from stiction.studies.text import validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import UNKNOWN, instrument_limit
+from stiction.surfaces.scale import unknown_below
 from stiction.surfaces.surface import Surface
 
 OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
@@ -387,11 +387,8 @@ class Pair:
 
     def _both_readings(self) -> dict[str, Any]:
         """The scans as they are and without waves of unknown origin, where these have much of the slope."""
-        scans = [scan.read() for file in self.files for scan in file.scans]
-        bodies = [body for body in scans if isinstance(body, (Profile, Surface))]
-        # Not by the tip, which takes slope away: without those waves the scan would be further from the surface.
-        limits = [instrument_limit(body) for body in bodies if np.ptp(body.heights) > 0]
-        longest = max((limit.cut_off for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
+        bodies = [body for file in self.files for body in file.bodies]
+        longest = unknown_below(bodies)
         if not 0 < longest < min(float(np.min(body.extent)) for body in bodies) / 4:
             return {}
         return {"cut_off": ["0 um", exactly(longest, "um")]}
@@ -590,6 +587,10 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
     (("lay",), lambda asked: asked.are_profiles, "is for two profiles; a map has its lay in it"),
     (("mechanics", "check"), lambda asked: not asked.has_holes or "asperities" not in asked.by,
      "presses asperities, which take whole scans: points of one are masked"),
+    (("surrogates", "lay"), lambda asked: not (asked.has_holes and asked.has_surrogates),
+     "makes surfaces of a spectrum, which takes whole scans: points of one are masked"),
+    (("work_of_adhesion",), lambda asked: not asked.has_holes,
+     "takes whole scans: points of one are masked; {missing} interpolate fills them, and {crop} leaves them out"),
     (("mechanics",), lambda asked: not asked.check, "must not be given beside {check}, which is both"),
     (("lines",), lambda asked: not asked.has_spectrum, "is not for a spectrum, of which surfaces are made"),
     (("lines",), lambda asked: not asked.are_profiles or (asked.press == "lines" and asked.has_surrogates),

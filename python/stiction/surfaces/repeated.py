@@ -94,7 +94,7 @@ def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
     Raises
     ------
     ValueError
-        If they are no such pair, have missing points, or are not of one place.
+        If they are no such pair, have missing points, are one scan twice, or are not of one place.
 
     Notes
     -----
@@ -114,6 +114,8 @@ def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
     """
     _check(first, second)
     kind: Any = type(first)
+    if np.array_equal(first.heights, second.heights):
+        raise ValueError("first and second must be two scans, but are the same one: it says nothing of its noise")
     trend: Any = "line" if kind is Profile else "plane"
     one, other, moved = _aligned(levelled(first, trend).heights, levelled(second, trend).heights)
     spacing = np.atleast_1d(first.spacing)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -337,6 +337,15 @@ def instrument_limit(
         cut = _slope_kept(roughness, shares[0], wave, cut)
     along_x, along_y = along if len(along) == 2 else (math.nan, math.nan)
     return InstrumentLimit(wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares, cut)
+
+
+def unknown_below(bodies: Sequence[Profile | Surface]) -> float:
+    """The cut-off (µm) that takes waves of unknown origin off all scans in which they have much of the slope; or 0.
+
+    Not by the tip, which takes slope away: without the waves that it blurs a scan is further from the surface.
+    """
+    limits = [instrument_limit(body) for body in bodies if not body.is_flat]
+    return max((limit.cut_off for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
 
 
 def in_three_digits(wavelength: float) -> float:

@@ -95,7 +95,10 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile, list
             "heights or two of positions and heights, and read_surface() reads surfaces"
         )
     if raw.heights.size < FEWEST_POINTS:
-        raise FormatError(f"holds {raw.heights.size} point(s); a profile needs at least {FEWEST_POINTS}")
+        raise FormatError(
+            f"holds too few points, {raw.heights.size}: a profile needs at least {FEWEST_POINTS}, a map two rows and "
+            "two columns"
+        )
     given, other = options.spacing
     if given != other:
         raise FormatError("holds a profile, which has one spacing; two are given")
