@@ -1,12 +1,14 @@
 """Scans with the noise of instruments, of four colours, beside the surfaces that they are of."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.ndimage import grey_dilation
 from stiction import Surface, pair, self_affine_surface
 from stiction.views.answer import headlines
 
-POINTS, SPACING = 192, 0.02
+POINTS, SPACING = 128, 0.02
 ASKED = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
     "onset": 0, "direction": [0, 90, 180, 270],
@@ -26,8 +28,9 @@ def noise(colour, random):
     return made / made.std()
 
 
-def answers_of(seed, colour):
-    """The answer of a pair without noise, and the first answer of the same with noise of 2.5 to 10 % of Sq."""
+@cache
+def pair_of(seed):
+    """Two surfaces, the answer of them without noise, and how much noise of Sq they get: 2.5 to 10 %."""
     random = np.random.default_rng(1000 + seed)
     rough = {
         "hurst_exponent": random.uniform(0.4, 0.9), "rms": 0.002, "shape": (POINTS, POINTS), "spacing": SPACING,
@@ -35,10 +38,16 @@ def answers_of(seed, colour):
     }  # fmt: skip
     part, rough["shortest_wavelength"] = 10 ** random.uniform(-1.6, -1), SPACING * random.choice([8, 12, 16])
     clean = [self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower")]
+    return clean, pair(*clean, cutoff="none", **ASKED).value, part
+
+
+def answers_of(seed, colour):
+    """The answer of a pair without noise, and the first answer of the same with noise."""
+    (clean, truth, part), random = pair_of(seed), np.random.default_rng(2000 + seed)
     noisy = [
         Surface(body.heights + part * body.heights.std() * noise(colour, random), spacing=SPACING) for body in clean
     ]
-    return pair(*clean, cutoff="none", **ASKED).value, headlines(pair(*noisy, **ASKED).answers)[0]
+    return truth, headlines(pair(*noisy, **ASKED).answers)[0]
 
 
 @pytest.mark.parametrize("colour", ["white", "band", "line", "pink"])
