@@ -370,7 +370,7 @@ class Pair:
         if self.cutoff == "none":
             table["vouched"] = True
         elif self.cutoff is None:
-            table |= self._both_readings()
+            table |= self._both_readings
         else:
             table["cut_off"] = _rising(quantities_of("cutoff", self.cutoff, "length"))
         if level is not None:
@@ -385,6 +385,7 @@ class Pair:
                 table["travel"] = quantity_of("travel", self.travel, "length")
         return table
 
+    @cached_property
     def _both_readings(self) -> dict[str, Any]:
         """The scans as they are and without waves of unknown origin, where these have much of the slope."""
         bodies = [body for file in self.files for body in file.bodies]
