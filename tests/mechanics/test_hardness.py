@@ -29,8 +29,8 @@ def test_between_nodes_it_is_that_of_direct_solutions(rms: float) -> None:
         return float(curve.contact_area[0] / curve.normal_elastic[0])
 
     elastic = ratio(None)
-    nodes = np.geomspace(0.23, 1.7, NODES)
-    wanted = np.geomspace(0.23, 1.7, 7)
+    nodes = 0.23 * (1.7 / 0.23) ** np.sort([*NODES, 0.5])
+    wanted = np.geomspace(0.23, 1.7, 9)
     found = area_per_load(wanted, nodes, [ratio(float(each)) for each in nodes], elastic)
     direct = np.array([ratio(float(each)) for each in wanted])
     assert found == pytest.approx(direct, rel=AREA)

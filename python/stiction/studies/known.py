@@ -111,7 +111,10 @@ class Known:
         return np.asarray(np.maximum(self.value + deviation * ndtri(below + part * (1 - below)), 0.0))
 
 
-Kind = Literal["", "pressure", "hardness"]
+Kind = Literal["", "pressure", "modulus", "hardness"]
+
+MOST_CREEP = 0.5
+"""Largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt."""
 
 
 def known(name: str, given: Any, kind: Kind = "") -> Known:
@@ -135,7 +138,7 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
         low, high = (_one(name, end, kind) for end in _with_units(first, last))
         if not 0 <= low < high:
             raise ValueError(f"{name} must be a range from a smaller to a larger value, got {shortened(text)}")
-        if kind == "hardness" and low == 0:
+        if kind in ("hardness", "modulus") and low == 0:
             raise ValueError(f"{name} must be above 0, got {shortened(text)}")
         if flat or low == 0:
             return Known(0.5 * (low + high), low, high, "uniform", text)
@@ -151,6 +154,11 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
             value, deviation = (_one(name, each, kind) for each in _with_units(first, last))
         if not deviation > 0:
             raise ValueError(f"{name} must have an uncertainty above 0, got {shortened(text)}")
+        if kind in ("hardness", "modulus") and value < ENDS * deviation:
+            raise ValueError(
+                f"{name} must be at least twice its standard uncertainty, since it is above 0, got "
+                f"{shortened(text)}; give the range that is meant, low..high"
+            )
         return Known(value, value - ENDS * deviation, value + ENDS * deviation, "normal", text)
     value = _one(name, text, kind)
     if text.endswith("HRC"):
@@ -160,10 +168,10 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
 
 def _one(name: str, given: Any, kind: str) -> float:
     """A number that is not negative, with a unit where it is of a kind and text."""
-    if kind == "hardness":
-        if isinstance(given, str) and (scale := _UNIT.search(given)) and scale[0] in ("HV", "HRC"):
-            return _pressure_of(name, _one(name, given[: scale.start()], ""), scale[0])
-        kind = "pressure"
+    scale = _UNIT.search(given) if kind == "hardness" and isinstance(given, str) else None
+    if scale and scale[0] in ("HV", "HRC"):
+        return _pressure_of(name, _one(name, given[: scale.start()], ""), scale[0])
+    kind = "pressure" if kind else ""
     try:
         value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
     except (TypeError, ValueError) as error:
@@ -213,6 +221,21 @@ def draws(inputs: Mapping[str, Known]) -> dict[str, Floats]:
 
 # ---- What a study knows of its inputs -------------------------------------------------------------------------------
 
+KINDS: dict[str, Kind] = {
+    "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
+    "poisson": "", "creep": "",
+}  # fmt: skip
+"""Inputs that may be ranges, and what they are."""
+
+
+def read_known(name: str, given: Any) -> Known:
+    """Read what is known of an input by its name in `KINDS`; errors begin without the name."""
+    found = known("", given, KINDS[name])
+    if name == "creep" and found.high > MOST_CREEP:
+        raise ValueError(f"must be at most {MOST_CREEP:g}, got {shortened(given)}")
+    return found
+
+
 _Text = Annotated[str, Field(min_length=1, max_length=80)]
 _Texts = Annotated[tuple[_Text, ...], as_tuple, Field(min_length=1, max_length=2)]
 
@@ -235,12 +258,10 @@ class KnownTable(Table):
     @field_validator("*")
     @classmethod
     def _says_what_is_known(cls, value: Any, info: ValidationInfo) -> Any:
-        kinds: dict[str, Kind] = {"hardness": "hardness", "mu0": "", "poisson": "", "creep": ""}
-        kind = kinds.get(str(info.field_name), "pressure")
         texts = (value,) if isinstance(value, str) else value or ()
         for text in texts if info.field_name != "interface" else ():
             try:
-                known("", text, kind)
+                read_known(str(info.field_name), text)
             except ValueError as error:
                 raise ValueError(str(error).strip()) from None
         return value
@@ -265,7 +286,7 @@ def inputs_of(study: Study) -> dict[str, Input]:
     table, contact = study.known, study.contact
     bodies = materials_of(study)
     found: dict[str, Input] = {}
-    for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure"), ("effective_modulus", "E*", "pressure")):
+    for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure"), ("effective_modulus", "E*", "modulus")):
         if (text := getattr(table, name)) is not None:
             found[name] = Input(words, known(name, text, kind))  # type: ignore[arg-type]
     if contact.hardness is not None:
@@ -296,7 +317,7 @@ def _bodies(study: Study) -> list[dict[str, Known]]:
     table, materials = study.known, materials_of(study)
     if table.young is not None and table.poisson is not None:
         given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
-        return [{"young": known("young", e, "pressure"), "poisson": known("poisson", nu)} for e, nu in given]
+        return [{"young": known("young", e, "modulus"), "poisson": known("poisson", nu)} for e, nu in given]
     return [
         {"young": _of_material(each.young_modulus, "log-normal"), "poisson": _of_material(each.poisson_ratio, "normal")}
         for each in materials

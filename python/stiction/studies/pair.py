@@ -19,7 +19,7 @@ from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.calibration import Interface, highest_density
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.interfaces import interface, interfaces, medians
-from stiction.studies.known import NO_NUMBER, Kind, Known, known
+from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.ladder import ladder
 from stiction.studies.measured_files import Body, MeasuredFile
 from stiction.studies.members import about
@@ -239,7 +239,7 @@ class Pair:
     def known(self) -> dict[str, list[Known]]:
         """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
         found: dict[str, list[Known]] = {}
-        for name in _KINDS:
+        for name in KINDS:
             texts = [each for each in listed(getattr(self, name)) if each is not None]
             if not any(isinstance(each, str) and NO_NUMBER.search(each) for each in texts):
                 continue
@@ -251,7 +251,7 @@ class Pair:
     def _read(self, name: str) -> list[Known]:
         """What is known of an input, as it was given."""
         try:
-            return [known("", each, _KINDS[name]) for each in listed(getattr(self, name)) if each is not None]
+            return [read_known(name, each) for each in listed(getattr(self, name)) if each is not None]
         except ValueError as error:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
@@ -565,12 +565,6 @@ def _rising(values: list[Quantity]) -> list[Quantity]:
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]
 
-
-_KINDS: dict[str, Kind] = {
-    "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "pressure", "young": "pressure",
-    "poisson": "", "creep": "",
-}  # fmt: skip
-"""Inputs that may be ranges, and what they are."""
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "mechanics": MECHANICS,

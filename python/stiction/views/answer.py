@@ -462,6 +462,8 @@ def _note(point: xarray.Dataset, study: Study) -> str:
 def _scans_text(study: Study) -> str:
     """How many scans of each part there are, and which spread between places is not in an interval."""
     counts = measured(study).scan_counts
+    if getattr(study.surfaces, "gap", None):
+        return "one gap at its one position, without the spread between places"
     if counts == (1, 1):
         return "one scan of each part, without the spread between places"
     words = f"{counts[0]} × {counts[1]} scans of both parts"

@@ -239,7 +239,8 @@ def budget_text(one: Answer) -> str:
     if most is None:
         return ""
     now, then = (from_to(low, high) for low, high in ((one.lower, one.upper), (most.lower, most.upper)))
-    return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}"
+    digits = "" if " to " in then else " in all these digits"
+    return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}{digits}"
 
 
 _MEASURES = {
@@ -262,8 +263,9 @@ def test_text(one: Answer) -> str:
 def waited_text(one: Answer) -> str:
     """How it grows under load, where the study waits."""
     after = [f"{duration(each.seconds)} {quoted(each.value, each.lower, each.upper)}" for each in one.waited]
+    why = "; none where the hardness left is below the pressure" if any(math.isnan(e.value) for e in one.waited) else ""
     rate = f"; {significant(one.ageing)} for each factor e of time" if math.isfinite(one.ageing) else ""
-    return f"After waiting under load: {', '.join(after)}{rate}." if after else ""
+    return f"After waiting under load: {', '.join(after)}{why}{rate}." if after else ""
 
 
 def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
