@@ -29,13 +29,7 @@ def surfaces(folder: Path) -> list[Path]:
 
 
 def profiles(changes: Any) -> str:
-    """A picture of the first pair of the study that `quick` is with these changes, around where its profiles touch.
-
-    Raises
-    ------
-    ValueError
-        If the study takes no such change.
-    """
+    """A picture of the first pair of `quick` with these changes, around where its profiles touch."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(pairs_of(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))

@@ -15,14 +15,7 @@ _ROUND_OFF = 1e-9  # of the height of a body, by which two that are the same may
 
 
 def warn_of_one_body(upper: Profile | Surface, lower: Profile | Surface, *, moved: bool = False) -> None:
-    """Warn of a body that is pressed on itself, or on its own mirror image.
-
-    Parameters
-    ----------
-    upper, lower : Profile or Surface
-    moved : bool
-        Whether the upper body will be moved before they are pressed: then a mirror image is in order.
-    """
+    """Warn of a body that is pressed on itself, or on its own mirror image unless it is `moved` before."""
     source, is_one = _source(upper), _source(upper) == _source(lower)
     faces = [body.history.count(TURNED) % 2 for body in (upper, lower)]
     said = ""

@@ -12,9 +12,6 @@ from typing import Any, Literal, get_args
 
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
-NOT_SEEN = "not looked up"
-"""Mark of a number that was written from memory: the work itself, or a copy of its table, was not at hand."""
-
 
 class MaterialValue(float):
     """A property of a material: the middle of what is known, as a number, with the range and its source.

@@ -101,7 +101,8 @@ class Asperities:
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
-        self.farthest = self._way(np.ones(load.size))
+        # Displacement at which each slides as a whole.
+        self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
 
     def at(self, load: float, near: Slip | None = None) -> Slip:
         """Where all contacts together hold a load."""
@@ -139,10 +140,6 @@ class Asperities:
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
-
-    def _way(self, depth: Floats) -> Floats:
-        """Displacement at which each contact slips where t² > 1 - depth²."""
-        return 2 * self._strength(depth[:, np.newaxis])[:, 0] / self.spring
 
     def _depth(self, way: float) -> Floats:
         """How deep each has slipped: 0 not at all, 1 as a whole."""

@@ -518,13 +518,7 @@ class Pair:
 
 
 def pair_study(upper: Any = None, lower: Any = None, **asked: Any) -> Study:
-    """The study of two measured bodies, files or in memory, with arguments by the names of `Pair`; it can be pressed.
-
-    Raises
-    ------
-    ValueError
-        If a file cannot be read, or an argument is wrong or does not apply.
-    """
+    """The study of two bodies, files or in memory, by arguments of `Pair`; a `ValueError` if it cannot be pressed."""
     study = Pair(upper=upper, lower=lower, **asked).study
     about(study)
     return study

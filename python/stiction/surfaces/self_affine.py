@@ -6,9 +6,8 @@ import math
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stiction._checks import Floats, choice, number, read_only, truth, whole_number
+from stiction._checks import choice, number, read_only, truth, whole_number
 from stiction.surfaces.fractal import SIDE_KEY, random_phases
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_UP
@@ -190,6 +189,8 @@ def self_affine_surface(
     >>> round(float(surface.heights.std()), 12)
     0.1
     """
+    from scipy.fft import irfft2
+
     hurst, rms = _exponent_and_height(hurst_exponent, rms)
     rows, columns = rows_and_columns(shape, least=4)
     along_y, along_x = lengths("spacing", spacing)
@@ -237,10 +238,5 @@ def self_affine_surface(
     if not power > 0:
         raise ValueError(f"shortest_wavelength must be at most the longer side, {longer:g} µm, got {shortest:g}")
     transform *= rms / math.sqrt(power) * rows * columns / 2
-    return Surface(read_only(_inverse(transform, (rows, columns))), spacing=(along_y, along_x))
-
-
-def _inverse(transform: NDArray[np.complex128], shape: tuple[int, int]) -> Floats:
-    from scipy.fft import irfft2
-
-    return np.asarray(irfft2(transform, shape, overwrite_x=True), dtype=np.float64)
+    heights = irfft2(transform, (rows, columns), overwrite_x=True)
+    return Surface(read_only(heights), spacing=(along_y, along_x))

@@ -57,7 +57,9 @@ def _channel(path: Path, at: int, name: str) -> Raw:
         if isinstance(channel.unit, tuple):  # of positions and of values, where these are no lengths
             raise FormatError(f"has a channel {at} ({name}) of something else than heights; choose another by channel")
         known = channel.physical_sizes is not None
-        body = channel.topography() if known else channel.topography(physical_sizes=_pixels(channel.nb_grid_pts))
+        # A file without sizes is read with its numbers of points, of which nothing is made.
+        sizes = {} if known else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
+        body = channel.topography(**sizes)
         heights = np.ma.filled(np.ma.asarray(body.heights(), dtype=np.float64), np.nan)
         unit = None if body.unit is None else str(body.unit)
         if not body.is_uniform:
@@ -69,8 +71,3 @@ def _channel(path: Path, at: int, name: str) -> Raw:
             spacing = tuple(float(each) for each in reversed(along_x_first))
     # SurfaceTopography has x along the first axis.
     return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit)
-
-
-def _pixels(points: Any) -> Any:
-    """Sizes of a body whose file gives none, for a reader that wants some: what is made of them is not used."""
-    return tuple(float(each) for each in np.atleast_1d(points))
