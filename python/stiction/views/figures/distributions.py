@@ -23,24 +23,20 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-BINS = 12
-
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Friction coefficient of each member in each single direction, and its distribution; 80 mm wide.
+    """Friction coefficient of each member in each single direction; 80 mm wide.
 
     Values are over repetition, direction and sliding, and `points` are their means, as for `compass_figure`. Members of
     several offsets along one line are drawn over the offset, others in the order of their values. A test slides one
     way, so that directions are not put together.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
 
     figure = Figure(figsize=(WIDTH, 62 * MILLIMETRE), layout="constrained")
-    each, distribution = figure.subplots(1, 2, sharey=True, width_ratios=[2.4, 1])
+    axes = figure.subplots()
     by_offset = _moves_along_a_line(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
-    bins = np.linspace(0, 1.05 * max(highest, 1e-3), BINS + 1)
     for rule in (rule for rule in RULES if rule in np.atleast_1d(values["sliding"].values)):
         own = values.sel(sliding=rule) if "sliding" in values.dims else values
         known = own.values[np.isfinite(own.values)]
@@ -48,28 +44,22 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
             x, y = np.repeat(values["x"].values, values.sizes["direction"]), own.values.ravel()
         else:
             x, y = np.arange(1, known.size + 1), np.sort(known)
-        each.plot(x, y, "o", color=RULES[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_WORDS[rule])
-        distribution.hist(
-            known, bins=bins.tolist(), orientation="horizontal", histtype="step", color=RULES[rule], linewidth=0.9
-        )
+        axes.plot(x, y, "o", color=RULES[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_WORDS[rule])
         mean = points["friction_all_round"]
         mean = mean.sel(sliding=rule) if "sliding" in mean.dims else mean
         middle, low, high = (float(mean.sel(statistic=name)) for name in ("mean", "lower", "upper"))
-        for ax in (each, distribution):
-            ax.axhspan(low, high, color=RULES[rule], alpha=0.15, linewidth=0)
-            ax.axhline(middle, color=RULES[rule], linewidth=0.6)
-    each.set_ylim(0, bins[-1])
-    each.set_ylabel(label("friction_coefficient"))
-    each.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
-    distribution.set_xlabel("number")
-    distribution.xaxis.set_major_locator(MaxNLocator(3, integer=True))
+        axes.axhspan(low, high, color=RULES[rule], alpha=0.15, linewidth=0)
+        axes.axhline(middle, color=RULES[rule], linewidth=0.6)
+    axes.set_ylim(0, 1.05 * max(highest, 1e-3))
+    axes.set_ylabel(label("friction_coefficient"))
+    axes.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
     head = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
     figure.suptitle(f"{title}\n{head}" if title else head, fontsize=6)
     missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
     note = f"; {missing} members have no answer" if missing else ""
     figure.legend(
-        *each.get_legend_handles_labels(), title=f"lines: means; bands: their 95 %{note}", loc="outside lower center",
+        *axes.get_legend_handles_labels(), title=f"lines: means; bands: their 95 %{note}", loc="outside lower center",
         ncols=2,
     )  # fmt: skip
     return figure

@@ -222,9 +222,13 @@ def _head(points: xarray.Dataset, title: str) -> str:
 
 
 def _plain_log(axis: Any) -> None:
-    """Numbers in place of powers of ten on an axis."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+    """Numbers in place of powers of ten on an axis, several of them also within a decade."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=8))
+    low, high = axis.get_view_interval()
+    several = high >= 10 * low
+    axis.set_major_locator(
+        LogLocator(subs=(1.0, 2.0, 5.0), numticks=8) if several else MaxNLocator(4, steps=[1, 2, 5, 10])
+    )
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_locator(NullLocator())
