@@ -56,6 +56,7 @@ direct.single_nb_execution = functools.partial(direct.single_nb_execution, coale
 # Cells run commands, those of the environment that builds the pages, and have no terminal to draw bars on.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 os.environ["TTY_COMPATIBLE"] = "0"
+os.environ["STICTION_SCANS"] = str(Path(__file__).resolve().parents[1] / "examples/scans")
 os.environ["COLUMNS"] = "88"  # what a box of code holds on a wide screen
 
 
