@@ -148,22 +148,6 @@ def test_a_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
     assert len(reads) == len(stored.blocks)
 
 
-def bomb(path, repetitions):
-    """A folder with a block of many repetitions of which no number was ever written: a few kB."""
-    study, image = TINY.with_changes({"ensemble.repetitions": repetitions}), io.BytesIO()
-    with h5py.File(image, "w") as file:
-        file.attrs.update({"title": results.TITLE, "study": study.to_toml(), "stiction_version": "0"})
-        numbers = file.create_dataset("repetition", (repetitions,), "i8", chunks=(2**16,), compression="gzip")
-        numbers[:] = np.arange(repetitions)
-        for name, each in results.variables_of(study, range(4)).items():
-            file.create_dataset(name, (*each.shape[:2], repetitions, *each.shape[3:]), each.dtype)
-    (path / BLOCKS).mkdir(parents=True)
-    (path / STUDY).write_text(study.to_toml())
-    (path / BLOCKS / Block(0, repetitions - 1, zlib.crc32(image.getvalue())).name).write_bytes(image.getvalue())
-    (path / "result.nc").write_bytes(image.getvalue())
-    return path
-
-
 def test_what_no_memory_holds_is_said(whole, monkeypatch):
     monkeypatch.setattr(store, "MOST_MEMORY", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
@@ -397,6 +381,12 @@ def virtual(file):
     file.create_virtual_dataset("contact_area", layout)
 
 
+def never_written(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    file.create_dataset("contact_area", shape, "f8")
+
+
 LIES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
     "a group": lambda file: (file.__delitem__("contact_area"), file.create_group("contact_area")),
@@ -407,6 +397,7 @@ LIES = {
     "a link to another file": external,
     "bytes of another file": outside,
     "numbers of another file": virtual,
+    "numbers of no file": never_written,
 }
 
 

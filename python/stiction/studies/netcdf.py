@@ -191,6 +191,8 @@ def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) ->
     found = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
     if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
         raise DamageError(f"has no variable {name}")
+    if found.id.get_storage_size() < found.nbytes:  # a small file may claim any size
+        raise DamageError(f"has {name} that was never written")
     if shape not in (None, found.shape):
         raise DamageError(f"has {name} of another shape: {found.shape}, not {shape}")
     return np.asarray(found.asstr()[...] if h5py.check_string_dtype(found.dtype) else found[...])
