@@ -55,8 +55,9 @@ def answers_of(seed, colour):
 def test_the_bracket_of_noisy_scans_holds_the_answer_of_the_surface(colour):
     said = [answers_of(seed, colour) for seed in range(PAIRS)]
     told = [(truth, one.bracket) for truth, one in said if one.bracket is not None]
-    assert len(told) > PAIRS / 2
     held = [low - 1e-9 <= truth <= high for truth, (low, high) in told]
+    print(f"{colour}: the bracket of {len(told)} of {PAIRS} pairs holds {sum(held)}")
+    assert len(told) > PAIRS / 2
     assert np.mean(held) >= HELD
 
 
