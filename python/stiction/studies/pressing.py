@@ -171,7 +171,9 @@ def sliding_sum(name: str) -> str:
 
 def _by_rule(pressing: Pressing, curve: HalfSpaceCurve, *, areal: bool) -> list[list[HalfSpaceCurve]]:
     """A curve by every rule, and of lines in every direction."""
-    ways = [curve] if areal else [curve.with_direction(way) for way in pressing.ways()]
+    ways = [curve]
+    if not areal:  # the curve is that of +x
+        ways = [curve if way == "+x" else curve.with_direction(way) for way in pressing.ways()]
     rules = enumerate(pressing.rules)
     return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
 
