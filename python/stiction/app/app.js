@@ -198,7 +198,7 @@ function render() {
   frame.contentWindow.location.replace(page + (before || (job.command.startsWith("stiction run") ? `#d=${dimension()}` : "")));
 }
 
-const WORDS = {all: "all contacts rub", opposing: "only contacts that oppose the motion rub (the paper)"};
+const WORDS = {all: "all contacts rub", opposing: "only climbing contacts rub (the paper's rule)"};
 const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
 /** Values, verdict and reasons; what is not the last is grey, and has no verdict. */

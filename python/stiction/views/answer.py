@@ -240,7 +240,7 @@ def _with_both_readings(one: Answer, found: Sequence[Answer]) -> Answer:
     doubts = [
         Doubt(
             f"{each.text}; with them μ_s is {quoted(value.value, value.lower, value.upper)}, which the interval covers",
-            "scan the place twice, or give the --tip or a --cutoff", "caution",
+            "scan the place twice, or give a --cutoff", "caution",
         )
         for each in other.unknown
     ]  # fmt: skip

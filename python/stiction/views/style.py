@@ -62,7 +62,7 @@ FRICTION_MAP = "plasma"
 """Colour map of friction coefficients; viridis is of fractal dimensions, grey of heights, inferno of pressures."""
 SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: light first, dark last
 
-RULE_WORDS = {"all": "all contacts rub", "opposing": "only opposing contacts rub"}
+RULE_WORDS = {"all": "all contacts rub", "opposing": "only climbing contacts rub"}
 """What a legend says of a sliding rule."""
 
 SYMBOLS = {

@@ -64,7 +64,7 @@ const curves = () => (hasBothRules()
 
 // ---- Words ----------------------------------------------------------------------------------------------------------
 
-const ruleName = (rule) => (rule === "all" ? "all contacts rub" : "only opposing contacts rub");
+const ruleName = (rule) => (rule === "all" ? "all contacts rub" : "only climbing contacts rub");
 const dimensionName = (value) => (isMeasured ? (value > 0 ? `cut-off ${withUnit(value, "um")}` : "no cut-off") : `D = ${value.toFixed(3)}`);
 const loadName = (l) => withUnit(loads[l], "mN") + (first.area ? ` (${withUnit(loads[l] / first.area, "GPa")})` : "");
 const lengthName = (value) => withUnit(value, "um");
