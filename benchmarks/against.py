@@ -13,7 +13,7 @@ SUMS = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic",
 
 def straightforward() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
-    approaches = study.contact.approaches()
+    approaches = study.contact.steps()
     ours = seconds(lambda: member_sums(study, 0), 5) / 50
     sums = member_sums(study, 0)
     times, agree = [], 0.0

@@ -52,7 +52,7 @@ def largest_difference(driver, dataset: xarray.Dataset) -> float:
         mu0, tau0 = random.uniform([0, 0], [1.2, 0.3]).tolist()
         script = (
             "const [d, load, mu0, tau0] = arguments;"
-            "const [at] = readOff(picked(0).result, 'friction', d, 0, [load], mu0, tau0);"
+            "const [at] = readOff(picked().result, 'friction', d, 0, [load], mu0, tau0);"
             "return [at.status, at.value, at.lower, at.upper]"
         )
         status, *found = driver.execute_script(script, d, load, mu0, tau0)

@@ -10,12 +10,14 @@ import tomllib
 from pathlib import Path
 from typing import Any, NoReturn
 
+import sphinx.search
 from docutils import nodes
 from latex2mathml.converter import convert
 from myst_nb.core.execute import direct
 from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
+from sphinx.search.en import SearchEnglish
 from sphinx.transforms.post_transforms import SphinxPostTransform
 from sphinx.writers.html5 import HTML5Translator
 
@@ -114,7 +116,7 @@ def make_live(app: Sphinx, exception: Exception | None) -> None:
         for name, (files, given) in LIVE.items():
             scans = (SCANS / files.format(side) for side in ("upper", "lower"))
             pair(*scans, **given, directory=Path(place) / name).report(folder / f"{name}.html")
-    save_report(run(Study.named("quick")), folder / "study.html", names=["quick"])
+    save_report(run(Study.named("quick")), folder / "study.html", name="quick")
     command = ["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", folder / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
@@ -234,7 +236,21 @@ def put_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block
     raise nodes.SkipNode
 
 
+_ALIKE = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
+
+
+class Search(SearchEnglish):
+    """English, where a symbol and its name in ASCII are one word to whoever searches."""
+
+    def split(self, input: str) -> list[str]:  # noqa: A002, the name that Sphinx gives it
+        """Words, and the other way to write each."""
+        alike = _ALIKE | {name: symbol for symbol, name in _ALIKE.items()}
+        words = super().split(input)
+        return [*words, *(alike[word] for word in words if word in alike)]
+
+
 def setup(app: Sphinx) -> None:
+    sphinx.search.languages["en"] = Search
     app.add_html_math_renderer("mathml", (put_formula, None), (put_formula, None))
     app.add_post_transform(LinkNames)
     app.add_post_transform(CellsAsTyped)

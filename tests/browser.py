@@ -17,7 +17,7 @@ IN_BROWSER = [
     pytest.mark.browser,
     pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="Debian's chromium and chromium-driver are not installed"),
 ]
-READY = "return document.getElementById('main').getAttribute('aria-busy') === 'false'"
+READY = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
 
 
 @contextmanager
@@ -99,8 +99,18 @@ def settle(driver):
     """Let everything be drawn that is to be drawn."""
     driver.execute_async_script(
         "const done = arguments[0];"
-        "const look = () => requestAnimationFrame(() => (wanted.size ? look() : done())); look();"
+        "const left = () => (typeof wanted === 'undefined' ? 0 : wanted.size);"
+        "const look = () => requestAnimationFrame(() => (left() ? look() : done())); look();"
     )
+
+
+def frame(driver, plot):
+    """Where a plot is drawn inside of its axes, in the window: left, top, width, height."""
+    return driver.execute_script(
+        "const place = document.getElementById(arguments[0]); place.scrollIntoView({block: 'center'});"
+        "const {left, top} = place.getBoundingClientRect(); const {x, y, width, height} = place.axes.frame;"
+        "return [left + x, top + y, width, height]", plot
+    )  # fmt: skip
 
 
 def requests(driver):

@@ -12,7 +12,7 @@ import numpy as np
 class PageNumbers:
     """The functions of `numbers.js`, with the facts and numbers of one page as they stand in it.
 
-    `facts` and `result` are those of the first result of the page and its first motion; `results` has all motions.
+    `result` is the page's by its first motion; `results` has all motions.
     """
 
     def __init__(self, page):
@@ -20,19 +20,18 @@ class PageNumbers:
 
         self._engine = MiniRacer()
         self._engine.eval((resources.files("stiction.views.report") / "numbers.js").read_text("utf-8"))
-        self._engine.eval(f"const all = {_element(page, 'facts')}; null")
-        self._engine.eval("const facts = {...all, ...all.results[0]}; null")
+        self._engine.eval(f"const facts = {_element(page, 'facts')}; null")
         measured = self("() => facts.reading === 'elastic'")
         kept = ("means", "sums") if measured else self("() => Object.keys(facts.bytes)")
         for name in kept:
-            planes = list(zlib.decompress(base64.b64decode(_element(page, f"packed-{name}-0") or "eJwDAAAAAAE=")))
+            planes = list(zlib.decompress(base64.b64decode(_element(page, f"packed-{name}") or "eJwDAAAAAAE=")))
             leading = "8" if measured else f"facts.bytes.{name}"
             self._engine.eval(f"const {name} = doubles(Uint8Array.from({planes}), {leading}); null")
         self._engine.eval(
             "const count = facts.rules.length * facts.directions.length;"
             "const sumsOf = parts(facts.perRepetition, count, sums);"
             "const motions = parts(facts.variables, count, means).map((means, m) => ({means, sums: sumsOf[m]}));"
-            "const results = motions.map((motion, m) => ({facts, ...motion, motions, chosen: [m],"
+            "const results = motions.map((motion, m) => ({facts, ...motion, motions, chosen: [m], kind: 0,"
             " members: facts.kinds[0].members}));"
             "const result = results[0]; null"
         )

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small import empty_dataset
 from stiction import Study, area_map, friction_map, run, stiffness_map
-from stiction.studies.result import empty_dataset
 
 SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
 if not SCRIPT.exists():
@@ -124,7 +124,7 @@ def made_up(**worlds):
     study = SMALL.with_changes({"ensemble.repetitions": 40})
     result = empty_dataset(study)
     factor = np.random.default_rng(3).lognormal(0, 0.02, size=40)[:, np.newaxis]
-    load = np.broadcast_to(1e3 * study.contact.approaches() ** 1.5 * factor, result["normal_elastic"].shape)
+    load = np.broadcast_to(1e3 * study.contact.steps() ** 1.5 * factor, result["normal_elastic"].shape)
     dimension = study.surfaces.fractal_dimensions()[:, np.newaxis, np.newaxis, np.newaxis]
     amplitude = study.surfaces.amplitudes()[:, np.newaxis, np.newaxis]
     usual = {"contact_area": lambda d, a, f: f, "tangential_elastic": lambda d, a, f: 0.3 * f}

@@ -72,6 +72,12 @@ def test_import_is_light():
     assert loaded_of_others("from stiction import *") <= LOADED
 
 
+def test_a_command_can_be_interrupted_at_once():
+    """Whatever the package imports by itself comes before the command that answers Ctrl-C without a traceback."""
+    body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
+    assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
+
+
 def test_help_and_version_load_none_of_what_computes():
     for option in ("--help", "--version"):
         assert loaded_of_others(

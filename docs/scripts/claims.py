@@ -31,7 +31,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 from stiction import Study, read_result, run
 from stiction.mechanics import friction
-from stiction.studies.crossing import Crossing
+from stiction.studies.intervals import Crossing
 from stiction.studies.study import study_of
 
 Floats = NDArray[np.float64]

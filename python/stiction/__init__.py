@@ -3,29 +3,27 @@
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """
 
-import ast as _ast
-from importlib import import_module as _import_module
-from pathlib import Path as _Path
-from typing import Any as _Any
-
-_MODULE_OF = {
-    name.name: node.module
-    for node in _ast.parse(_Path(__file__).with_suffix(".pyi").read_text("utf-8")).body
-    if isinstance(node, _ast.ImportFrom) and node.module is not None
-    for name in node.names
-}
+_MODULE_OF: dict[str, str] = {}
 """Where each public name is made, as the stub has it; its module is imported when the name is first asked for."""
 
-__all__ = sorted(_MODULE_OF)
 
+def __getattr__(name: str) -> object:
+    import ast  # here, as all else: a command begins by importing this, and asks for no name
+    from importlib import import_module
+    from pathlib import Path
 
-def __getattr__(name: str) -> _Any:
+    if not _MODULE_OF:
+        for node in ast.parse(Path(__file__).with_suffix(".pyi").read_text("utf-8")).body:
+            if isinstance(node, ast.ImportFrom) and node.module is not None:
+                _MODULE_OF.update((each.name, node.module) for each in node.names)
+    if name == "__all__":
+        return sorted(_MODULE_OF)
     if name not in _MODULE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(_import_module(_MODULE_OF[name]), name)
+    value = getattr(import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return __all__.copy()
+    return __getattr__("__all__")

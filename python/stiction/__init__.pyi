@@ -1,5 +1,5 @@
 from stiction._core import __version__ as __version__
-from stiction.mechanics.asperity import Asperities as Asperities, asperities as asperities
+from stiction.mechanics.contact import Asperities as Asperities, asperities as asperities
 from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
 from stiction.mechanics.closed_forms import (
     dmt as dmt,

@@ -155,7 +155,9 @@ def draw_friction(
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
-    axes = [*_of_material(mu0, tau0), *_of_directions(direction)]
+    axes = _of_material(mu0, tau0)
+    if np.ndim(direction):
+        axes.append([f"{angle:g}°" for angle in np.asarray(direction).tolist()])
     names = [", ".join(filter(None, each)) for each in product(*axes)]
     lines = np.reshape(coefficient, (-1, load.size))
     for name, line in zip(names, lines, strict=True):
@@ -174,11 +176,6 @@ def _of_material(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
         return []
     pairs = zip(both[0].ravel().tolist(), both[1].ravel().tolist(), strict=True)
     return [[f"μ0 = {rub:g}" + (f", τ0 = {1000 * stick:g} MPa" if stick else "") for rub, stick in pairs]]
-
-
-def _of_directions(direction: ArrayLike) -> list[list[str]]:
-    directions = np.asarray(direction)
-    return [] if directions.ndim == 0 else [[f"{angle:g}°" for angle in directions.tolist()]]
 
 
 def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
@@ -219,16 +216,11 @@ def draw_onset(
     if has_displacement:
         along, unit = in_fine_unit(along)
         text = f"displacement ({unit})"
-        elastic = np.linspace(0, sliding_load / stiffness, 2)
-        ax.plot(in_unit_of(elastic, unit), [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
+        elastic = sliding_load / stiffness * (1000 if unit == "nm" else 1)
+        ax.plot([0, elastic], [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
     ax.plot(np.concatenate([[0.0], along]), np.concatenate([[0.0], load]), marker="o", markersize=3)
     ax.axhline(sliding_load, color="0.3", linewidth=0.8, linestyle="--", label="slides")
     ax.set_xlabel(text)
     ax.set_ylabel("tangential load (mN)")
     ax.legend(frameon=False, fontsize="small", loc="lower right")
     return ax
-
-
-def in_unit_of(lengths: Any, unit: str) -> Any:
-    """Lengths (µm) in the unit of others."""
-    return lengths * (1000 if unit == "nm" else 1)

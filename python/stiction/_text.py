@@ -39,25 +39,13 @@ def named(path: str | os.PathLike[str]) -> str:
 
 
 def bytes_text(size: float) -> str:
-    """A number of bytes in three digits.
-
-    Examples
-    --------
-    >>> bytes_text(23_040)
-    '23 kB'
-    """
+    """A number of bytes in three digits: "23 kB"."""
     power = min(4, max(1, int(math.log(max(size, 1), 1000))))
     return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
 
 
 def duration_text(seconds: float) -> str:
-    """Seconds in a unit that suits them.
-
-    Examples
-    --------
-    >>> duration_text(90.0)
-    '1.5 min'
-    """
+    """Seconds in a unit that suits them: "1.5 min"."""
     for most, unit in ((60, "s"), (60, "min"), (48, "hours")):
         if seconds < most:
             return f"{seconds:.2g} {unit}"

@@ -157,6 +157,19 @@ def wait_for_page(driver):
     browser.wait(driver, lambda _: inside(driver, busy) == "false")
 
 
+def test_fields_take_ranges_and_scales_of_hardness_as_the_command_does(app, fresh, maps):
+    for side, scan in zip(("upper", "lower"), maps, strict=True):
+        choose(fresh, side, scan)
+    fill(fresh, HARD | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
+    press(fresh)
+    until(lambda: answer(fresh)[0] or state(fresh) == "failed", bool)
+    assert finished(fresh) == "done"
+    line = fresh.find_element("id", "command").get_property("textContent")
+    assert all(f"{each}'" in line for each in ("--mu0=0.2±0.02", "--tau0=20..80 MPa", "--hardness=150 HV"))
+    value, low, high = answer(fresh)[0]["all"]
+    assert high - low > 0.2 * value
+
+
 def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monkeypatch):
     """Drop, answer, another mu0, share, reload: always what the command says."""
     roughness = json.loads(stiction_command("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]

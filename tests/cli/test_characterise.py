@@ -147,7 +147,7 @@ def test_a_page_says_how_it_was_made_and_not_where(folder):
     done = stiction_command("characterise", folder / "scan.csv", *options, cwd=folder)
     assert done.stdout.endswith("wrote scan.html\nwrote scan.png\n")
     page = (folder / "scan.html").read_text(encoding="utf-8")
-    assert "stiction characterise scan.csv --level quadratic --tip &#x27;2 um&#x27;" in page
+    assert "stiction characterise scan.csv --tip &#x27;2 um&#x27; --level quadratic" in page
     assert str(folder) not in page
     done = stiction_command("characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder)
     assert done.stderr == "stiction: wrote alone.html, the page alone\n"

@@ -21,7 +21,7 @@ from stiction import (
 )
 from stiction.studies.resolution import resolution_at
 from stiction.studies.store import open_stored
-from stiction.surfaces.spectral_pairs import SpectrumPairs
+from stiction.surfaces.pairing import SpectrumPairs
 from stiction.views.resolution import limits
 
 SPACING, POINTS = 0.02, 256

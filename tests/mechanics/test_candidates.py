@@ -79,6 +79,8 @@ class TestCandidates:
             contacts(found, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")
+        with pytest.raises(ValueError, match="takes no lower body"):
+            press(found, pair[1], [0.01])
         with pytest.raises(ValueError, match="must have equal spacings"):
             candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)
 

@@ -3,23 +3,12 @@
 import numpy as np
 import pytest
 from measured_studies import study_of, write_maps, write_profiles
-from stiction import (
-    Study,
-    area_map,
-    friction_map,
-    pressed_maps,
-    pressed_maps_mean,
-    run,
-    stiffness_map,
-    traverse,
-    traverse_mean,
-)
+from stiction import Study, area_map, friction_map, run, stiffness_map, traverse, traverse_mean
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load, axes_of, reached_loads
 from stiction.studies.member_values import member_values
 from stiction.studies.members import bodies_of
-from stiction.surfaces.pairing import MapPairs
 
 ROUND_OFF = 1e-9
 
@@ -36,27 +25,6 @@ def lines(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lines")
     study = study_of(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
     return study, run(study)
-
-
-def test_areas_are_what_pressed_maps_says(areas):
-    study, result = areas
-    maker = bodies_of(study).members(0.0).pairs
-    assert isinstance(maker, MapPairs)
-    other = pressed_maps_mean(
-        pressed_maps(
-            maker.upper, maker.lower, [2.0], mu0=0.3, tau0=[0.0, 0.05], shifts=5, effective_modulus=100.0
-        )
-    )  # fmt: skip
-    point = at_load(result, [2.0])
-    for rule in ("opposing", "all"):
-        here = point["friction_coefficient"].sel(sliding=rule).isel(cut_off=0)
-        there = other["friction_coefficient"].sel(sliding=rule)
-        np.testing.assert_allclose(here, there.transpose(*here.dims), rtol=1e-6)
-    for name in ("contact_area", "contact_area_fraction", "normal_stiffness", "share_on_largest", "contact_count"):
-        np.testing.assert_allclose(point[name].isel(cut_off=0), other[name], rtol=1e-5, err_msg=name)
-    gentle = other["gentle_friction"].sel(statistic="mean").mean("direction")
-    here = point["gentle_friction"].isel(cut_off=0).mean("direction").sel(sliding=gentle["sliding"])
-    np.testing.assert_allclose(here, gentle, rtol=0.01)
 
 
 def test_lines_are_what_a_traverse_says(lines):

@@ -6,27 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from stiction import Study, Surface, pair, self_affine_surface
+from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.budget import _Point
-from stiction.studies.hardness import Areas
+from stiction.studies.hardness import Areas, bodies_wanted
 from stiction.studies.known import ENDS, inputs_of, known
 from stiction.studies.member_values import PerLoad, six_at
-from stiction.studies.text import StudyError
+from stiction.studies.values import StudyError
 
 SIDES = ("upper", "lower")
 BY_DRAWS = 0.02  # largest difference of an end of an interval by draws from the exact one, over its width
-BETWEEN = 0.005  # largest relative error of friction over a range of hardness or of E*
+BETWEEN, WIDE = 0.005, 0.008  # largest relative errors of friction between solutions; of a wide range on small maps
 QUICK = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
 
 
-def bodies(seed: int = 5, rms: float = 0.01, points: int = 64) -> list[Surface]:
+def bodies(seed: int = 5, rms: float = 0.01, points: int = 64, finer: int = 1) -> list[Surface]:
     return [
         self_affine_surface(
-            seed, hurst_exponent=0.7, rms=rms, shape=(points, points), spacing=0.05, shortest_wavelength=0.3, side=side
+            seed, hurst_exponent=0.7, rms=rms, shape=(points * finer, points * finer), spacing=0.05 / finer,
+            shortest_wavelength=0.3 / finer, side=side,
         )
         for side in SIDES
-    ]
+    ]  # fmt: skip
 
 
 def of(result, name="friction_known", rule="all"):
@@ -62,12 +63,14 @@ def test_a_range_of_tau0_is_one_of_adhesion_on_the_true_area() -> None:
     )
 
 
-@pytest.mark.parametrize("rms", [0.03, 0.003])  # plastic, and between elastic and plastic
-def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_solutions(rms) -> None:
+# Plastic, between elastic and plastic, and a range of E* that needs solutions at other loads.
+@pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
+def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **QUICK)
-    result = pair(*bodies(rms=rms), hardness="0.3..1.5 GPa", effective_modulus="70..90 GPa", **kwargs)
+    result = pair(*bodies(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
     inputs = inputs_of(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
+    assert bodies_wanted(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     at = result._asked
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     six, areas = six_at(result.source, at["load"].values), Areas.of(at, result.study, result.source)
@@ -76,11 +79,10 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
     one = replace(one, names=tuple(inputs), places={})  # the scan as it is, at these positions
     for part in (0.03, 0.3, 0.7, 0.97):
         hardness = float(inputs["hardness"].known.quantile(part))
-        modulus = float(inputs["effective_modulus"].known.quantile(part))
-        direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=modulus, **kwargs)
+        stiffness = float(inputs["effective_modulus"].known.quantile(part))
+        direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=stiffness, **kwargs)
         found = one._draws({"hardness": part, "effective_modulus": part})
-        print(rms, part, found[0] / direct.value - 1)
-        assert found[0] == pytest.approx(direct.value, rel=BETWEEN)
+        assert found[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
 
 
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # plastic, and between elastic and plastic
@@ -118,6 +120,37 @@ def test_materials_bring_their_ranges_and_a_hardness_that_is_given_is_exact() ->
     assert np.ptp(measured.interval) < 0.5 * np.ptp(named.interval)
     lower, upper = named.budget.loc[0, ["lower", "upper"]]
     assert measured.interval == pytest.approx((lower, upper), abs=BY_DRAWS * np.ptp(named.interval))
+
+
+def test_elastic_bodies_over_a_range_of_the_modulus_are_those_of_direct_solutions() -> None:
+    kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **QUICK)
+    result = pair(*bodies(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
+    at, study = result._asked, result.study
+    areas = Areas.of(at, study, result.source)
+
+    def area(found):
+        return found._asked["contact_area"].sel(statistic="mean").item()
+
+    for ratio in (0.6, 1.5):
+        softer = pair(*bodies(rms=0.01), effective_modulus=float(study.contact.effective_modulus) * ratio, **kwargs)
+        assert area(softer) / area(result) == pytest.approx(areas.factor(0, None, ratio).item(), rel=BETWEEN)
+
+
+def test_a_gap_has_the_interval_of_its_inputs_and_says_what_is_not_in_it() -> None:
+    upper, lower = bodies(rms=0.03, points=128)
+    common = {
+        "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
+        "onset": 0,
+    }  # fmt: skip
+    gap = Surface(lower.heights - upper.heights, spacing=0.05)
+    known, exact = pair(gap=gap, hardness="0.5..1.5 GPa", **common), pair(gap=gap, **common)
+    assert known.interval[0] < known.value < known.interval[1]
+    assert "positions" not in known.budget["input"].tolist()
+    assert np.isnan(known.of_positions).all()
+    assert np.isnan(exact.interval).all()
+    for result in (known, exact):
+        assert any("a gap has one position" in doubt.text for doubt in result.doubts)
+        assert not any("members that differ" in doubt.cure for doubt in result.doubts)
 
 
 def test_one_body_by_name_and_the_other_by_numbers() -> None:
@@ -173,8 +206,8 @@ def test_a_study_says_what_is_known_or_why_not() -> None:
         again.with_changes({"known.tau0": "20..80"})
 
 
-CASES = [pytest.param(8, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
-LEAST, MOST = 0.92, 0.98  # of 300 truths the interval covers so many at least and at most; of a few, most
+CASES = [pytest.param(4, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+LEAST = 0.92  # of 300 truths the interval covers so many at least; of a few, most
 
 
 @pytest.mark.parametrize("truths", CASES)
@@ -183,18 +216,21 @@ def test_it_covers_the_truth_of_inputs_drawn_from_their_ranges(truths) -> None:
     covered = tested = 0
     rng = np.random.default_rng(2016)
     for seed in range(truths):
-        scans = bodies(seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48)
+        # The truth has waves of half and of a quarter of the shortest one of the scans, or no others.
+        finer = int(rng.choice([1, 2, 4]))
+        whole = bodies(seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48, finer=finer)
+        seen = [cut_off(each, 0.3, periodic=True) if finer > 1 else each for each in whole]
+        scans = [Surface(each.heights[::finer, ::finer], spacing=0.05) for each in seen]
         common = dict(load="4 MPa", **QUICK)
         said = pair(*scans, **ranges, **common)
         inputs = inputs_of(said.study)
         drawn = {name: float(inputs[name].known.quantile(rng.random())) for name in ranges}
-        truth = pair(*scans, **drawn, **(common | {"shifts": 40}))
+        truth = pair(*whole, **drawn, **(common | {"shifts": 40}))
         covered += said.interval[0] <= truth.value <= said.interval[1]
         one = one_test(truth, rng)
         tested += said.next_test[0] <= one <= said.next_test[1]
     if truths < 100:
-        assert covered >= truths - 2
-        assert tested >= truths - 2
+        assert min(covered, tested) >= truths - 1
         return
     print(f"covers {covered / truths:.3f}, next test {tested / truths:.3f}")
     assert covered / truths >= LEAST

@@ -6,9 +6,9 @@ import signal
 
 import pytest
 from stiction import Study, run
-from stiction.studies import cluster, runner, store
-from stiction.studies.cluster import ClusterError
-from stiction.studies.text import StudyError
+from stiction.studies import executors, runner, store
+from stiction.studies.executors import ClusterError
+from stiction.studies.values import StudyError
 from tiny import assert_same_bits
 
 distributed = pytest.importorskip("distributed")
@@ -38,7 +38,7 @@ def scheduler():
 def test_workers_of_a_scheduler_give_the_bits_of_threads_and_write_themselves(scheduler, tmp_path, monkeypatch):
     undisturbed = run(STUDY)
     monkeypatch.setattr(runner, "put", lambda *_: pytest.fail("written by the process that hands out the work"))
-    with cluster.connected(scheduler) as executor:
+    with executors.connected(scheduler) as executor:
         assert_same_bits(run(STUDY, executor=executor), undisturbed)
         assert_same_bits(run(STUDY, executor=executor, store=tmp_path), undisturbed)
     assert not list(tmp_path.rglob("*.partial"))
@@ -46,7 +46,7 @@ def test_workers_of_a_scheduler_give_the_bits_of_threads_and_write_themselves(sc
 
 def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
-    with distributed.Client(scheduler, set_as_default=False) as client, cluster.connected(scheduler) as executor:
+    with distributed.Client(scheduler, set_as_default=False) as client, executors.connected(scheduler) as executor:
         workers = list(client.run(os.getpid).values())
 
         def kill_one(_):
@@ -66,21 +66,21 @@ def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, t
 def test_a_worker_with_another_version_is_refused(scheduler, monkeypatch):
     monkeypatch.setattr(runner, "__version__", "0.0.1")
     with (
-        cluster.connected(scheduler) as executor,
+        executors.connected(scheduler) as executor,
         pytest.raises(StudyError, match=r"the worker on .* has stiction .*, and 0\.0\.1 asks for the study"),
     ):
         run(STUDY, executor=executor)
 
 
 def test_a_scheduler_that_is_not_there_is_said_so(monkeypatch):
-    monkeypatch.setattr(cluster, "PATIENCE", "1s")
+    monkeypatch.setattr(executors, "PATIENCE", "1s")
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
-        with pytest.raises(ClusterError, match=address or "such as tcp://host:8786"), cluster.connected(address):
+        with pytest.raises(ClusterError, match=address or "such as tcp://host:8786"), executors.connected(address):
             pass
 
 
 def test_a_scheduler_without_workers_is_waited_for_with_a_word():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
         address = running.scheduler_address
-        with pytest.warns(UserWarning, match="has no workers yet; waiting for them"), cluster.connected(address):
+        with pytest.warns(UserWarning, match="has no workers yet; waiting for them"), executors.connected(address):
             pass

@@ -44,7 +44,7 @@ def test_a_pair_gives_the_bits_of_the_run():
         for d, dimension in enumerate(result["fractal_dimension"].values):
             for a, amplitude in enumerate(result["amplitude"].values):
                 pair = pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
-                curve = press(*pair, STUDY.contact.approaches())
+                curve = press(*pair, STUDY.contact.steps())
                 for name in SUMS:
                     assert result[name].values[d, a, repetition].tobytes() == getattr(curve, name).tobytes(), name
 

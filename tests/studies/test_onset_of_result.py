@@ -149,7 +149,7 @@ def test_figures_and_the_page_show_what_slips_first(study, onset, tmp_path):
     page = report_page(open_stored(tmp_path))
     for words in ("How the bodies begin to slide", "What slips first", "light points slip first"):
         assert words in page
-    assert page.count('<div class="figure"><svg role="img"') == 2
+    assert page.count('<div class="figure"><svg role="img"') == 3  # and single positions
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / FILE, replace=True)
     assert "slip" not in read_result(tmp_path).figures()
     assert "What slips first" not in report_page(open_stored(tmp_path))

@@ -22,7 +22,7 @@ from stiction.studies.pressed import cost_of_member
 from stiction.studies.result import bytes_of_member
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
-from stiction.studies.text import StudyError
+from stiction.studies.values import StudyError
 from tiny import TINY, Inline, assert_same_bits, repetitions
 
 SMALL = TINY.with_changes(

@@ -10,7 +10,7 @@ from stiction import HertzCylinder, JacksonGreen, Study, study_names
 from stiction._units import exactly, quantity
 from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
 from stiction.studies.study import differences, study_from_text
-from stiction.studies.text import StudyError
+from stiction.studies.values import StudyError
 
 
 class TestQuantities:
@@ -94,7 +94,7 @@ class TestLibrary:
         assert Study.named("figure6") == Study()
         surfaces, contact = Study().surfaces, Study().contact
         assert (surfaces.fractal_dimensions().size, surfaces.points, Study().ensemble.repetitions) == (50, 150_000, 100)
-        assert contact.approaches()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
+        assert contact.steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
 
     def test_figure5_has_the_papers_friction(self):
         friction = Study.named("figure5").friction
@@ -125,7 +125,7 @@ class TestChanges:
         )  # fmt: skip
         assert study.ensemble.repetitions == 3
         assert study.surfaces.fractal_dimensions().tolist() == [1.2, 1.5]
-        assert study.contact.approaches().size == 7
+        assert study.contact.steps().size == 7
         assert study.contact.effective_modulus == 70
         assert Study().ensemble.repetitions == 100
 

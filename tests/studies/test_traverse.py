@@ -112,16 +112,6 @@ def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
     np.testing.assert_allclose(at["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_both_directions_change_places_in_a_mirror(pair, result):
-    mirrored = [Profile(each.heights[::-1], spacing=each.spacing) for each in pair]
-    room = pair[1].extent - pair[0].extent
-    other = traverse(*mirrored, LOADS, offsets=[room - 10.0, room - 4.0, room], **FRICTION)
-    for name in ("friction_coefficient", "contact_area", "normal_stiffness", "approach"):
-        there = result[name].transpose("shear", "line", "offset", "load").values
-        here = other[name].transpose("shear", "line", "offset", "load").values
-        np.testing.assert_allclose(here, there[::-1, :, ::-1], rtol=1e-7)
-
-
 def test_units_names_and_what_it_was_made_of_go_with_it(result):
     assert result["contact_area"].attrs["units"] == "um^2"
     assert result["normal_stiffness"].attrs["units"] == "mN/um"
@@ -243,12 +233,6 @@ def test_positions_of_a_line_are_not_independent(pair):
     assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 10.0
 
 
-def test_means_without_lines_have_no_interval(pair):
-    upper, lower = pair
-    few = traverse([upper] * 3, [lower] * 3, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
-    assert np.isnan(traverse_mean(few)["contact_area"].sel(statistic="lower")).all()
-
-
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
@@ -352,6 +336,7 @@ def test_surrogates_stand_in_for_what_is_asked():
         ({"tau0": [[0.1]]}, "tau0 must be a number or a list"),
         ({"mu0": []}, "mu0 must be a number or a list"),
         ({"shear": "+x"}, "shear must not be given"),
+        ({"direction": "-x"}, "direction must not be given"),
         ({"law": "hooke"}, "law must be"),
         ({"upper": []}, "upper must be a Profile or a list"),
         ({"upper": [1, 2]}, "upper must be a Profile or a list"),
@@ -370,11 +355,6 @@ def test_lists_must_fit(pair):
         traverse([upper, upper], lower, [0.01], mu0=0.3)
     with pytest.raises(ValueError, match="same grid"):
         traverse([upper, cropped(upper, 0, 10)], [lower, lower], [0.01], mu0=0.3)
-
-
-def test_a_shear_strength_in_the_wrong_unit_is_warned_of(pair):
-    with pytest.warns(UserWarning, match="is it in MPa"):
-        traverse(*pair, [0.01], mu0=0.3, tau0=50.0)
 
 
 @pytest.mark.parametrize(
@@ -423,12 +403,6 @@ def test_a_model_that_leaves_the_detection_open_does_not_change_it():
     ]
     assert [result.attrs["detection"] for result in results] == ["gap-minimum", "gap-minimum"]
     assert results[0].equals(results[1])
-
-
-def test_a_direction_is_not_for_a_traverse_of_profiles():
-    upper, lower = two_rough_profiles()
-    with pytest.raises(ValueError, match="direction must not be given"):
-        traverse(upper, lower, [0.02], mu0=0.3, direction="-x")
 
 
 # ---- Half-planes -----------------------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@ import pickle
 
 import numpy as np
 import pytest
-from stiction import Profile
+from stiction import Profile, Surface
 
 HEIGHTS = np.array([0.0, 2.0, 1.0, -3.0, 0.5])
 ROUND_OFF = 1e-14  # a few roundings of numbers of order one
@@ -15,26 +15,21 @@ def test_grid_starts_at_zero_and_extends_over_all_points():
     assert len(profile) == 5
 
 
-def test_views_and_pickles_are_safe_too():
-    base = HEIGHTS.copy()
-    view = base.view()
+@pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
+def test_heights_are_a_copy_that_nobody_can_change(body):
+    """Also those of a view that is read-only, and of what was pickled."""
+    mine = np.array(body.heights)
+    view = mine.view()
     view.flags.writeable = False
-    profile = Profile(view, spacing=1.0)
-    base[0] = 99
-    assert profile.heights[0] == 0
-    again = pickle.loads(pickle.dumps(profile))
-    assert np.array_equal(again.heights, profile.heights)
-    assert again.spacing == profile.spacing
-    assert not again.heights.flags.writeable
-
-
-def test_heights_are_a_copy_that_nobody_can_change():
-    mine = HEIGHTS.copy()
-    profile = Profile(mine, spacing=1.0)
-    mine[0] = 99
-    assert profile.heights[0] == 0
-    with pytest.raises(ValueError, match="read-only"):
-        profile.heights[0] = 1
+    for one in (type(body)(mine, spacing=1.0), type(body)(view, spacing=1.0)):
+        mine += 1
+        assert not np.array_equal(one.heights, mine)
+        again = pickle.loads(pickle.dumps(one))
+        assert np.array_equal(again.heights, one.heights)
+        assert again.spacing == one.spacing
+        for each in (one, again):
+            with pytest.raises(ValueError, match="read-only"):
+                each.heights[0] = 1
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,3 @@
-import pickle
-
 import numpy as np
 import pytest
 from stiction import Surface
@@ -16,16 +14,6 @@ def test_rows_are_along_x_and_columns_along_y():
     assert Surface(np.arange(12.0).reshape(4, 3), spacing=(0.5, 0.25)).column(1).heights.tolist() == [1, 4, 7, 10]
     assert Surface(np.arange(12.0).reshape(4, 3), spacing=(0.5, 0.25)).column(1).spacing == 0.5
     assert Surface(np.zeros((2, 2)), spacing=0.1).spacing == (0.1, 0.1)
-
-
-def test_heights_cannot_change_behind_its_back():
-    heights = np.zeros((4, 4))
-    surface = Surface(heights, spacing=1.0)
-    heights[0, 0] = 1
-    assert surface.heights[0, 0] == 0
-    copy = pickle.loads(pickle.dumps(surface))
-    assert not copy.heights.flags.writeable
-    assert copy.spacing == surface.spacing
 
 
 @pytest.mark.parametrize(

@@ -292,9 +292,17 @@ def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
     # The interval's end, and what is above the limit a fifth more for the load that moves between many contacts.
     assert one.bracket == pytest.approx((limit, limit + (0.24 * 1.01 - limit) * math.exp(0.2)))
     assert "every finer scan lies from 0.225 (μ0 + τ0/H) to 0.246 if all contacts rub" in one.sentence
+    alike = answers(measured(all_rub=0.2, half=1e-4, tau0=(0.0,)), measured_study(hardness=2.0))[0]
+    assert "every finer scan lies at 0.200 (μ0 + τ0/H) if all contacts rub" in alike.sentence
     assert answers(measured(), measured_study())[0].bracket is None
     asperities = measured_study(hardness=2.0, mechanics="asperities")
     assert answers(measured(), asperities)[0].bracket is None
+
+
+@pytest.mark.parametrize(("known", "said"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")])
+def test_a_hardness_has_its_range_where_it_has_one(known, said):
+    study = measured_study(hardness=1.1).with_changes({"known.hardness": known})
+    assert f"hardness {said}" in one(measured(), study).sentence.replace(", points", ";")
 
 
 def test_no_finer_scan_is_spoken_of_where_nothing_is_to_be_quoted():

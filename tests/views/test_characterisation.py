@@ -29,7 +29,7 @@ from stiction import (
 from stiction.surfaces.spectrum import peak_of
 from stiction.views.characterisation import HARMLESS, Characterisation, characterisation_text
 from stiction.views.figures.joined import joined_figure
-from stiction.views.figures.roughness import characterisation_figure, panels
+from stiction.views.figures.roughness import characterisation_figure
 
 NO_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 
@@ -99,8 +99,8 @@ def test_a_spectrum_that_is_no_power_law_has_no_exponent_and_no_fitted_line(prof
     assert said["Hurst exponent H"].startswith("none: the spectrum is no line")
     values = {value["name"]: value for row in found.rows for value in row.values}
     assert (values["hurst_exponent"]["value"], values["hurst_exponent"]["status"]) == (None, "no-line")
-    spectrum = next(panel for panel in panels(found) if panel.id == "spectrum")
-    assert [series.fitted for series in spectrum.series] == [False]
+    spectrum = next(ax for ax in characterisation_figure(found).axes if "density $C$" in ax.get_ylabel())
+    assert [line for line in spectrum.lines if line.get_linestyle() == "--"] == []
 
 
 class TestFigure:

@@ -5,18 +5,18 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 from measured_results import lines_result, maps_result
-from small import SMALL
+from small import SMALL, empty_dataset
 from stiction import Profile
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.maps import friction_map
-from stiction.studies.result import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views import style
 from stiction.views.figures import drawn
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
 from stiction.views.figures.standard import figures_of
+from stiction.views.figures.touching import climbing, touching_figure
 from stiction.views.style import FORMATS, save_picture, spread_out
 
 
@@ -226,6 +226,23 @@ def test_contacts_are_marked_where_they_are_and_loads_add_up(maps):
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
     assert sum(int(text.split()[0]) for text in texts) == picture.sizes["contact"]
     assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
+
+
+def test_bodies_touch_where_the_picture_has_contacts(maps, lines):
+    picture = contact_picture(maps)
+    (axes,) = touching_figure(picture, direction=90.0).axes
+    kind = np.ma.filled(axes.images[1].get_array(), np.nan)
+    patch, climbs = picture["patch"].values, climbing(picture, 90.0)
+    assert np.array_equal(np.isfinite(kind), patch > 0)
+    assert np.array_equal(np.unique(patch[kind == 1]), 1 + np.flatnonzero(climbs))
+    assert len(axes.collections) == bool((picture["contact_at_edge"].values > 0).any())
+    picture = contact_picture(lines)
+    whole, close = touching_figure(picture).axes
+    assert len(whole.collections[2].get_offsets()) == picture.sizes["contact"]
+    strongest = picture["contact_x"].values[picture["contact_force"].values.argmax()]
+    low, high = close.get_xlim()
+    assert low <= strongest <= high
+    assert high - low < np.ptp(whole.get_xlim())
 
 
 def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc):

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from measured_results import lines_result, maps_result
 from scipy.special import stdtrit
-from small import SMALL
+from small import SMALL, empty_dataset
 from stiction import Study, area_map, friction_map, gentle_friction, run, stiffness_map
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load
-from stiction.studies.result import empty_dataset
 from stiction.studies.study import study_of
 from stiction.views.answer import answers
 from stiction.views.digits import percent, quoted, significant, with_unit
@@ -175,7 +174,7 @@ def test_nothing_touches():
     numbers = PageNumbers(report_page(data))
     assert numbers("() => facts.loads") == []
     assert set(statuses_held_to_the_library(numbers, data, [1e-3, 1.0], 0.4, 0.0)) == {"no-contact"}
-    assert numbers("() => colourRange(facts, [mapOf(result, 'friction', 0, [1], 0.4, 0)])") == [0.1, 1]
+    assert numbers("() => colourRange(facts, mapOf(result, 'friction', 0, [1], 0.4, 0))") == [0.1, 1]
 
 
 def test_what_is_packed_comes_out_again(numbers, result):

@@ -118,7 +118,8 @@ function optionsOfPair() {
   const found = {};
   for (const [name, text] of new FormData(form)) {
     const given = name === "spacing" ? text.trim() : text.trim().replace(",", ".");
-    (found[name] ??= []).push(given && given + (UNITS[name] ?? ""));
+    const hasUnit = /\p{L}{2}|[A-Z]/u.test(given); // as in "150 HV", and not in "1e-3"
+    (found[name] ??= []).push(given && !hasUnit ? given + (UNITS[name] ?? "") : given);
   }
   found.missing = [found.missing.find(Boolean)]; // is of both
   if (found.young) {

@@ -178,12 +178,8 @@ class Jobs:
 async def command(arguments: list[str], *, patience: float = 0.0) -> str:
     """What a module prints to its end or that of a record, in a process that ends with the server, however that ends.
 
-    Where nobody waits for it any more it has `patience` seconds to write what it has.
-
-    Raises
-    ------
-    RefusedError
-        With the sentence that the process has said.
+    Where nobody waits for it any more it has `patience` seconds to write what it has. A `RefusedError` has the sentence
+    that the process has said.
     """
     alone = ["setpriv", "--pdeathsig=KILL"] if shutil.which("setpriv") else []  # Linux has it
     process = await asyncio.create_subprocess_exec(

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import base64
+import io
 import json
-import struct
 import sys
 import warnings
-import zlib
 from typing import Any
 
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._drawing import HEIGHT_MAP
 from stiction.surfaces.measured.reading import read_measurement
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -64,19 +64,13 @@ def svg(*lines: Floats) -> str:
 
 def png(heights: Floats, extent: tuple[float, float]) -> bytes:
     """A map in greys, whose first row is the lowest; its pixels are square."""
+    from matplotlib.image import imsave
+
     sizes = [max(2, round(DRAWN * each / max(extent))) for each in extent]
     rows, columns = (np.linspace(0, n - 1, m).round().astype(int) for n, m in zip(heights.shape, sizes, strict=True))
-    thin = heights[np.ix_(rows[::-1], columns)]
-    grey = np.rint(255 * (thin - thin.min()) / (float(np.ptp(thin)) or 1.0)).astype(np.uint8)
-    parts = (
-        (b"IHDR", struct.pack(">2I5B", sizes[1], sizes[0], 8, 0, 0, 0, 0)),
-        (b"IDAT", zlib.compress(np.pad(grey, ((0, 0), (1, 0))).tobytes())),
-        (b"IEND", b""),
-    )
-    chunks = [
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in parts
-    ]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+    file = io.BytesIO()
+    imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_MAP, origin="lower")
+    return file.getvalue()
 
 
 if __name__ == "__main__":

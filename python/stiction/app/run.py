@@ -24,17 +24,7 @@ FIRST = 600.0  # seconds that it waits for the first one
 
 
 def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for a while, or somebody interrupts.
-
-    Parameters
-    ----------
-    say : callable
-        What tells the person who began it.
-    keep : bool
-        Whether it goes on without a window.
-    demo : bool
-        Whether the page begins with two surfaces of its own.
-    """
+    """Serve the page until its last window has been closed for a while, unless it is kept, or somebody interrupts."""
     with tempfile.TemporaryDirectory(prefix=PREFIX) as folder, socket.create_server(("127.0.0.1", 0)) as listening:
         server = Server(Path(folder).resolve(), Path.cwd(), listening.getsockname()[1], has_demo=demo)
         address = f"{server.origin}/?token={server.token}"

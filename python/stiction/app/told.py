@@ -53,7 +53,7 @@ def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     source, study, beside, command = result.source, result.study, result.beside, asked["command"]
     at = at_asked_loads(source)
     answer = answer_record(headlines(answers(at, study, beside=beside))[0])
-    texts = {"page.html": report_page([source], names=[asked["name"]])}
+    texts = {"page.html": report_page(source, name=asked["name"])}
     if isinstance(source, Stored) and command:
         over, onset = source.once(resolution_at), source.once(onset_beside)
         texts |= {

@@ -207,11 +207,6 @@ _OPTIONS = {
 """Options that are called otherwise than their arguments."""
 
 
-def _option(argument: str) -> str:
-    """How an argument is called on the command line."""
-    return _OPTIONS.get(argument, f"--{argument.replace('_', '-')}")
-
-
 def start() -> int:
     """Run the command that the arguments are; its exit status."""
     for stream in (sys.stdout, sys.stderr):
@@ -239,7 +234,7 @@ def start() -> int:
         about = f"{named(error.filename)}: " if isinstance(error.filename, str) else ""
         say(f"{about}{reason(error)}")
     except ArgumentError as error:
-        say(error.said(_option))
+        say(error.said(lambda name: _OPTIONS.get(name, f"--{name.replace('_', '-')}")))
     except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so

@@ -58,8 +58,7 @@ def calibrate(
     from stiction.studies.calibration import Ball, FrictionTest
     from stiction.studies.calibration import calibrate as fitted
     from stiction.studies.elasticity import elasticity_of
-    from stiction.studies.friction_tests import friction_tests
-    from stiction.studies.interfaces import write_interface
+    from stiction.studies.interfaces import friction_tests, write_interface
     from stiction.studies.known import ENDS, known
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.result import Result

@@ -12,20 +12,7 @@ from stiction._arguments import quantity_of
 from stiction._checks import choice
 from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import (
-    Channel,
-    Columns,
-    Crop,
-    Json,
-    MissingPoints,
-    Outliers,
-    Spacing,
-    Tip,
-    Unit,
-    given,
-    measurement,
-    option,
-)
+from stiction.cli.options import FILE, Json, given, measurement, option, with_options
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -66,26 +53,21 @@ Output = Annotated[
     "stiction characterise coarse.x3p fine.di --together",
     "stiction characterise first.di second.di --repeated",
 )
+@with_options(FILE)
 def characterise(
     context: typer.Context,
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Measured profiles or surfaces.")],
-    unit: Unit = None,
-    spacing: Spacing = None,
-    missing: MissingPoints = "error",
-    outliers: Outliers = "keep",
-    crop: Crop = None,
-    channel: Channel = None,
-    columns: Columns = None,
+    *,
     row: Row = None,
     column: Column = None,
     level: Level = None,
     band: Band = None,
     cutoff: CutOff = None,
-    tip: Tip = None,
     together: Together = False,
     repeated: Repeated = False,
     output: Output = None,
     as_json: Json = False,
+    **reading: Any,
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
 
@@ -99,10 +81,11 @@ def characterise(
     outputs = [] if as_json and output is None else _outputs(files, output, together=together, repeated=repeated)
     fitted = _band(band)
     shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
+    tip = reading.pop("tip")
     radius = None if tip is None else quantity_of("tip", tip, "length")
     found = []
     for file in files:
-        read = measurement(file, unit, spacing, missing, channel, columns, outliers, crop)
+        read = measurement(file, reading)
         body = _levelled(_line(read, row, column), level)
         try:
             body = body if shortest is None else cut_off(body, shortest)

@@ -86,80 +86,62 @@ MATERIALS = {
 
 _reading = partial(option, panel="Reading files")
 _output = partial(option, panel="Output")
-
-_unit = _reading(
-    "--unit UNIT",
-    'Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.',
-    False,
-)
-_spacing = _reading(
-    "--spacing LENGTH",
-    'Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
-    False,
-)
-_channel = _reading(
-    "--channel NAME|NUMBER",
-    "What to read of a file of several channels or sheets, numbers from 0 on.",
-    "the first of heights",
-)
-_columns = _reading(
-    "--columns X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
-)
-
-_tip = _reading("--tip RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False)
 Json = Annotated[bool, _output("--json", "Print JSON alone on standard output; messages go elsewhere.")]
 Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions, cut-offs, onset, quantities.")]
-Unit = Annotated[str | None, _unit]
-Spacing = Annotated[str | None, _spacing]
-Channel = Annotated[str | None, _channel]
-Columns = Annotated[str | None, _columns]
 
-Tip = Annotated[str | None, _tip]
-_missing = _reading(
-    "--missing error|mask|interpolate",
-    "Of points without a height: press what is there, or put them on lines.",
-    "error",
-)
-_outliers = _reading(
-    "--outliers keep|mask",
-    "Take single points beyond 6 robust deviations of their neighbours for missing ones.",
-    "keep",
-)
-MissingPoints = Annotated[str, _missing]
-Outliers = Annotated[str, _outliers]
-_crop = _reading("--crop X0,X1[,Y0,Y1]", 'What to read of the file: "10 um,60 um", of a map along x and y.', False)
-Crop = Annotated[str | None, _crop]
-
-FILES = {
-    "unit": Annotated[list[str] | None, _unit], "spacing": Annotated[list[str] | None, _spacing],
-    "missing": Annotated[str | None, _missing], "outliers": Annotated[str | None, _outliers],
-    "crop": Annotated[list[str] | None, _crop], "channel": Annotated[list[str] | None, _channel],
-    "columns": Annotated[list[str] | None, _columns], "tip": Annotated[list[str] | None, _tip],
+_READING = {
+    "unit": _reading(
+        "--unit UNIT",
+        'Of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where it says none.', False,
+    ),
+    "spacing": _reading(
+        "--spacing LENGTH",
+        'Distance of points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has none.',
+        False,
+    ),
+    "missing": _reading(
+        "--missing error|mask|interpolate",
+        "Of points without a height: press what is there, or put them on lines.", "error",
+    ),
+    "outliers": _reading(
+        "--outliers keep|mask",
+        "Take single points beyond 6 robust deviations of their neighbours for missing ones.", "keep",
+    ),
+    "crop": _reading(
+        "--crop X0,X1[,Y0,Y1]", 'What to read of the file: "10 um,60 um", of a map along x and y.', False
+    ),
+    "channel": _reading(
+        "--channel NAME|NUMBER",
+        "What to read of a file of several channels or sheets, numbers from 0 on.", "the first of heights",
+    ),
+    "columns": _reading(
+        "--columns X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
+    ),
+    "tip": _reading("--tip RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False),
 }  # fmt: skip
+
+FILE = {name: Annotated[str | None, each] for name, each in _READING.items()}
+"""How each file is read."""
+
+FILES = FILE | {
+    name: Annotated[list[str] | None, each] for name, each in _READING.items() if name not in ("missing", "outliers")
+}
 """How two files are read, each option given once for both or for one after the other."""
 
 
-def measurement(
-    file: Path,
-    unit: str | None,
-    spacing: str | None,
-    missing: str,
-    channel: str | None,
-    columns: str | None,
-    outliers: str = "keep",
-    crop: str | None = None,
-) -> Profile | Surface:
-    """What a file holds, by the options that every command takes for it."""
+def measurement(file: Path, asked: Mapping[str, str | None]) -> Profile | Surface:
+    """What a file holds, by the options of `FILE`."""
     from stiction.surfaces.measured.reading import read_measurement
     from stiction.surfaces.measured.spectrum_file import is_spectrum
 
     if is_spectrum(file):
         raise ValueError(f"{named(file)}: is the spectrum of several scans, which stiction pair takes in place of one")
     announce_reader(file)
-    return read_measurement(
-        file, unit=_one_or_pair(unit), spacing=_one_or_pair(spacing), missing=missing,  # type: ignore[arg-type]
-        channel=channel, columns=_one_or_pair(columns), outliers=outliers, crop=crop,  # type: ignore[arg-type]
-    )  # fmt: skip
+    given: dict[str, Any] = {name: text for name, text in asked.items() if text is not None}
+    for name in ("unit", "spacing", "columns"):
+        if "," in given.get(name, ""):
+            given[name] = tuple(part.strip() for part in given[name].split(","))
+    return read_measurement(file, **given)
 
 
 def announce_reader(file: Path) -> None:
@@ -168,10 +150,6 @@ def announce_reader(file: Path) -> None:
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
         announce(f"loading SurfaceTopography, which takes some seconds, to read {named(file.name)}")
-
-
-def _one_or_pair(text: str | None) -> Any:
-    return text if text is None or "," not in text else tuple(part.strip() for part in text.split(","))
 
 
 def given(context: typer.Context, name: str) -> bool:

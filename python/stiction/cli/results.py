@@ -65,18 +65,16 @@ def plot(
     draw_result(stored, where, formats=wanted)
 
 
-@command("report", "stiction report figure6", "stiction report quick figure6 -o both.html")
+@command("report", "stiction report figure6", "stiction report pair -o mine.html")
 def report(
-    directories: Annotated[
-        list[Path], typer.Argument(metavar="DIR", help="Where a study or a pair was written; two studies are compared.")
-    ],
+    directory: Directory,
     output: Annotated[Path | None, option("--output -o FILE.html", "The page to write.", "DIR/report.html")] = None,
 ) -> None:
     """Make one interactive page, for any browser, of a result, or of what is finished of it."""
     from stiction.views.report import save_report
 
-    path = output if output is not None else directories[0] / "report.html"
-    save_report([opened(each) for each in directories], path, names=[each.resolve().name for each in directories])
+    path = output if output is not None else directory / "report.html"
+    save_report(opened(directory), path, name=directory.resolve().name)
     tell(f"wrote {path}")
 
 

@@ -17,7 +17,7 @@ from stiction.studies.complete import complete
 from stiction.studies.executors import threads
 from stiction.studies.store import Stored, StoreError, open_stored
 from stiction.studies.study import Study
-from stiction.studies.text import StudyError
+from stiction.studies.values import StudyError
 
 Workers = Annotated[
     int | None, option("--workers -w N", "Threads that compute.", "one for each core", least=1, panel="Computing")
@@ -41,7 +41,7 @@ def executor_of(workers: int | None, scheduler: str | None) -> contextlib.Abstra
         return threads(workers)
     if workers is not None:
         raise StudyError("--workers and --scheduler exclude each other")
-    from stiction.studies.cluster import connected
+    from stiction.studies.executors import connected
 
     return connected(scheduler)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stiction.views.answer import Doubt
 
 
-MOST_DOUBTS = 2  # that `pair` says, so that number and verdict stay on a terminal of 24 lines
+DOUBTS = 5  # lines of them that `pair` says, so that number and verdict stay on a terminal of 24 lines
 
 
 def opened(directory: Path) -> Stored:
@@ -30,19 +30,19 @@ def opened(directory: Path) -> Stored:
     return stored
 
 
-def show_result(
-    stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False,
-    beside: Sequence[Doubt] | None = None, about: dict[str, Any] | None = None,
-) -> None:  # fmt: skip
-    """Print what a result says at the loads of its study: text, or JSON; its files are read for doubts not given."""
-    show_answer(stored, command=command, as_json=as_json, verbose=verbose, beside=beside, about=about)()
+def show_result(stored: Stored, **asked: Any) -> None:
+    """Print what a result says at the loads of its study: all of `show_answer`."""
+    show_answer(stored, **asked)()
 
 
 def show_answer(
     stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False,
     beside: Sequence[Doubt] | None = None, about: dict[str, Any] | None = None,
 ) -> Callable[[], None]:  # fmt: skip
-    """Print what `show_result` does but for what lies beside a result; what is returned prints that. JSON is one."""
+    """Print text, or JSON, but for what lies beside a result, which what is returned prints; JSON is one.
+
+    Its files are read for doubts that are not given.
+    """
     from stiction.studies.onset import onset_beside
     from stiction.studies.resolution import resolution_at
     from stiction.studies.store import StoreError
@@ -65,7 +65,7 @@ def show_answer(
         return lambda: None
     if not as_json:
         measured = study.is_measured
-        most = MOST_DOUBTS if command == "pair" else None
+        most = DOUBTS if command == "pair" else None
         said = text.answer_text(at, study, verbose=verbose, beside=beside, most=most) if measured else ""
         tell(said or text.overview_text(at, study))
 
@@ -89,7 +89,7 @@ def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str]
     announce("drawing")
     drawings = drawn(stored, stored.path, first=True)
     page = stored.path / "report.html"
-    save_report([stored], page, names=[stored.path.resolve().name])
+    save_report(stored, page, name=stored.path.resolve().name)
     said(f"wrote {page} (open it), {' and '.join(['result.csv', *(drawing.name for drawing in drawings)])}")
 
 

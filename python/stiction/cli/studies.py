@@ -13,7 +13,7 @@ from stiction.cli.application import command, tell
 from stiction.cli.options import Verbose, option
 from stiction.cli.running import Part, Scheduler, Workers
 from stiction.studies.study import Study, study_names, study_summary
-from stiction.studies.text import StudyError, toml
+from stiction.studies.values import StudyError, toml
 
 Changes = Annotated[
     list[str] | None, option("--set KEY=VALUE", "Change a value, as in ensemble.repetitions=10. Repeatable.")

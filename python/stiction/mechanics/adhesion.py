@@ -9,6 +9,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -89,11 +90,7 @@ class Attraction:
     def settled(
         self, near: State | None, *, contact: float | None = None, load: float = 0.0, plain: bool = False
     ) -> State | None:
-        """The contact at a mean pressure, or at an external load; None if it does not converge.
-
-        Plain repetitions at a load draw bodies together step by step, to the first contact that holds; an accelerated
-        one may leap over it into complete contact.
-        """
+        """The contact at a mean pressure or an external load, which `plain` repetitions do not leap over; or None."""
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
@@ -131,10 +128,7 @@ class Attraction:
         return None
 
     def at(self, load: float, near: State | None) -> State:
-        """The contact at a mean external load (GPa) on the branch of the one before.
-
-        The first of all are bodies that come near and jump in; loads below 0 are reached from the contact at none.
-        """
+        """The contact at a mean external load (GPa) on the branch of the one before; the first jump in."""
         if load >= 0:
             found = self.settled(near, load=load)
             if found is None or (found.pressure.all() and (near is None or not near.pressure.all())):
@@ -150,13 +144,10 @@ class Attraction:
         after = [one for one in states if one.load >= load and one.contact > before[-1].contact]
         if lowest.load > load or not after:
             raise RuntimeError(f"the bodies come off at {self.force(lowest.load):.4g} mN")
-        return self.between(max(before, key=_contact), min(after, key=_contact), load)
+        return self.between(max(before, key=attrgetter("contact")), min(after, key=attrgetter("contact")), load)
 
     def branch(self, near: State, stride: float, until: float = -np.inf) -> list[State]:
-        """States from one on, by a factor on their contact load, until a load and the least one have been passed.
-
-        The least has been where the load has risen by `RISEN` or, of bodies that go, at the first touch.
-        """
+        """States from one on, by a factor on their contact load, until a load and the least one have been passed."""
         states, coming = [near], stride > 1
         while True:
             state, factor = None, stride
@@ -191,7 +182,7 @@ class Attraction:
             found = self.settled(middle, contact=middle.contact * math.exp(-slope / (2 * bend)))
             if found is None:
                 break
-            four = sorted([*three, found], key=_contact)
+            four = sorted([*three, found], key=attrgetter("contact"))
             place = int(np.argmin([one.load for one in four]))
             three = four[max(place - 1, 0) : place + 2]
         return min(three, key=lambda one: one.load)
@@ -219,10 +210,6 @@ class Attraction:
     def force(self, mean: float) -> float:
         """mN, of a mean pressure in GPa."""
         return mean * self.problem.cell * self.problem.gap.size
-
-
-def _contact(state: State) -> float:
-    return state.contact
 
 
 def _accelerated(steps: list[tuple[Floats, Floats]]) -> Floats:

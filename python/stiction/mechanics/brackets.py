@@ -26,9 +26,8 @@ FINER = tuple(2.0**-power for power in range(11))
 def kappa_spread(contact_count: Floats) -> Floats:
     """Factor within which κ of a finer scan is that of this one, in 95 of 100 pairs, from the number of contacts.
 
-    Measured: pairs seen with waves from 32 points on and from 4 points on, 10 each of Hurst exponents 0.4 and 0.8,
-    bands of 4 and of 16 at three loads. Mean and two standard deviations of the logarithms were together 0.6 with 2
-    contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
+    Measured as mean and two standard deviations of logarithms: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16, 0.1 with
+    40, of pairs of Hurst exponents 0.4 and 0.8 seen with waves from 32 points on and from 4 points on.
     """
     return np.asarray(np.exp(np.maximum(1 / np.sqrt(np.maximum(contact_count, 1)), LEAST_SPREAD)))
 
@@ -37,8 +36,8 @@ def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
     """Root-mean-square gradient of a gap, of slopes as the half-space takes them."""
     from stiction.mechanics.patches import slopes
 
-    spacing = (gap.spacing,) if isinstance(gap, Profile) else gap.spacing
-    return math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes(gap.heights, spacing, periodic=periodic)))
+    each_way = slopes(gap.heights, gap.spacings, periodic=periodic)
+    return math.sqrt(sum(float(np.mean(np.square(each))) for each in each_way))
 
 
 def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
@@ -52,10 +51,7 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Wavelength down to which waves have a root-mean-square gradient, and its interval; NaN where they never have.
-
-    The gradient is known within a factor `spread`, and beyond the fitted band by the interval of the exponent.
-    """
+    """Wavelength down to which waves have a gradient, known within a factor, and its interval; NaN without one."""
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
     middle, rougher, smoother = (None,) * 3 if estimate is None else interval_lines(estimate)
@@ -69,10 +65,7 @@ def plastic_wavelength(
 def continued(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Gradients of finer scans, (wavelength, statistic), over `FINER`; NaN without an exponent.
-
-    From the shortest wavelength (µm) of the scan and its gradient on.
-    """
+    """Gradients of finer scans from that of this one on, (wavelength, statistic); NaN without an exponent."""
     finer = np.array(FINER) * shortest
     if estimate is None:
         return np.full((finer.size, 3), np.nan)
@@ -84,21 +77,13 @@ def continued(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Area fractions on the ground plan, (wavelength, load, statistic), at gradients (wavelength, statistic).
-
-    From the fractions at a gradient of one, κ F/(E* A0), of each load, each known within a factor `spread`. A larger
-    gradient is a smaller area.
-    """
+    """Area fractions (wavelength, load, statistic) of the ground plan, from those at a gradient of one."""
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_stretch(gradient: Floats) -> Floats:
-    """Area of the interface over its ground plan, 1 + h'²/8, of the gap's gradient h'.
-
-    The interface of bodies that share the compliance equally has half the sum of their slopes, and independent bodies
-    half the gradient of their gap.
-    """
+    """Area of the interface over its ground plan, 1 + h'²/8, where both bodies share the gap's slope equally."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
@@ -111,14 +96,10 @@ def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
 
 
 def most_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Largest true area of finer scans of a pair that yields, in units of F/H, from that of this scan and its contacts.
+    """Largest true area of finer scans of a pair that yields, in F/H, from that of this scan and its contacts.
 
-    In the mean over pairs finer scans have less. Of one pair with few contacts finer waves move the load from one to
-    another, so that what is above F/H, the elastic rims of contacts that have yielded, may grow. It falls as the square
-    of the elastic pressure over the hardness, and the pressure is that of κ, see `kappa_spread`. A scan of which all is
-    elastic is bound by κ alone.
-
-    Measured: all of 300 pairs of 256² points, seen with waves from 16 points to 4, with 2 to 40 contacts.
+    Finer waves move the load from one contact to another, so that elastic rims of those that yield may grow; a scan of
+    which all is elastic is bound by κ alone. Measured: all of 300 pairs of 256² points with 2 to 40 contacts.
     """
     own = np.maximum(np.asarray(area, dtype=np.float64), 1.0)
     spread = kappa_spread(np.asarray(contact_count, dtype=np.float64))
@@ -126,10 +107,7 @@ def most_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
 
 
 def friction_bracket(value: float, mu0: float, adhesion: float, contacts: float) -> tuple[float, float]:
-    """Between which coefficients every finer scan of a pair that yields lies, to second order in slopes.
-
-    From the coefficient at this scan, where all contacts rub, mu0, tau0/H, and the contacts of all members.
-    """
+    """Ends of mu_s of every finer scan of a pair that yields, from mu_s where all rubs, mu0, tau0/H and contacts."""
     most = value
     if adhesion > 0:
         most += adhesion * float(most_area((value - mu0) / adhesion, contacts)) - max(value - mu0, adhesion)
@@ -137,10 +115,7 @@ def friction_bracket(value: float, mu0: float, adhesion: float, contacts: float)
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """A dataset of `resolution` with the plastic limit and the ends between which finer scans lie.
-
-    Of friction, for a mu0 and a tau0 (GPa), where all contacts rub.
-    """
+    """A dataset of `resolution` with the plastic limit and the ends between which finer scans lie, where all rubs."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     least = loads / hardness

@@ -5,13 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, number, read_only
-from stiction.mechanics.model import ContactModel, Curvature, check_pair, measured_source, model_of, refuse_no_modulus
+from stiction.mechanics.model import (
+    ContactModel,
+    Curvature,
+    check_pair,
+    measured_source,
+    model_for_pair,
+    model_of,
+    refuse_no_modulus,
+)
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -104,11 +113,6 @@ def candidates(
         Whether both bodies must be convex, or one may be a wider cup. By default "convex" for profiles and "signed" for
         surfaces.
 
-    Raises
-    ------
-    ValueError
-        If the grids differ or an argument is outside its range.
-
     Examples
     --------
     >>> import numpy as np
@@ -156,3 +160,10 @@ def model_for_candidates(found: Candidates, contact: Mapping[str, object]) -> Co
     model = replace(model, detection="gap-minimum", curvature=found.curvature)
     areal = isinstance(found.core, stiction._core.ArealCandidates)
     return model.for_surfaces() if areal else model.for_profiles()
+
+
+def known_of(upper: Any, lower: Any, contact: Mapping[str, object]) -> tuple[Candidates | None, ContactModel]:
+    """The candidates that stand in place of both bodies, if they do, and the model by which these are pressed."""
+    if isinstance(upper, Candidates):
+        return upper, model_for_candidates(upper, contact)
+    return None, model_for_pair(upper, lower, contact)

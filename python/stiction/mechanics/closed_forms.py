@@ -48,11 +48,6 @@ def effective_modulus(
         Young's moduli in one unit, which is that of E*, and Poisson's ratios; or two of `Material`, upper and lower,
         in place of the four: then E* is a float in GPa, of the middle of their ranges.
 
-    Raises
-    ------
-    ValueError
-        If a modulus is not above 0 or a ratio is not above -1 and at most 0.5.
-
     Examples
     --------
     >>> from stiction import effective_modulus, material
@@ -475,11 +470,6 @@ def gentle_friction(
     -------
     ndarray
         NaN where the contact locks itself, m S >= 1.
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range, or at the second order a slope is above the gradient.
 
     Notes
     -----

@@ -1,4 +1,7 @@
-"""The contacts of two bodies at one approach: Hanaor, Gan & Einav (2016), Eqs. 4 and 5."""
+"""Asperities of profiles, and the contacts of two bodies at one approach.
+
+Hanaor, Gan & Einav (2016), Eqs. 2 to 5.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, number, read_only
+from stiction._checks import Floats, choice, number, read_only
 from stiction._shown import Readable
 from stiction._units import in_core_units
-from stiction.mechanics.alike import warn_of_one_body
-from stiction.mechanics.candidates import Candidates, candidates, model_for_candidates
-from stiction.mechanics.model import ContactKeywords, model_for_pair, shows_model
-from stiction.surfaces.profile import Profile
+from stiction.mechanics.candidates import Candidates, candidates, known_of
+from stiction.mechanics.model import ContactKeywords, shows_model, warn_of_one_body
+from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface
 
 
@@ -133,13 +135,9 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     >>> len(one), one.force.round(4)  # Hertz: 4/3 E* R^(1/2) overlap^(3/2)
     (1, array([0.0133]))
     """
-    if isinstance(upper, Candidates):
-        found: Candidates | None = upper
-        approach = lower if approach is None else approach
-        model = model_for_candidates(upper, contact)
-    else:
-        found = None
-        model = model_for_pair(upper, lower, contact)
+    found, model = known_of(upper, lower, contact)
+    if found is not None and approach is None:
+        approach = lower
     approach = number("approach", in_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be one, because a contact has one tangent, got {model.direction!r}")
@@ -155,3 +153,61 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
         warn_of_one_body(upper, lower)
     columns["opposing"] = columns["opposing"].astype(np.bool_)
     return Contacts(**{name: read_only(column) for name, column in columns.items()})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Asperities(Readable):
+    """Osculating spheres of a profile, one per point; all arrays are read-only.
+
+    Attributes
+    ----------
+    slope : (n,) ndarray
+        f' of the natural cubic spline, dimensionless.
+    curvature : (n,) ndarray, 1/µm
+        f'' of the spline; zero at both ends.
+    normal : (n, 3) ndarray
+        Unit vector (x, y, z) out of the solid, z being height; y is 0.
+    radius : (n,) ndarray, µm
+        Positive where the solid is convex, infinite where the curvature is zero.
+    centre : (n, 3) ndarray, µm
+        Sphere centre; not finite where the radius is not.
+
+    Examples
+    --------
+    >>> from stiction import asperities, random_phases, weierstrass_mandelbrot
+    >>> asperities(weierstrass_mandelbrot(random_phases(1), 1.2, points=2000), "lower").normal.shape
+    (2000, 3)
+    """
+
+    slope: Floats
+    curvature: Floats = field(metadata={"unit": "1/µm"})
+    normal: Floats
+    radius: Floats = field(metadata={"unit": "µm"})
+    centre: Floats = field(metadata={"unit": "µm"})
+
+
+def asperities(profile: Profile, side: Side) -> Asperities:
+    """Sphere at every point of a profile.
+
+    Parameters
+    ----------
+    profile : Profile
+    side : {"lower", "upper"}
+        Whether the solid lies below the profile (the lower body) or above it.
+
+    Notes
+    -----
+    With q = sqrt(1 + f'²), the lower body has n = (-f', 0, 1)/q and R = -q³/f'', the upper one both negated, and the
+    centre is x - R n. The end condition f'' = 0 makes radii within about ten points of an end unreliable.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, asperities
+    >>> arc = Profile(-((np.arange(21) * 0.1 - 1.0) ** 2) / 4, spacing=0.1)  # of radius 2
+    >>> float(asperities(arc, "lower").radius[10].round(2))
+    2.0
+    """
+    choice("side", side, Side)
+    arrays = stiction._core.asperities(profile.heights, spacing=profile.spacing, side=side)
+    return Asperities(*(read_only(array) for array in arrays))

@@ -41,27 +41,7 @@ SHEAR_STRENGTH_LIMIT = 0.1  # tau0/E* above which tau0 is nearly always MPa give
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sums:
-    """Sums over contacts from which both loads follow for every mu0 and tau0; arrays that are all of one shape.
-
-    n is the contact normal, t the tangent, s the direction in which the upper body is about to move; "sliding" contacts
-    are those whose normal force opposes the motion, s·n < 0, or all of them, by the sliding rule.
-
-    Attributes
-    ----------
-    contact_count : ndarray of int
-    contact_area : ndarray, µm²
-    normal_elastic, tangential_elastic : ndarray, mN
-        Σ F n_z over all, -Σ F s·n over sliding contacts.
-    normal_frictional, tangential_frictional : ndarray, mN per unit mu0
-        Σ F t_z, -Σ F s·t over sliding contacts.
-    normal_adhesive, tangential_adhesive : ndarray, mN per GPa of tau0
-        Σ A t_z, -Σ A s·t over sliding contacts.
-    overlap_load, load_beyond_hertz, load_below_grid : ndarray, mN
-        Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
-        `Validity`.
-    crossed_count : ndarray of int
-        Would-be contacts that were refused because their sphere centres had crossed.
-    """
+    """Sums over contacts from which both loads follow for every mu0 and tau0, arrays of one shape: see `LoadCurve`."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -175,10 +155,7 @@ def _of(sums: Any, name: str) -> Any:
 
 
 def load_of(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
-    """The "normal", "tangential" or "lateral" load, mN, of sums by name or by attribute.
-
-    mu0 (dimensionless) and tau0 in GPa broadcast against the sums.
-    """
+    """The "normal", "tangential" or "lateral" load, mN, of sums by name or by attribute."""
     elastic, frictional, adhesive = (_of(sums, f"{load}_{part}") for part in _PARTS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
@@ -228,14 +205,9 @@ class Curve(Shown):
         return status_at(self.contact_count, normal)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
-        """Draw the true area over the load or, where a mu0 is given, the friction coefficient.
+        """Draw the true area over the load or, where a mu0 is given, the friction coefficient, a line for each.
 
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
-        mu0, tau0 : float or array_like of float, GPa for tau0
-            As for `normal_load`; a line for each, and for each direction.
+        Into given axes, or by default new ones, which are returned; mu0 and tau0 (GPa) as for `normal_load`.
         """
         from stiction._drawing import draw_area, draw_friction
 
@@ -257,9 +229,7 @@ class Curve(Shown):
 def status_of(*, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False) -> NDArray[Any]:
     """The one ladder of statuses, for curves, ensembles and traverses; booleans that broadcast.
 
-    "no-contact" unless bodies `touched`, else "ok" where the load is `reached`, else "below-range" where the load at
-    the first approach is above it, else "self-locked" where friction has `locked` the bodies at the last, else
-    "not-reached".
+    `locked` is said of the last step, `below` where the first carries more than the load.
     """
     ladder: list[tuple[ArrayLike, Status]] = [
         (np.logical_not(touched), STATUS_NO_CONTACT), (reached, STATUS_OK), (below, STATUS_BELOW_RANGE),

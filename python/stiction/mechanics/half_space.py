@@ -19,9 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, choice, number, part_of_one, read_only
 from stiction._shown import Shown, axes_for
 from stiction._units import in_core_units, loads_in_core_units
-from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.friction import Curve
-from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for
+from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_of_one_body
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
 from stiction.surfaces.profile import Profile, refuse_missing
 from stiction.surfaces.surface import Surface
@@ -93,10 +92,7 @@ class HalfSpaceContact(Shown):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the pressure over the heights of the lower body: a map with a bar for its scale, or both over x.
 
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
+        Into given axes, or by default new ones, which are returned.
         """
         from stiction._drawing import draw_contact
 
@@ -292,11 +288,6 @@ class HalfSpaceCurve(Curve):
         ----------
         direction : {"+x", "-x"}, float or a sequence of them, degrees
             As for `half_space`.
-
-        Raises
-        ------
-        ValueError
-            If it is no direction, or not one along x on profiles.
         """
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
@@ -336,7 +327,7 @@ class HalfSpaceCurve(Curve):
         RuntimeError
             If a step's error does not reach the tolerance.
         """
-        from stiction.mechanics.tangential import HalfSpace
+        from stiction.mechanics.mindlin import HalfSpace
 
         mu0, tau0 = strengths(mu0, tau0, self.effective_modulus)
         angle = heading(direction, line=self._problem.gap.ndim == 1)
@@ -451,13 +442,10 @@ def half_space(
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
     problem = problem_of(
-        upper,
-        lower,
-        float(model.effective_modulus),
-        periodic=boundary == "periodic",
+        upper, lower, float(model.effective_modulus), periodic=boundary == "periodic",
         compliance_share=part_of_one("compliance_share", compliance_share),
         hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
-    )
+    )  # fmt: skip
     work, length = (
         number(name, in_core_units(name, given, kind), unit=unit, above=above)
         for name, given, kind, unit, above in (
@@ -487,14 +475,9 @@ def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed], toler
     sums = tuple(one.sums(model.directions()) for one in contacts)
     rows = [one.row() | total for one, total in zip(contacts, _totals(model, contacts, sums), strict=True)]
     return HalfSpaceCurve(
-        **_columns(rows, model),
-        effective_modulus=float(model.effective_modulus),
-        _problem=problem,
-        _model=model,
-        _pressed=tuple(contacts),
-        _sums=sums,
-        _tolerance=tolerance,
-    )
+        **_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
+        _pressed=tuple(contacts), _sums=sums, _tolerance=tolerance,
+    )  # fmt: skip
 
 
 def _totals(model: ContactModel, contacts: Sequence[Pressed], sums: Sequence[PatchSums]) -> list[dict[str, Any]]:

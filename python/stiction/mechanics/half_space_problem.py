@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 MOST_KEPT = 2**20
 """Points of a grid whose kernels are kept when nobody uses them: 35 MB; a quarter of a free load takes to make them."""
 
-LONGEST_CELL = 1e6
-"""Ratio of the sides of a grid's cell, above which heights on it are no surface."""
+LONGEST_CELL = 1e6  # ratio of the sides of a grid's cell, above which heights on it are no surface
 
 
 _shared: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
@@ -38,10 +37,7 @@ _last: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
 def grids_of(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """The grids of a problem: the same ones as long as anyone holds them, as a curve does, and the last ones if small.
-
-    One pair after the other on one grid, as of shifts or repetitions, then shares their kernels.
-    """
+    """The grids of a problem, the same ones as long as anyone holds them: they have the kernels."""
     key = shape, spacing, effective_modulus, periodic
     grids = _shared.get(key)
     if grids is None:
@@ -60,10 +56,7 @@ def threads() -> int:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Heights of two bodies, their gap (µm, its least is 0), the lower one's share of the compliance, and kernels.
-
-    `spacing` is that along y and x, or x (µm); the work of adhesion is in mN/µm, its range, as the grid has it, in µm.
-    """
+    """Heights of two bodies and their gap (µm, its least is 0) with what their contact depends on, in core units."""
 
     upper: Floats
     lower: Floats
@@ -118,11 +111,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """The contact at a load (mN).
-
-    Of its points: pressures (GPa), shares of their cells in contact, and patches, from 1 on; approach (µm), error,
-    iterations; the attraction (GPa) over the grid where the bodies adhere.
-    """
+    """The contact at a load (mN): of its points pressure (GPa), share of their cells in contact, and patch."""
 
     problem: Problem
     load: float
@@ -156,13 +145,8 @@ class Pressed:
     def sums(self, directions: Floats) -> PatchSums:
         """Sums over each patch, for directions as (m, 2) horizontal unit vectors."""
         problem = self.problem
-        return patch_sums(
-            self.values * problem.cell,
-            self.share * problem.cell,
-            [along[self.points] for along in problem.slope],
-            self.patch,
-            directions,
-        )
+        slope = [along[self.points] for along in problem.slope]
+        return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
 
     def row(self) -> dict[str, Any]:
         """What the solution says without friction."""
@@ -226,25 +210,19 @@ class Pressed:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
-HIGHEST_GAP = 1e6
-"""Largest gap over the length of the bodies; a half-space takes slopes far below 1."""
+HIGHEST_GAP = 1e6  # largest gap over the length of the bodies; a half-space takes slopes far below 1
 
 
 def problem_of(
-    upper: Profile | Surface,
-    lower: Profile | Surface,
-    effective_modulus: float,
-    *,
-    periodic: bool,
-    compliance_share: float,
-    hardness: float | None,
-) -> Problem:
+    upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
+    compliance_share: float, hardness: float | None,
+) -> Problem:  # fmt: skip
     """Problem of two bodies on one grid; the rest is checked."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
         )
-    spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing
+    spacing = upper.spacings
     cell = float(np.prod(spacing))
     if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= LONGEST_CELL * min(spacing)):
         raise ValueError(
@@ -297,13 +275,9 @@ def steps_of(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | 
 
 
 def pressed(
-    problem: Problem,
-    name: Asked,
-    steps: Floats,
-    *,
-    tolerance: float,
+    problem: Problem, name: Asked, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None,
-) -> list[Pressed]:
+) -> list[Pressed]:  # fmt: skip
     """The contact at each load (mN) or approach (µm)."""
     if problem.work_of_adhesion > 0:
         from stiction.mechanics.adhesion import sticking
@@ -362,13 +336,9 @@ class Solver:
 
 
 def pressed_of(
-    problem: Problem,
-    solution: _core.HalfSpaceSolution | State,
-    load: float | None,
-    attraction: Floats | float = 0.0,
-    *,
-    scale: float = 1.0,
-) -> Pressed:
+    problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
+    attraction: Floats | float = 0.0, *, scale: float = 1.0,
+) -> Pressed:  # fmt: skip
     """What a solution is at a load (mN), or at that of its pressure."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)

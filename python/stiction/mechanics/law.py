@@ -140,11 +140,6 @@ def force_and_area(
         Effective radius, 1/R = 1/R_u + 1/R_l, above 0.
     effective_modulus : float, GPa
 
-    Raises
-    ------
-    ValueError
-        If an argument or a parameter of the law is outside its range.
-
     Examples
     --------
     >>> from stiction import force_and_area

@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core
 from stiction._checks import Floats, float_array, part_of_one, read_only
 from stiction._units import in_core_units
-from stiction.mechanics.alike import warn_of_one_body
-from stiction.mechanics.candidates import Candidates, candidates, model_for_candidates
+from stiction.mechanics.candidates import Candidates, candidates, known_of
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import Curve, Sums, SurfaceValidity, Validity, load_of
-from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, model_for_pair, shows_model
+from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, shows_model, warn_of_one_body
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
 from stiction.mechanics.quantities import DIRECTED
 from stiction.surfaces.profile import Profile
@@ -215,11 +214,6 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     LoadCurve
         Of surfaces a `SurfaceLoadCurve`.
 
-    Raises
-    ------
-    ValueError
-        If the grids differ, an argument is outside its range, or an approach is beyond the candidates' deepest.
-
     Examples
     --------
     >>> from stiction import press, random_phases, weierstrass_mandelbrot
@@ -242,15 +236,11 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     >>> curve.friction_coefficient(mu0=0.4).shape
     (4, 2)
     """
-    if isinstance(upper, Candidates):
-        found: Candidates | None = upper
-        if lower is not None and approaches is not None:
+    found, model = known_of(upper, lower, contact)
+    if found is not None and lower is not None:
+        if approaches is not None:
             raise ValueError("candidates are of both bodies: press(candidates, approaches) takes no lower body")
-        approaches = lower if approaches is None else approaches
-        model = model_for_candidates(upper, contact)
-    else:
-        found = None
-        model = model_for_pair(upper, lower, contact)
+        approaches = lower
     wanted = [approaches] if isinstance(approaches, str) else approaches
     steps = float_array("approaches", in_core_units("approaches", wanted, "length"), ndim=1)
     if isinstance(upper, Surface):

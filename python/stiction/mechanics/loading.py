@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Unpack
 
 import numpy as np
@@ -58,11 +59,6 @@ def approach_at_load(
         points are in touch, because friction locks the contacts or there are none, and where more than the load is
         carried at an approach of 0 already; `traverse` tells these apart.
 
-    Raises
-    ------
-    ValueError
-        If the grids differ or an argument is outside its range.
-
     Notes
     -----
     F_N is sampled in steps of a tenth of the approach; within the first step that crosses a load upwards the
@@ -100,41 +96,30 @@ class Bodies:
 
     def pressed(self, approaches: Floats, model: ContactModel) -> Sums:
         """The sums of `press`; whatever has been found before, they are the same to the bit."""
-        model = model_for_pair(self.upper, self.lower, {"model": model})
-        given: dict[str, Any] = {"approaches": approaches, "model": model.core()}
+        given: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             given["directions"] = model.directions()
-        if model.detection == "cell":
-            upper, lower = self.profiles()
-            return Sums.of(stiction._core.press(upper.heights, lower.heights, spacing=upper.spacing, **given))
-        return Sums.of(stiction._core.press(self._minima(float(approaches[-1]), model).core, **given))
+        return Sums.of(self._by(stiction._core.press, float(approaches[-1]), model, given))
 
     def rising_through(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
         """Approaches between `left`, where F_N is below loads, and `right`, where it is not."""
+        given = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
+        return np.asarray(self._by(stiction._core.approaches_at, float(right.max()), model, given))
+
+    def _by(self, function: Callable[..., Any], deepest: float, model: ContactModel, given: dict[str, Any]) -> Any:
+        """What a function of the core says of both bodies, or of their minima up to an approach."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
-        given: dict[str, Any] = {
-            "loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0, "model": model.core(),
-        }  # fmt: skip
+        given = given | {"model": model.core()}
         if model.detection == "cell":
-            upper, lower = self.profiles()
-            return stiction._core.approaches_at(upper.heights, lower.heights, spacing=upper.spacing, **given)
-        return stiction._core.approaches_at(self._minima(float(right.max()), model).core, **given)
-
-    def profiles(self) -> tuple[Profile, Profile]:
-        """Both bodies, where it is known that they are lines."""
-        assert isinstance(self.upper, Profile)
-        assert isinstance(self.lower, Profile)
-        return self.upper, self.lower
-
-    def _minima(self, deepest: float, model: ContactModel) -> Candidates:
+            return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **given)
         found = self._found
         if found is None or found.deepest < deepest or found.curvature != model.curvature:
             # Further, because what is asked for next is often deeper.
             found = candidates(self.upper, self.lower, deepest=_FURTHER * deepest, curvature=model.curvature)
             self._found = found
-        return found
+        return function(found.core, **given)
 
 
 def crossing(

@@ -1,9 +1,10 @@
-"""The onset of sliding of asperities: each contact a patch that slips from its edge inwards, all in parallel.
+"""The onset of sliding: of asperities, whose contacts slip from their edges inwards in parallel, and of a half-space.
 
 A traction that falls from the middle of an ellipse outwards is a sum of those of flat punches on smaller ellipses with
 the same ratio of axes, t from 0 to 1, under each of which the displacement is even. So a contact behaves as springs
 along t that stick while they are below their own strength Q(t): exactly Cattaneo's and Mindlin's solution, for any
-bound mu0 p + tau0 (on circles Jäger 1998; Popov & Heß, Method of Dimensionality Reduction, 2015, chapter 5).
+bound mu0 p + tau0 (on circles Jäger 1998; Popov & Heß, Method of Dimensionality Reduction, 2015, chapter 5). A
+half-space has tractions up to a bound that differs from point to point.
 """
 
 from __future__ import annotations
@@ -14,13 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats
+import stiction._core as _core
+from stiction._checks import Floats, number
+from stiction.mechanics.half_space_problem import threads
 from stiction.mechanics.law import HertzCylinder, law_of
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.onset import Slip, poisson_ratios
 
 if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
+    from stiction.mechanics.half_space_problem import Pressed
 
 NODES = 24  # of Gauss and Legendre, over a smooth function of an angle
 
@@ -28,11 +32,8 @@ NODES = 24  # of Gauss and Legendre, over a smooth function of an angle
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
     """E*/E*_t: how much more two bodies give way to tractions along the motion than to pressures.
 
-    A point moves along the motion under a force there in proportion to 1 - ν sin², of the angle between the motion and
-    the way to the force (Cerruti; Johnson, Contact Mechanics, 1985, eq. 3.75), and under pressures to 1 - ν. `across`
-    is the mean of sin²: 1/2 on circles, which gives Mindlin's (2 - ν)/(2 (1 - ν)) for equal bodies, and 1 where forces
-    lie on lines across the motion, as on profiles, which gives 1. The lower body's part of the compliance under
-    pressures weighs its own ratio.
+    1 - ν sin² over 1 - ν (Cerruti; Johnson, Contact Mechanics, 1985, eq. 3.75), of the angle between the motion and the
+    way to a force. `across` is the mean of sin²: 1/2 on circles (Mindlin), 1 where forces lie on lines across it.
     """
     upper, lower = poisson_ratios(poisson)
     ratios = [(1 - one * np.asarray(across)) / (1 - one) for one in (upper, lower)]
@@ -40,20 +41,14 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Normal stiffness (mN/µm) of flat elliptic punches with (c, 2) semi-axes, the larger first: π E* a/K(1 - b²/a²).
-
-    Johnson, Contact Mechanics (1985), section 3.8.
-    """
+    """π E* a/K(1 - b²/a²), mN/µm, of flat elliptic punches with (c, 2) semi-axes (Johnson 1985, section 3.8)."""
     from scipy.special import ellipkm1
 
     return np.asarray(np.pi * effective_modulus * axes[:, 0] / ellipkm1((axes[:, 1] / axes[:, 0]) ** 2))
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """The mean of sin² between the motion and the way from the middle of an ellipse, as `compliance_ratio` wants it.
-
-    Angles are those (rad) between the motion and the larger axis. Each way weighs as the ellipse is long along it.
-    """
+    """The `across` of `compliance_ratio` of ellipses, at angles (rad) between the motion and the larger axis."""
     from scipy.special import ellipkm1, elliprd
 
     square = (axes[:, 1] / axes[:, 0]) ** 2
@@ -72,16 +67,9 @@ class Asperities:
     """
 
     def __init__(
-        self,
-        contacts: Contacts,
-        model: ContactModel,
-        *,
-        mu0: float,
-        tau0: float,
-        angle: float,
-        poisson: float | Sequence[float],
-        compliance_share: float,
-    ) -> None:
+        self, contacts: Contacts, model: ContactModel, *, mu0: float, tau0: float, angle: float,
+        poisson: float | Sequence[float], compliance_share: float,
+    ) -> None:  # fmt: skip
         if isinstance(law_of(model.law), HertzCylinder):
             raise ValueError(
                 "law must not be HertzCylinder for an onset, because a line load moves far points without limit: take "
@@ -154,3 +142,72 @@ class Asperities:
         by_friction = np.where(whole, 1.0, -np.expm1(1.5 * np.log1p(-(np.where(whole, 0.0, depth) ** 2))))
         by_adhesion = 2 / np.pi * (np.arcsin(depth) + depth * np.sqrt(stuck))
         return np.asarray(self.frictional * by_friction + self.adhesive * by_adhesion)
+
+
+class HalfSpace:
+    """A half-space that is pushed: `Held` of `onset`, of the contact at one load."""
+
+    def __init__(
+        self, pressed: Pressed, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
+    ) -> None:
+        problem = pressed.problem
+        self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
+        self.shape, self.size = problem.gap.shape, problem.gap.size
+        # On a line all load lies across the motion, on lines of its own.
+        across = 1.0 if len(self.shape) == 1 else 0.5
+        self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
+        self.points: NDArray[Any] = pressed.points
+        self.pressure = pressed.values
+        stretch = np.sqrt(1 + sum(along[self.points] ** 2 for along in problem.slope))
+        self.area = pressed.share * self.cell * stretch
+        self.bound = mu0 * self.pressure + tau0 * self.area / self.cell
+        self.normal_load = float(self.pressure.sum() * self.cell)
+        self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
+        everywhere = self._over_grid(self.bound)
+        self.mean_bound = float(everywhere.mean())
+        self.tolerance = number("tolerance", tolerance, above=0, below=1)
+        self.solver = _core.HalfSpaceSolver(
+            np.zeros(self.shape), problem.grids, bound=everywhere, tolerance=self.tolerance, threads=threads()
+        )
+        compliance = self.grids.linear_answer(everywhere > 0, threads=threads())[1] * self.ratio
+        self.stiffness = (self.cell / compliance if compliance > 0 else np.inf) if self.moves else np.nan
+
+    def at(self, load: float, near: Slip | None = None) -> Slip:
+        """The least energy of tractions that hold a load."""
+        if load >= self.sliding_load:
+            return self._slip(self.sliding_load, self.bound, float(self._moved(self.bound).max()))
+        part = load / self.sliding_load
+        start = None if near is None else self._over_grid(near.traction)
+        found = self.solver.at(part * self.mean_bound, near=start, threads=threads())
+        if not found.error <= self.tolerance:
+            raise RuntimeError(
+                f"no solution at {load:g} mN, {part:g} of the sliding load: error {found.error:.2g} after "
+                f"{found.iterations} iterations, above the tolerance {self.tolerance:g}"
+            )
+        return self._slip(load, found.pressure[self.points], found.approach * self.ratio)
+
+    def dissipated(self, slip: Slip) -> float:
+        """The sum of bound times slip, whatever far points do."""
+        moved = self._moved(slip.traction)
+        slips = slip.traction >= self.bound
+        sticks = (slip.traction > 0) & ~slips
+        held = moved[sticks].mean() if sticks.any() else moved[slips].max()
+        return float((self.bound[slips] * (held - moved[slips])).sum() * self.cell)
+
+    def _slip(self, load: float, traction: Floats, displacement: float) -> Slip:
+        slips = traction >= self.bound
+        return Slip(
+            load=load, displacement=max(displacement, 0.0) if self.moves else np.nan,
+            slipped_area=float(self.area[slips].sum() / self.area.sum()),
+            slipped_load=float(self.pressure[slips].sum() / self.pressure.sum()), traction=traction,
+        )  # fmt: skip
+
+    def _moved(self, traction: Floats) -> Floats:
+        """µm, of the points in contact."""
+        moved = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
+        return np.asarray(moved.ravel()[self.points])
+
+    def _over_grid(self, traction: Floats) -> Floats:
+        grid = np.zeros(self.size)
+        grid[self.points] = traction
+        return grid.reshape(self.shape)

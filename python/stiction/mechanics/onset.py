@@ -41,18 +41,7 @@ class Slip:
 
 
 class Held(Protocol):
-    """Two bodies under a normal load that are about to be pushed: asperities, or a half-space.
-
-    Attributes
-    ----------
-    normal_load, sliding_load : float, mN
-    stiffness : float, mN/µm
-        While all sticks.
-    bound : ndarray, GPa
-        The most that each point in contact holds.
-    points : ndarray of int
-        Where these points are, of `size`.
-    """
+    """Two bodies under a normal load that are about to be pushed; `bound` (GPa) is what points in contact hold."""
 
     normal_load: float
     sliding_load: float
@@ -226,10 +215,7 @@ class Onset(Shown):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the tangential load over the displacement, or over the slipped area where there is no displacement.
 
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
+        Into given axes, or by default new ones, which are returned.
         """
         from stiction._drawing import draw_onset
 

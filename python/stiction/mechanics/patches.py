@@ -40,30 +40,16 @@ def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """What F_N and F_T need for every mu0 and tau0, of each patch: (patches,), or (directions, patches).
+    """What F_N and F_T need for every mu0 and tau0, of each patch: (patches,), or (directions, patches)."""
 
-    Attributes
-    ----------
-    force, area : ndarray, mN and µm²
-        Σ F n_z, and the area along the deformed interface.
-    leaning : ndarray, mN
-        -Σ F s·n.
-    upward, forward : ndarray, mN
-        Σ F t_z and -Σ F s·t, for friction.
-    upward_area, forward_area : ndarray, µm²
-        Σ A t_z and -Σ A s·t, for adhesion.
-    steepness : float
-        Root-mean-square slope in contact, weighted with the force.
-    """
-
-    force: Floats
-    area: Floats
-    leaning: Floats
-    upward: Floats
-    forward: Floats
-    upward_area: Floats
-    forward_area: Floats
-    steepness: float
+    force: Floats  # mN, Σ F n_z
+    area: Floats  # µm², along the deformed interface
+    leaning: Floats  # mN, -Σ F s·n
+    upward: Floats  # mN, Σ F t_z, and
+    forward: Floats  # -Σ F s·t, for friction
+    upward_area: Floats  # µm², Σ A t_z, and
+    forward_area: Floats  # -Σ A s·t, for adhesion
+    steepness: float  # root-mean-square slope in contact, weighted with the force
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
@@ -87,11 +73,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Sums over the points of each patch.
-
-    Of each point under pressure: its force on the ground plan (mN), its share of the ground plan (µm²), slopes along y
-    and x (or x alone) of the deformed interface, and its patch, from 1 on. Directions are (m, 2) horizontal unit
-    vectors.
-    """
+    """Sums over the points of each patch, from their forces (mN), areas (µm²) and slopes, for (m, 2) unit vectors."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

@@ -67,19 +67,12 @@ class FourParameterIwan(Readable):
 
     def energy_lost(self, displacement: ArrayLike) -> Floats:
         """What a cycle between plus and minus a displacement (µm) takes, mN µm."""
-        way = _ways(displacement)
-        part = np.minimum(way / self.displacement_at_sliding, 1.0)
+        way, last = _ways(displacement), self.displacement_at_sliding
+        part = np.minimum(way / last, 1.0)
         softer = part ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
         # 8 times the area below the first way up, less 4 times the square about it (Masing).
-        rising = (
-            4
-            * self.stiffness
-            * softer
-            * (self.chi + 1)
-            / (self.chi + 3)
-            * np.minimum(way, self.displacement_at_sliding) ** 2
-        )
-        return np.asarray(rising + 4 * self.sliding_load * np.maximum(way - self.displacement_at_sliding, 0.0))
+        rising = 4 * self.stiffness * softer * (self.chi + 1) / (self.chi + 3) * np.minimum(way, last) ** 2
+        return np.asarray(rising + 4 * self.sliding_load * np.maximum(way - last, 0.0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -124,15 +124,10 @@ def resolution(
 
     .. math:: F/H \le A \le A_{scan}, \qquad μ_0 + τ_0/H \le μ_s \le μ_{s,scan}
 
-    in the mean over pairs where all contacts rub, but for terms of second order in slopes: the interface of a gap with
-    the gradient h' is longer than its ground plan by the factor 1 + h'²/8, and so is the area. Of one pair with n
-    contacts finer waves move the load between them: there the bracket ends not at A but at
-    :math:`F/H + (A - F/H)\,e^{2/\sqrt n}`, and 1/√n is at least 0.1. The opposing rule's slope term has no such
-    limit: its number belongs to a resolution.
-
-    Finer than the fitted band, h' is continued by the power law of the gap's Hurst exponent. `lower` and `upper` take
-    the 95 % interval of the exponent about the middle of the band, and κ within a factor, which is larger the fewer
-    contacts there are. Work hardening, the indentation size effect and the shape that flow leaves behind are not in it.
+    in the mean over pairs where all contacts rub, but for terms of second order in slopes. Of one pair with n contacts
+    the bracket ends not at A but at :math:`F/H + (A - F/H)\,e^{2/\sqrt n}`, and 1/√n is at least 0.1. The opposing
+    rule's slope term has no such limit: its number belongs to a resolution. Finer than the fitted band, h' is continued
+    by the gap's Hurst exponent, within its interval and, the fewer contacts, a larger factor on κ.
 
     Examples
     --------
@@ -151,9 +146,11 @@ def resolution(
     lengths = pair.cut_offs(cut_offs)
     if hardness is not None:
         hardness = number("hardness", hardness, unit="GPa", above=0)
-    parameters = None if mu0 is None else (_strength("mu0", mu0), _strength("tau0", tau0))
+    parameters = None if mu0 is None else _strengths(mu0, tau0)
     areal = isinstance(upper, Surface)
-    along: tuple[Direction, ...] = (_AROUND if areal else ("+x", "-x")) if direction is None else _several(direction)
+    if direction is None:
+        direction = _AROUND if areal else ("+x", "-x")
+    along: tuple[Direction, ...] = tuple(direction) if np.ndim(direction) else (direction,)  # type: ignore[assignment,arg-type]
     options: dict[str, Any] = {
         "effective_modulus": effective_modulus, "boundary": boundary, "compliance_share": compliance_share,
         "direction": along if areal else along[0], "sliding": "all", "tolerance": tolerance,
@@ -173,7 +170,10 @@ def resolution(
     result = _over_cut_offs(pair, lengths, steps, answers, effective_modulus, hardness)
     if parameters is not None:
         result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
-    result.attrs |= _instrument(pair, tip_radius)
+    rough = [body for body in (upper, lower) if not body.is_flat]
+    limits = [instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic) for body in rough]
+    worst = max(limits, key=lambda limit: limit.wavelength)
+    result.attrs |= {"instrument_limit_um": worst.wavelength, "instrument_limit_reason": worst.reason}
     return _with_limits(result, pair, steps, elastic, effective_modulus, hardness, parameters)
 
 
@@ -189,7 +189,7 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     >>> resolution_friction(found, mu0=0.3).sel(sliding="all").values.round(2)
     array([[0.3]])
     """
-    mu, tau = _strength("mu0", mu0), _strength("tau0", tau0)
+    mu, tau = _strengths(mu0, tau0)
     normal, tangential = (load_of(load, result, mu, tau) for load in ("normal", "tangential"))
     mu_s = np.divide(tangential, normal, out=np.full_like(normal, np.nan), where=normal > 0)
     found = result.normal_elastic.copy(data=mu_s)
@@ -198,8 +198,9 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     return ordered
 
 
-def _strength(name: str, value: Any) -> float:
-    return float(friction_parameter(name, number(name, value)))
+def _strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
+    mu, tau = (float(friction_parameter(name, number(name, each))) for name, each in (("mu0", mu0), ("tau0", tau0)))
+    return mu, tau
 
 
 # ---- Solving --------------------------------------------------------------------------------------------------------
@@ -216,24 +217,20 @@ class _Pair:
         return self.boundary == "periodic"
 
     @property
-    def spacing(self) -> tuple[float, ...]:
-        return (self.upper.spacing,) if isinstance(self.upper, Profile) else self.upper.spacing
-
-    @property
     def nominal_area(self) -> float:
         """µm²; a profile is 1 µm thick."""
-        return math.prod(self.spacing) * self.upper.heights.size
+        return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
     def shortest(self) -> float:
         """µm, two points of the coarser spacing."""
-        return 2 * max(self.spacing)
+        return 2 * max(self.upper.spacings)
 
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
         return replace(upper, heights=upper.heights - lower.heights, history=())
 
     def cut_offs(self, wanted: float | Sequence[float] | None) -> list[float]:
-        side = min(size * step for size, step in zip(self.upper.heights.shape, self.spacing, strict=True))
+        side = min(size * step for size, step in zip(self.upper.heights.shape, self.upper.spacings, strict=True))
         if wanted is None:
             doubles = 2 * self.shortest * 2.0 ** np.arange(40)
             return [0.0, *doubles[doubles <= _COARSEST * side * (1 + 1e-9)].tolist()]
@@ -269,11 +266,6 @@ def _answer(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...],
 
 
 # ---- Over cut-offs --------------------------------------------------------------------------------------------------
-
-
-def _several(directions: Any) -> tuple[Direction, ...]:
-    """One direction or some."""
-    return (directions,) if isinstance(directions, str) or not np.ndim(directions) else tuple(directions)
 
 
 def _over_cut_offs(
@@ -320,16 +312,6 @@ def _over_cut_offs(
 
 def _said(unit: str, text: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
-
-
-def _instrument(pair: _Pair, tip_radius: float | None) -> dict[str, Any]:
-    """The wavelength below which one of the scans is of the instrument, and why."""
-    limits = [
-        instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic)
-        for body in (pair.upper, pair.lower) if not body.is_flat
-    ]  # fmt: skip
-    worst = max(limits, key=lambda limit: limit.wavelength)
-    return {"instrument_limit_um": worst.wavelength, "instrument_limit_reason": worst.reason}
 
 
 # ---- Limits ---------------------------------------------------------------------------------------------------------

@@ -56,11 +56,6 @@ def spectral_resolution(
         `sliding` ("all", "opposing") `friction_coefficient`. `plastic_wavelength` (µm) is where the elastic pressure
         reaches the hardness, NaN if it does not.
 
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range, or a body is not an area.
-
     Notes
     -----
     .. math:: h'^2 = h'^2_u + h'^2_l, \qquad A/A_0 = \max(κ p/(E^* h'),\; p/H) \le 1, \qquad μ_s = μ_0 + τ_0 A/F

@@ -45,26 +45,13 @@ def tilted(problem: Problem, slopes: Floats) -> Problem:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What points under pressure answer, as they are, to a load of 1 GPa on the mean and to slopes of the upper body.
+    """What points under pressure answer, as they are, to a mean load of 1 GPa and to slopes of the upper body."""
 
-    Attributes
-    ----------
-    pressure : ndarray, GPa
-        Under the load.
-    approach : float, µm
-    moments : (n,) ndarray, GPa µm
-        Of the mean, under the load.
-    turned : list of ndarray, GPa
-        Pressures of each slope of 1 under no load.
-    turning : (n, n) ndarray, GPa µm
-        Their moments, by slope and axis: negative definite but for single points.
-    """
-
-    pressure: Floats
-    approach: float
-    moments: Floats
-    turned: list[Floats]
-    turning: Floats
+    pressure: Floats  # GPa, under the load
+    approach: float  # µm
+    moments: Floats  # (n,), GPa µm, under the load
+    turned: list[Floats]  # GPa, of each slope of 1 under no load
+    turning: Floats  # (n, n), their moments, by slope and axis: negative definite but for single points
 
     @classmethod
     def of(cls, problem: Problem, free: NDArray[np.bool_]) -> Answer:

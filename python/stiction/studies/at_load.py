@@ -8,6 +8,7 @@ with what friction on slopes adds. On gentle slopes the three agree to four digi
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -87,7 +88,11 @@ def at_load(
         members = member_values(result, values, mu0=material[0], tau0=material[1], reading=reading, of=of)
         point = _of_members(study, members)
         if measured:
-            point = point.assign(_beside(study, point))
+            gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
+            cells = [str(dim) for dim in gradient.dims]
+            along = slope.transpose(*cells, "direction").values
+            modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
+            point = point.assign(by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured:
         point["reading_difference"] = _difference(result, point, values, material, reading, of)
     return point.assign_attrs(reading=reading)
@@ -180,11 +185,7 @@ def _put_together(groups: NDArray[np.intp]) -> Any:
 
 
 def reached_loads(result: Result, steps: int = 80) -> Floats:
-    """Loads in equal ratios (mN), from what the lightest step carries to the most that the mean of any cell reaches.
-
-    The lower end is the largest of the cells' loads at the first step, so that none of them starts above it. Raises a
-    `ValueError` if nothing touches.
-    """
+    """Loads in equal ratios (mN), from what every cell carries at its first step to the most that any reaches."""
     elastic = means(result, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
@@ -236,7 +237,9 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
             (*named, "statistic"), order.mean(by_axis), words | {"long_name": "friction coefficient, both senses"},
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
-    low, high = _quantiles(coefficient, (0, at))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # where no member has an answer there is none
+        low, high = np.nanquantile(coefficient, SPREAD, axis=(0, at))
     variables |= {
         "spread_low": (rest, low, words | {"long_name": "a tenth of the members are below"}),
         "spread_high": (rest, high, words | {"long_name": "a tenth of the members are above"}),
@@ -248,15 +251,6 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
 
 
 _NOT_ONE = ("contact_area_fraction",)  # fractions that may come out above 1, which a reader must see
-
-
-def _quantiles(values: Floats, axes: tuple[int, ...]) -> tuple[Floats, Floats]:
-    import warnings
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # where no member has an answer there is none
-        low, high = np.nanquantile(values, SPREAD, axis=axes)
-    return low, high
 
 
 def _common_status(status: NDArray[Any]) -> NDArray[Any]:
@@ -309,16 +303,6 @@ def _ends_of(values: Floats, found: intervals.OfScans | None) -> tuple[float, fl
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
     least = -np.inf if np.nanmin(values) < 0 else 0.0
     return found.mean, max(found.mean - found.half_width, least), found.mean + found.half_width
-
-
-def _beside(study: Study, point: xarray.Dataset) -> dict[str, Any]:
-    """What the slopes of the gap alone say of friction."""
-    gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
-    cells = [str(dim) for dim in gradient.dims]
-    return by_slopes(
-        cells, gradient.values, slope.transpose(*cells, "direction").values, point["sliding"].values,
-        point["mu0"].values, point["tau0"].values, float(study.contact.effective_modulus),
-    )  # fmt: skip
 
 
 def _difference(

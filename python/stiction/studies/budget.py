@@ -37,14 +37,12 @@ UPPER_PIECE, LOWER_PIECE = "which piece of the upper part", "which piece of the 
 PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
 """Parts of the uncertainty that are no inputs: of the mean over scans and positions, and waves finer than the scan."""
 
-INTERFACE = "interface"
-"""Input that is mu0 and tau0 jointly."""
+INTERFACE = "interface"  # input that is mu0 and tau0 jointly
 
 KNOWN_QUANTILES = (0.1, 0.5, 0.9)
 """Quantiles of an input over which the width that would be left, if it were known, is a mean."""
 
-MOST_BUDGETS = 100
-"""Coefficients up to which each has a budget; of more, each has its intervals."""
+MOST_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
 
 DECILES = 2.563103131089201
 """Standard deviations of a normal distribution between its tenth and its ninetieth percentile."""
@@ -56,20 +54,9 @@ _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "co
 def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     """What `at_load` gives of measured bodies, with the interval of everything known, the next test, and the budget.
 
-    Parameters
-    ----------
-    at : xarray.Dataset
-        What `at_load` returns of the result at its elastic loads.
-    result : xarray.Dataset or Stored
-
-    Returns
-    -------
-    xarray.Dataset
-        With `friction_known`, the coefficient and its 95 % interval of everything known, `friction_next_test`, between
-        which ends one test at one position and in one direction lies with 95 %, and `friction_if_known`, over input,
-        the interval that would be left if that input were known, where all contacts rub; the width of this is
-        `width_if_known`; where the study waits, `friction_waited` over wait (s). The inputs are those of `inputs_of`,
-        "positions" and "finer waves". Of generated bodies it is as it was.
+    That is `friction_known`, `friction_next_test` of one position in one direction, where the study waits
+    `friction_waited`, and over input, those of `inputs_of`, positions and finer waves, `friction_if_known` and its
+    `width_if_known`, the interval that would be left if the input were known. Of generated bodies it is as it was.
     """
     study = study_of_result(result)
     if not study.is_measured or at.attrs.get("reading") != "elastic":
@@ -168,6 +155,8 @@ class _Point:
     ) -> _Point | None:  # fmt: skip
         """From a point of what `at_load` gives; None where there is no coefficient, or no interval."""
         value, lower, upper = point["friction_all_round"].values.tolist()
+        if study.is_gap:  # at its one position
+            lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return None
         mu0, tau0 = float(point["mu0"]), float(point["tau0"])
@@ -185,7 +174,7 @@ class _Point:
             contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
             finest = friction_bracket(value, mu0, tau0 / float(hardness), contacts)
         error, members = (upper - lower) / (2 * ENDS * value), int(point["ok"].min())
-        spread = float(point["spread_high"]) - float(point["spread_low"])
+        spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         places, freedom = {POSITIONS: error}, float(max(members - 1, 1))
         scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))
         if of_parts is not None:
@@ -196,6 +185,8 @@ class _Point:
         names = (*known, *((INTERFACE,) if strength else ()), *places)
         if finest is not None and finest[1] > finest[0]:
             names = (*names, FINER)
+        if not names:
+            return None
         return cls(
             value, names, known, study, friction, mu0, tau0, areas, where.get("load", 0), places, scatter, freedom,
             finest, strength,
@@ -218,10 +209,7 @@ class _Point:
         return _ends(self._draws(dict.fromkeys(self.places, 0.5)) * (1 + self.areas.kept[key] * self.scatter))
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """The coefficient after some seconds under a nominal pressure (GPa), with its 95 % interval.
-
-        The hardness has fallen meanwhile; NaN where it does not bear the pressure.
-        """
+        """The coefficient after seconds under a nominal pressure (GPa), with its interval; NaN where it yields."""
         creep, hardness = creep_of(self.study), self.areas.hardness
         assert creep is not None, "a study that waits has its creep"
         assert hardness is not None, "and a hardness"

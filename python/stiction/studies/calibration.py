@@ -34,40 +34,26 @@ LEAST_VARIATION = 0.1
 NUISANCES = 128
 """Points of a Sobol sequence over what is not asked for: gain of the force cell, areas of the surfaces, hardness."""
 
-STRENGTHS, COEFFICIENTS = 161, 97
-"""Points of the grids of tau0, and of mu0 at each of these."""
+STRENGTHS, COEFFICIENTS = 161, 97  # points of the grids of tau0, and of mu0 at each of these
 
-DRAWS = 4000
-"""Pairs of mu0 and tau0 that stand for their joint distribution."""
-
-TAIL = 1e-7
-"""Density over its maximum, below which the grid of tau0 ends."""
-
-WIDE = 8.0
-"""Half-width of the grid of mu0, standard deviations."""
-
-LEAST_TESTS = 3
-"""Tests that slid from whose scatter errors are found."""
+DRAWS = 4000  # pairs of mu0 and tau0 that stand for their joint distribution
+TAIL = 1e-7  # density over its maximum, below which the grid of tau0 ends
+WIDE = 8.0  # half-width of the grid of mu0, standard deviations
+LEAST_TESTS = 3  # tests that slid from whose scatter errors are found
 
 EXCLUDED, UNLIKELY = 0.01, 0.05
 """Probabilities of residuals as large: a rule is excluded by the first, errors are scaled by the second."""
 
-FREEDOM = 4.0
-"""Degrees of freedom of Student's t for tests among which there may be outliers."""
-
-AT_BOUND = 0.01
-"""Distance of a lower end from its bound, in widths of the interval, up to which it is the bound."""
-
-COVERAGE = 0.95
-"""Probability of intervals."""
+FREEDOM = 4.0  # degrees of freedom of Student's t for tests among which there may be outliers
+AT_BOUND = 0.01  # distance of a lower end from its bound, in widths of the interval, up to which it is the bound
+COVERAGE = 0.95  # probability of intervals
 
 RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS = "hardness of the draws"
 """Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
 
-Interval = tuple[float, float, float]
-"""A value with the ends of its 95 % interval."""
+Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
 
 
 @dataclass(frozen=True)
@@ -228,36 +214,17 @@ class FrictionTest:
 
 @dataclass(frozen=True)
 class Fit:
-    """What the tests say by one sliding rule.
-
-    Attributes
-    ----------
-    sliding : {"all", "opposing"}
-    chi_squared : float
-        Of the most likely mu0 and tau0, with the errors that were given.
-    freedom : int
-        Tests that slid less what was fitted.
-    probability : float
-        Of residuals as large or larger; NaN without errors or freedom.
-    scale : float
-        By which errors were multiplied because residuals are larger than they allow; 1 where they do.
-    trend : float
-        Probability that residuals vary with the load as much by chance; small where the law does not fit.
-    mu0, tau0 : ndarray
-        Draws of both, tau0 in GPa.
-    hardness : ndarray, GPa
-        Of the same draws; NaN where there is none, or another in other tests.
-    """
+    """What the tests say by one sliding rule."""
 
     sliding: Sliding
-    chi_squared: float
-    freedom: int
-    probability: float
-    scale: float
-    trend: float
-    mu0: Floats
-    tau0: Floats
-    hardness: Floats
+    chi_squared: float  # of the most likely mu0 and tau0, with the errors that were given
+    freedom: int  # tests that slid less what was fitted
+    probability: float  # of residuals as large or larger; NaN without errors or freedom
+    scale: float  # by which errors were multiplied because residuals are larger than they allow
+    trend: float  # probability that residuals vary as much with the load by chance: small where the law does not fit
+    mu0: Floats  # draws
+    tau0: Floats  # of the same draws, GPa
+    hardness: Floats  # of the same draws, GPa; NaN where there is none, or another in other tests
 
 
 @dataclass(frozen=True)
@@ -675,26 +642,14 @@ class _Problem:
         loads = np.log(self.load[self.slid])
         trend = float(linregress(loads, residual).pvalue) if residual.size > 2 and np.ptp(loads) > 0 else math.nan
         mu0, tau0, hardness = self._drawn(scale, freedom if is_scaled else None)
-        return Fit(
-            self.sliding,
-            chi_squared,
-            freedom,
-            probability,
-            scale if self.has_errors else 1.0,
-            trend,
-            mu0,
-            tau0,
-            hardness,
-        )
+        scale = scale if self.has_errors else 1.0
+        return Fit(self.sliding, chi_squared, freedom, probability, scale, trend, mu0, tau0, hardness)
 
     # ---- Density ----------------------------------------------------------------------------------------------------
 
     @cached_property
     def _rows(self) -> Floats:
-        """(nuisances, at most 3, 3) rows of rub, stick and right side over errors, of tests that slid.
-
-        Without outliers these have the sum of squares of all tests, for every mu0 and tau0.
-        """
+        """(nuisances, at most 3, 3) rows of rub, stick and right side over errors, of tests that slid."""
         columns = (self.rub, self.stick, self.right)
         rows = np.stack([np.broadcast_to(each, self.right.shape) / self.error for each in columns], axis=-1)
         rows = rows[:, self.slid]
@@ -818,5 +773,4 @@ class _Problem:
         return tuple(found)
 
 
-_CENTRED = np.linspace(0.0, 1.0, COEFFICIENTS)
-"""Where points of mu0 stand between the ends of their grid."""
+_CENTRED = np.linspace(0.0, 1.0, COEFFICIENTS)  # where points of mu0 stand between the ends of their grid

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
@@ -27,30 +28,10 @@ def complete(
     onset: int | None = None, progress: bool = False, said: Say = _nothing, say: Say = _nothing,
     announce: Say = _nothing, answered: Callable[[Stored], Any] = lambda _: None,
 ) -> Stored:  # fmt: skip
-    """Compute what a folder lacks of a study, or of one of its parts, and without a part of what is kept beside it.
+    """Compute what a folder lacks of a study, or of a part, and without a part of what is kept beside it.
 
-    Parameters
-    ----------
-    study : Study
-    folder : Path
-    executor : concurrent.futures.Executor
-    part : (int, int), optional
-        Which of how many parts.
-    replace : bool
-        Whether the result of another study that lies there is removed.
-    onset : int, optional
-        Members whose onset of sliding is computed, 0 for none; a few by default.
-    progress : bool
-        Whether to draw progress bars.
-    said, say, announce : callable
-        Told what was done, what is worth knowing, and what is about to be computed.
-    answered : callable
-        Given the result before what is kept beside it is computed.
-
-    Returns
-    -------
-    Stored
-        What the folder holds now.
+    `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
+    `announce` tell what was done, is worth knowing and comes, and `answered` is given the result of the blocks.
     """
     there = open_stored(folder) if (folder / STUDY).exists() else None
     if replace and there:
@@ -80,53 +61,34 @@ def complete(
 
 def write_picture(stored: Stored, *, anew: bool) -> None:
     """Write the contacts of a typical member of measured bodies beside its blocks, for figures and pages."""
-    if not stored.study.is_measured:
-        return
     from stiction.studies.contact_picture import FILE, contact_picture
-    from stiction.studies.export import export
 
-    if not anew and (stored.path / FILE).exists():
-        return
-    try:
-        picture = contact_picture(stored)
-    except ValueError:  # the files are not there any more
-        return
-    if picture is not None:
-        export(picture, stored.path / FILE, replace=True)
+    if stored.study.is_measured and (anew or not (stored.path / FILE).exists()):
+        _put_beside(stored, FILE, lambda: contact_picture(stored))
 
 
 def fill_hardness(stored: Stored, executor: Executor) -> None:
     """Press a few members of a pair at other hardnesses, where the hardness is a range, unless that was done."""
-    from stiction.studies.export import export
     from stiction.studies.hardness import FILE, areas_over_hardness, hardness_beside
 
-    if not stored.study.is_measured or hardness_beside(stored) is not None:
-        return
-    try:
-        areas = areas_over_hardness(stored.study, executor)
-    except ValueError:  # the files are not there any more
-        return
-    if areas is not None:
-        export(areas, stored.path / FILE, replace=True)
+    if stored.study.is_measured and hardness_beside(stored) is None:
+        _put_beside(stored, FILE, lambda: areas_over_hardness(stored.study, executor))
+
+
+def _put_beside(stored: Stored, name: str, make: Callable[[], Any]) -> None:
+    """Write what is made of a result beside it, if there is anything, and the files of its bodies are still there."""
+    from stiction.studies.export import export
+
+    with contextlib.suppress(ValueError):
+        if (made := make()) is not None:
+            export(made, stored.path / name, replace=True)
 
 
 def fill_beside(
     stored: Stored, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _nothing,
     say: Say = _nothing,
 ) -> None:  # fmt: skip
-    """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset of sliding.
-
-    Parameters
-    ----------
-    stored : Stored
-    executor : concurrent.futures.Executor
-    onset : int, optional
-        Members whose onset is computed, 0 for none; a few by default.
-    progress : bool
-        Whether to draw progress bars.
-    announce, say : callable
-        Told what is about to be computed, and why it is not.
-    """
+    """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset."""
     from stiction.studies.export import export
     from stiction.studies.onset import FILE, TABLE, backbone, onset_beside, onset_of_result
     from stiction.studies.resolution import FOLDER, resolution_study

@@ -98,12 +98,7 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
 
 
 def coming_and_going(result: Result) -> xarray.Dataset | None:
-    """Load, contact load (mN), true area (µm²) and approach (µm) of one member that adheres, pressed and drawn apart.
-
-    Over point, first coming, from no load to the most of the study, then `going` until the bodies part; of the typical
-    member of measured bodies, and the first of generated ones, in the first cell. None without adhesion, and where a
-    contact is not solved or the files are gone.
-    """
+    """Load, area (µm²) and approach of a member that adheres, pressed and drawn apart; None if not solved."""
     import xarray
 
     study = study_of_result(result)
@@ -179,9 +174,13 @@ def _of_maps(pressed: OneLoad, table: Table) -> xarray.Dataset:
     if pressure is not None:
         inside = ~table.at_edge if (~table.at_edge).any() else np.ones(table.force.size, dtype=bool)
         most = int(np.argmax(np.where(inside, table.force, -1.0)))
-        box = tuple(_around(at, size) for at, size in ((table.y[most] / dy, rows), (table.x[most] / dx, columns)))
-        variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[box], {"units": "GPa"})
-        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[box], length)
+        box = []
+        for at, size in ((table.y[most] / dy, rows), (table.x[most] / dx, columns)):
+            part = min(max(size // AROUND_LARGEST, FEWEST_POINTS), size)
+            first = int(np.clip(at - part / 2, 0, size - part))
+            box.append(slice(first, first + part))
+        variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*box], {"units": "GPa"})
+        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*box], length)
         for name, part, width in zip(("zoom_y", "zoom_x"), box, (dy, dx), strict=True):
             coordinates[name] = (name, np.arange(part.start, part.stop) * width, attributes_of(name[-1]))
     return xarray.Dataset(variables, coordinates)
@@ -199,12 +198,6 @@ def _discs(lower: Surface, table: Table) -> NDArray[Any]:
         part = found[low[0] : high[0] + 1, low[1] : high[1] + 1]
         part[inside[: part.shape[0], : part.shape[1]]] = number
     return found
-
-
-def _around(at: float, size: int) -> slice:
-    part = min(max(size // AROUND_LARGEST, FEWEST_POINTS), size)
-    first = int(np.clip(at - part / 2, 0, size - part))
-    return slice(first, first + part)
 
 
 # ---- As a frame -----------------------------------------------------------------------------------------------------
@@ -231,10 +224,12 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
         for load, index in _places(at, wanted, chosen):
             pressed = OneLoad.of(study, _pair(study, index, cell), load)
             if pressed is not None:
-                columns = {f"{name}{_UNITS[name]}": value for name, value in cell.items()}
-                parts.append(
-                    pandas.DataFrame({"member": index, **columns, "load_mN": load} | _columns(pressed.table()))
-                )
+                columns: dict[str, Any] = {f"{name}{_UNITS[name]}": value for name, value in cell.items()}
+                table = pressed.table()
+                columns |= {"load_mN": load, "x_um": table.x, "y_um": table.y, "force_mN": table.force}
+                columns |= {"area_um2": table.area, "mean_pressure_GPa": table.force / table.area}
+                columns |= {"slope_x": table.slope_x, "slope_y": table.slope_y, "at_edge": table.at_edge}
+                parts.append(pandas.DataFrame({"member": index} | columns))
     if not parts:
         raise ValueError("nothing touches at these loads, or no member has an answer there, so there are no contacts")
     return pandas.concat(parts, ignore_index=True)
@@ -265,11 +260,3 @@ def _pair(study: Study, index: int, cell: dict[str, float]) -> Any:
     if study.is_measured:
         return bodies_of(study).member(index, cell["cut_off"]).pair
     return pair_of(study, index, **cell)
-
-
-def _columns(table: Table) -> dict[str, Any]:
-    return {
-        "x_um": table.x, "y_um": table.y, "force_mN": table.force, "area_um2": table.area,
-        "mean_pressure_GPa": table.force / table.area, "slope_x": table.slope_x, "slope_y": table.slope_y,
-        "at_edge": table.at_edge,
-    }  # fmt: skip

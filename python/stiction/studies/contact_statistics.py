@@ -65,8 +65,7 @@ def slopes_of(body: Profile | Surface) -> list[Floats]:
     """Slopes at every point, along (y and) x."""
     from stiction.mechanics.patches import slopes
 
-    spacing = (body.spacing,) if isinstance(body, Profile) else body.spacing
-    return slopes(body.heights, spacing, periodic=False)
+    return slopes(body.heights, body.spacings, periodic=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, PlainSerializer, PlainValidator, create_model, model_validator
 
-from stiction._checks import Floats
+from stiction._checks import Floats, float_array
 from stiction._units import exact, quantity, shortened
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
@@ -283,10 +284,6 @@ class Asperities(ContactTable):
             raise fault_at("onset", "must not be given with cylinders: a line load moves far points without limit")
         return self
 
-    def approaches(self) -> Floats:
-        """All approaches of generated surfaces, µm."""
-        return self.steps()
-
     def model(self, sliding: Sliding | None = None) -> ContactModel:
         """What `press` takes, under one of the sliding rules, by default the first; of loads without directions."""
         moved: Any = {} if self.approach is None else {"shear": self.shear, "direction": self.direction}
@@ -366,3 +363,40 @@ def read_contact(value: Mapping[str, Any], surfaces: Surfaces) -> Contact:
         if not contact.steps()[-1] < (most := float(contact.hardness) * area):
             raise fault_at("load", f"must be below hardness times area, {most:g} mN")
     return contact
+
+
+AROUND = 30.0  # how far a curve of lines by asperities goes to both sides of the loads that are asked for
+LOAD_STEPS = 25
+AROUND_HALF_SPACE = 10.0  # as `AROUND`, of half-planes, where each load takes a solution
+HALF_SPACE_STEPS = 7
+AROUND_AREAS = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
+
+
+def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_STEPS) -> Floats:
+    """Given loads (mN), and enough others around them in equal ratios for a curve."""
+    given = np.atleast_1d(float_array("loads", loads))
+    if not given.size or not (given > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+    others = np.geomspace(given.min() / around, given.max() * around, steps)
+    # Given ones stay to the bit; others next to them would be the same again.
+    apart = np.abs(others[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given, others[apart]]))
+
+
+def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
+    """Loads (mN) that a measured pair is pressed to around given ones, all below `most`; some `lighter` of areas."""
+    if press == "lines" and mechanics == "asperities":
+        around = loads_around(loads)
+    elif press == "lines":
+        around = loads_around(loads, around=AROUND_HALF_SPACE, steps=HALF_SPACE_STEPS)
+    else:
+        given = np.atleast_1d(float_array("loads", loads))
+        around = np.unique(
+            np.concatenate(
+                [given, given.min() / AROUND_AREAS ** np.arange(1, lighter + 1), [given.max() * AROUND_AREAS]]
+            )
+        )
+    # Those that are asked for stay to the bit, the others are written in few digits.
+    asked = set(np.atleast_1d(float_array("loads", loads)).tolist())
+    short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])
+    return short if most is None else short[short < most]

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
+import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from stiction.studies.text import StudyError
+from stiction._text import LONGEST_NAME, printable
+from stiction._units import shortened
+from stiction.studies.values import StudyError
 
 LEAST_SHARED = 2**16
 """Points of a problem whose transforms two threads share; those of smaller ones wait for each other too often."""
@@ -19,10 +23,7 @@ _Result = TypeVar("_Result")
 
 @contextlib.contextmanager
 def given_or_threads(given: Executor | None) -> Iterator[Executor]:
-    """Enter an executor that the caller shuts down, or where there is none, one with a thread for each core.
-
-    Of a worker process that ends meanwhile a `StudyError` tells.
-    """
+    """Enter an executor that the caller shuts down, or one of threads; if a worker ends, a `StudyError` says so."""
     try:
         if given is not None:
             yield given
@@ -35,11 +36,9 @@ def given_or_threads(given: Executor | None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def threads(workers: int | None = None) -> Iterator[Executor]:
-    """Enter an executor with this many threads, by default one for each core; errors do not wait for its tasks.
-
-    That no thread can be started is found out before anything is begun, and is a `RuntimeError`.
-    """
-    pool = ThreadPoolExecutor(workers or available_cores(), thread_name_prefix="stiction")
+    """Enter an executor with so many threads, by default one for each core; a `RuntimeError` if none can be started."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    pool = ThreadPoolExecutor(workers or cores or 1, thread_name_prefix="stiction")
     pool.submit(int)
     try:
         yield pool
@@ -50,11 +49,7 @@ def threads(workers: int | None = None) -> Iterator[Executor]:
 
 
 def sharing(function: Callable[..., _Result], executor: Executor, tasks: int, points: int) -> Callable[..., _Result]:
-    """A function that is one of so many tasks of an executor and solves problems of so many points: who uses its cores.
-
-    Each thread of the executor does a task of its own. Where these are fewer than its threads and large, the threads
-    that are left share the transforms of each. Bits are the same.
-    """
+    """One of so many tasks of so many points; threads that few, large tasks leave share their transforms."""
     workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
     each = workers // max(tasks, 1)
     if points < LEAST_SHARED or each < 2:
@@ -69,11 +64,6 @@ def sharing(function: Callable[..., _Result], executor: Executor, tasks: int, po
     return shared
 
 
-def available_cores() -> int:
-    """Count the cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextlib.contextmanager
 def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator[Callable[..., None]]:
     """Show progress as a bar, on a terminal or in a notebook; enter a function that adds to the count."""
@@ -82,24 +72,60 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
         return
     from importlib.util import find_spec
 
+    from rich import progress as shown
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
 
     columns = (
-        TextColumn(what), BarColumn(), MofNCompleteColumn(), TextColumn("elapsed"), TimeElapsedColumn(),
-        TextColumn("left"), TimeRemainingColumn(),
+        shown.TextColumn(what), shown.BarColumn(), shown.MofNCompleteColumn(), shown.TextColumn("elapsed"),
+        shown.TimeElapsedColumn(), shown.TextColumn("left"), shown.TimeRemainingColumn(),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
     # In a notebook rich draws by ipywidgets, or not at all; a line of text at the end is better than that.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
-    shown, passing = console.is_terminal or is_notebook, console.is_terminal
-    with Progress(*columns, console=console, transient=passing, disable=not shown) as bar:
+    hidden = not (console.is_terminal or is_notebook)
+    with shown.Progress(*columns, console=console, transient=console.is_terminal, disable=hidden) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda count=1: bar.advance(task, count)
+
+
+PATIENCE = "15s"  # how long a scheduler may take to answer
+
+
+class ClusterError(ValueError):
+    """A cluster that is not there, or cannot compute."""
+
+
+@contextlib.contextmanager
+def connected(address: str) -> Iterator[Executor]:
+    """Connect to the workers of a scheduler by its address; a `ClusterError` without one, and where its workers die."""
+    distributed = _distributed()
+    if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
+        raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {shortened(address)}")
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ClusterError(
+            f"no Dask scheduler answers at {shortened(address)}: {printable(str(error).splitlines()[0], LONGEST_NAME)}"
+        ) from None
+    with client, _failures(distributed):
+        if not client.nthreads():
+            warnings.warn(f"the scheduler at {shortened(address)} has no workers yet; waiting for them", stacklevel=3)
+        yield client.get_executor()
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise ClusterError("a cluster needs the package distributed: pip install 'stiction[cluster]'") from None
+    return distributed
+
+
+@contextlib.contextmanager
+def _failures(distributed: Any) -> Iterator[None]:
+    try:
+        yield
+    except distributed.scheduler.KilledWorker as error:
+        raise ClusterError(f"a block was given up, because every worker that computed it died: {error}") from None
+    except CancelledError:
+        raise ClusterError("the scheduler is gone; what was finished is kept, and the same command goes on") from None

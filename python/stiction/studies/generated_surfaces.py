@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -66,6 +66,17 @@ class FractalParameters(Table):
         description="Height that each profile or surface is scaled to, in the measure of `amplitude_measure`.",
     )
 
+    @model_validator(mode="after")
+    def _has_few_harmonics(self) -> Self:
+        product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
+        if product > MOST_HARMONICS:
+            raise fault_at("directions", f"times frequencies must be at most {MOST_HARMONICS}, got {product}")
+        return self
+
+    def longest(self) -> float:
+        """The longest wavelength, µm: of Eq. 1 its length scale."""
+        return float(self.length_scale)  # type: ignore[attr-defined]
+
     def fractal_dimensions(self) -> Floats:
         """All values of the fractal dimension."""
         return array_of(self.fractal_dimension)
@@ -77,12 +88,6 @@ class FractalParameters(Table):
     def cells(self) -> dict[str, Floats]:
         """The dimensions of a result that come before its members, and their values."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
-
-
-def _check_harmonics(directions: int, frequencies: int) -> None:
-    if directions * frequencies > MOST_HARMONICS:
-        product = directions * frequencies
-        raise fault_at("directions", f"times frequencies must be at most {MOST_HARMONICS}, got {product}")
 
 
 class Profiles(FractalParameters):
@@ -106,15 +111,6 @@ class Profiles(FractalParameters):
     frequencies: Frequencies = 40
     convention: ConventionOfEquation = "paper"
     band_limit: BandLimit = "none"
-
-    @model_validator(mode="after")
-    def _has_few_harmonics(self) -> Profiles:
-        _check_harmonics(self.directions, self.frequencies)
-        return self
-
-    def longest(self) -> float:
-        """The longest wavelength of Eq. 1, µm."""
-        return float(self.length_scale)
 
 
 class Areas(FractalParameters):
@@ -156,15 +152,6 @@ class WeierstrassMandelbrotSurfaces(Areas):
     frequencies: Frequencies = 40
     convention: ConventionOfEquation = "paper"
     band_limit: BandLimit = "none"
-
-    @model_validator(mode="after")
-    def _has_few_harmonics(self) -> WeierstrassMandelbrotSurfaces:
-        _check_harmonics(self.directions, self.frequencies)
-        return self
-
-    def longest(self) -> float:
-        """The longest wavelength of Eq. 1, µm."""
-        return float(self.length_scale)
 
 
 class SelfAffineSurfaces(Areas):

@@ -1,10 +1,11 @@
-"""True area of a measured pair over a range of hardness: a few of its members pressed at a few other hardnesses."""
+"""True area of a measured pair over ranges of hardness and of E*: a few of its members pressed at a few others."""
 
 from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from stiction.mechanics.half_space import half_space, solved
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.spectral_resolution import KAPPA
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.known import creep_of, inputs_of
+from stiction.studies.known import creep_of, inputs_of, relative_modulus
 from stiction.studies.member_values import member_values
 from stiction.studies.members import bodies_of
 from stiction.studies.store import Stored, read_beside
@@ -31,52 +32,75 @@ FILE = "hardness.nc"
 MEMBERS, LINES = 4, 16
 """Members that are pressed at other hardnesses, areas and lines, of which few contacts make each another."""
 
-NODES = (0.0, 0.15, 0.35, 0.65, 0.85, 1.0)
-"""Parts of the range of ln H that are solved, beside the study's hardness, its middle, and elastic bodies."""
+NODES = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
+"""Parts of the range of ln H that are solved, by the number of moduli, beside the study's own and elastic bodies."""
+
+NARROW = 0.2
+"""Half of the range of ln E* below which the growth of the area with the load at the study's own E* will do."""
+
+OUTER = (0.005, 0.995)
+"""Quantiles of a range between which solutions are wanted."""
 
 
-def hardnesses_wanted(study: Study) -> Floats:
-    """Hardnesses (GPa) at which the range of a study, and its waiting, ask for solutions; infinity is elastic.
+def bodies_wanted(study: Study) -> tuple[Floats, Floats]:
+    """Hardnesses over relative moduli (GPa), and these (E* over that of the study), at which its ranges ask for areas.
 
-    Empty where the hardness is one number, or there is none.
+    The last hardness is infinity, elastic bodies. There are none where hardness and E* are numbers or nearly so, and
+    the study does not wait.
     """
-    own, known, creep = study.contact.hardness, inputs_of(study).get("hardness"), creep_of(study)
-    if own is None or (known is None and creep is None):
-        return np.zeros(0)
-    ends = np.repeat(float(own), 2) if known is None else known.known.quantile([0.005, 0.995])
+    inputs, creep, own = inputs_of(study), creep_of(study), study.contact.hardness
+    # Each input of E* at its ends, the others in the middle, and what they make of it in quadrature.
+    steps = [
+        np.ptp(np.log(relative_modulus(study, {name: each.known.quantile(OUTER)}))) / 2
+        for name, each in inputs.items()
+        if name not in ("mu0", "tau0", "hardness")
+    ]
+    wide = float(np.hypot.reduce([0.0, *steps]))
+    moduli = np.exp([-wide, 0.0, wide]) if wide > NARROW else np.ones(1)
+    if own is None:
+        return np.array([np.inf] if moduli.size > 1 else []), moduli
+    if "hardness" not in inputs and creep is None and moduli.size == 1:
+        return np.zeros(0), moduli
+    ends = inputs["hardness"].known.quantile(OUTER) if "hardness" in inputs else np.repeat(float(own), 2)
     if creep is not None:
-        falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile([0.005, 0.995]))
+        falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile(OUTER))
         ends = ends * [falls.min(), falls.max()]
-    return np.unique([*ends[0] * (ends[1] / ends[0]) ** np.array(NODES), float(own), np.inf])
+    half = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
+    parts = np.exp(half * (2 * np.array(NODES[moduli.size]) - 1))
+    return np.unique([*np.sqrt(ends.prod()) * parts, float(own), np.inf]), moduli
 
 
 def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
-    """True area (µm²) of the first members of a study, over hardness (GPa) and its loads; None where none is wanted."""
+    """True areas (µm²) of the first members of a study over hardness (GPa), E* and its loads; None for no range."""
     import xarray
 
-    hardnesses = hardnesses_wanted(study)
+    hardnesses, moduli = bodies_wanted(study)
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
     members = min(MEMBERS if study.is_areal else LINES, study.ensemble.repetitions)
-    tasks = [(index, hardness) for index in range(members) for hardness in hardnesses.tolist()]
+    tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
     found = np.array(list(executor.map(partial(_areas_of_member, study, loads), tasks)))
-    areas = found.reshape(members, -1, loads.size)
+    areas = found.reshape(members, moduli.size, hardnesses.size, loads.size)
     return xarray.Dataset(
-        {"contact_area": (("repetition", "hardness", "load"), areas, {"units": "um^2"})},
-        {"hardness": ("hardness", hardnesses, {"units": "GPa"}), "load": ("load", loads, {"units": "mN"})},
-        {"title": "true area over hardness"},
+        {"contact_area": (("repetition", "relative_modulus", "hardness", "load"), areas, {"units": "um^2"})},
+        {
+            "hardness": ("hardness", hardnesses, {"units": "GPa", "long_name": "hardness over the relative modulus"}),
+            "relative_modulus": ("relative_modulus", moduli, {"units": "1"}),
+            "load": ("load", loads, {"units": "mN"}),
+        },
+        {"title": "true area over hardness and E*"},
     )  # fmt: skip
 
 
-def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float]) -> Floats:
-    """True area (µm²) of a member at a hardness (GPa); NaN of a load without a solution, or above the hardness."""
-    index, hardness = task
-    bodies = bodies_of(study)
+def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
+    """True areas (µm²) of a member of a relative E*, and a hardness over it; NaN of a load that it does not bear."""
+    index, modulus, ratio = task
+    bodies, contact, hardness = bodies_of(study), study.contact, modulus * ratio
     upper, lower = bodies.member(index, float(study.surfaces.cells()["cut_off"][0])).pair
-    contact = study.contact
-    assert isinstance(contact, HalfSpace), "it has a hardness"
-    solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None}
+    assert isinstance(contact, HalfSpace), "they are pressed as half-spaces"
+    modulus *= float(contact.effective_modulus)
+    solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}
     can = np.flatnonzero(loads < hardness * float(bodies.about().nominal_area or 0.0))
     areas = np.full(loads.size, np.nan)
     for at, curve in solved(partial(half_space, upper, lower, **solid, sliding="all"), loads[can]) if can.size else ():
@@ -85,64 +109,90 @@ def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float]) -> Fl
 
 
 def hardness_beside(result: Stored) -> xarray.Dataset | None:
-    """What lies beside a stored result of its range of hardness and its loads, if it does."""
+    """What lies beside a stored result of its ranges of hardness and E* and of its loads, if it does."""
     study = result.study
-    wanted = hardnesses_wanted(study) if study.is_measured else np.zeros(0)
-    found = read_beside(result.path / FILE, ("hardness", "load", "contact_area")) if wanted.size else None
+    hardnesses, moduli = bodies_wanted(study) if study.is_measured else (np.zeros(0), np.ones(1))
+    wanted = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
+    names = ("hardness", "relative_modulus", "load")
+    found = read_beside(result.path / FILE, (*names, "contact_area")) if hardnesses.size else None
     if found is None:
         return None
-    loads = [float(load) for load in study.friction.load]
-    same = found["hardness"].shape == wanted.shape and np.allclose(found["hardness"].values, wanted, rtol=1e-9)
-    return found if same and found["load"].values.tolist() == loads else None
+    there = [found[name].values for name in names]
+    same = all(
+        one.shape == other.shape and np.allclose(one, other, rtol=1e-9)
+        for one, other in zip(there, wanted, strict=True)
+    )
+    return found if same else None
 
 
 @dataclass(frozen=True)
 class Areas:
-    """How the true area at each load goes with hardness and with E*."""
+    """How the true area at each load goes with hardness and with E*.
+
+    A solution at (F, E*, H) is one at (F/e, E*/e, H/e): that of the study's E* at another load and hardness.
+    """
 
     hardness: float | None  # GPa, of the study
-    nodes: Floats  # (n,) GPa
-    at_nodes: Floats  # (loads, n) A/F, 1/GPa
-    elastic: Floats  # (loads,) A/F of bodies that do not yield
+    nodes: Floats  # (n,) H/e, GPa
+    at_nodes: Floats  # (loads, m, n) e A/F, 1/GPa
+    elastic: Floats  # (loads, m) e A/F of bodies that do not yield
+    moduli: Floats  # (m,) e, E* over that of the study
     growth: Floats  # (loads,) d ln(A/F) / d ln F
     kept: dict[Any, Any] = field(default_factory=dict)  # draws that several points share
 
     @classmethod
     def of(cls, at: xarray.Dataset, study: Study, result: Result) -> Areas:
         """Those of a result at the loads of what `at_load` gives of it."""
-        loads = at["load"].values
-        hardness = study.contact.hardness
-        area = at["contact_area"].sel(statistic="mean")
-        area = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
-        steps = study.contact.steps()
-        growth = np.zeros(loads.size)
-        if steps.size > 1:
-            curve = member_values(result, steps, mu0=[0.0], tau0=[0.0])["contact_area"]
-            ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
-            known = np.isfinite(ratio) & (ratio > 0)
-            if known.sum() > 1:
-                slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
-                growth = np.interp(np.log(loads), np.log(steps[known]), slope)
-        if hardness is None:
-            return cls(None, np.zeros(0), np.zeros((loads.size, 0)), area, growth)
+        loads, hardness = at["load"].values, study.contact.hardness
+        own = None if hardness is None else float(hardness)
+        growth = _growth(loads, study, result)
         solved = result.once(hardness_beside) if isinstance(result, Stored) else None
         if solved is not None and set(loads.tolist()) <= set(solved["load"].values.tolist()):
-            table = solved["contact_area"].sel(load=loads).mean("repetition").transpose("load", "hardness").values
-            over = table / loads[:, np.newaxis]
-            finite = np.isfinite(solved["hardness"].values) & np.isfinite(over).all(axis=0)
-            last = over[:, -1]
-            if finite.any() and np.isfinite(last).all():
-                return cls(float(hardness), solved["hardness"].values[finite], over[:, finite], last, growth)
+            areas = solved["contact_area"].sel(load=loads).mean("repetition")
+            over = (areas * areas["relative_modulus"] / areas["load"]).transpose("load", "relative_modulus", "hardness")
+            nodes, moduli = over["hardness"].values, over["relative_modulus"].values
+            borne = np.isfinite(over.values).all(axis=(0, 1))
+            if borne[-1] and (own is None or borne.sum() > 1):
+                finite = borne & np.isfinite(nodes)
+                table = nodes[finite], over.values[..., finite], over.values[..., -1]
+                return cls(own, *table, moduli, growth if moduli.size == 1 else np.zeros(loads.size))
+        area = at["contact_area"].sel(statistic="mean")
+        ratio = (area.mean([dim for dim in area.dims if dim != "load"]).values / loads)[:, np.newaxis]
+        if own is None:
+            return cls(None, np.zeros(0), np.zeros((loads.size, 1, 0)), ratio, np.ones(1), growth)
         # Without solutions at other hardnesses the area follows the one formula through that of the study.
         gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
-        elastic = np.full(loads.size, KAPPA / (float(study.contact.effective_modulus) * gradient))
-        return cls(float(hardness), np.array([float(hardness)]), area[:, np.newaxis], elastic, growth)
+        elastic = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
+        return cls(own, np.array([own]), ratio[..., np.newaxis], elastic, np.ones(1), growth)
 
     def factor(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
         """True area over that of the study, for hardnesses (GPa) and E* over that of the study."""
+        if hardness is None or self.hardness is None:
+            now, own = self.elastic[load][:, np.newaxis], self.elastic[load][:, np.newaxis]
+        else:
+            known = self.nodes, self.at_nodes[load], self.elastic[load]
+            now, own = (area_per_load(np.ravel(each), *known) for each in (hardness / modulus, self.hardness))
         scale = np.power(modulus, -(1.0 + self.growth[load]))
-        if self.hardness is None or hardness is None:
-            return np.asarray(scale)
-        values = area_per_load(np.ravel(hardness / modulus), self.nodes, self.at_nodes[load], self.elastic[load])
-        own = area_per_load([self.hardness], self.nodes, self.at_nodes[load], self.elastic[load])
-        return np.asarray(scale * values / own)
+        return np.asarray(scale * _between(now, self.moduli, modulus) / own[self.moduli.size // 2])
+
+
+def _between(values: Floats, moduli: Floats, wanted: Floats | float) -> Floats:
+    """What lies between positive values over moduli e^(-w), 1, e^w: their logarithms on a parabola in ln E*."""
+    if moduli.size == 1:
+        return np.asarray(values[0])
+    softer, own, stiffer = np.log(values)
+    part = np.log(wanted) / np.log(moduli[-1])
+    return np.asarray(np.exp(own + part * (stiffer - softer) / 2 + part**2 * (stiffer + softer - 2 * own) / 2))
+
+
+def _growth(loads: Floats, study: Study, result: Result) -> Floats:
+    """How A/F grows with the load, d ln(A/F) / d ln F, at loads (mN)."""
+    steps = study.contact.steps()
+    if steps.size > 1:
+        curve = member_values(result, steps, mu0=[0.0], tau0=[0.0])["contact_area"]
+        ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
+        known = np.isfinite(ratio) & (ratio > 0)
+        if known.sum() > 1:
+            slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
+            return np.asarray(np.interp(np.log(loads), np.log(steps[known]), slope))
+    return np.zeros(loads.size)

@@ -6,14 +6,13 @@ What they cover, and how wide they are beside the best that is possible, is meas
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction.studies.crossing import Crossing
 
 CONFIDENCE = 0.95
 
@@ -25,6 +24,69 @@ def student_quantile(freedom: ArrayLike) -> Floats:
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
 
 
+@dataclass(frozen=True)
+class Crossing:
+    """Where curves (..., k) first reach loads (l,): between steps index - 1 and index, at a fraction of the step."""
+
+    index: NDArray[np.intp]  # (..., l)
+    fraction: Floats  # (..., l)
+    reached: NDArray[np.bool_]  # (..., l)
+    below: NDArray[np.bool_]  # (..., l): the load is less than that of the first step
+    scale: tuple[Floats, Floats] | None = None  # curves and loads, where ratios to them are what is straight
+
+    @classmethod
+    def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
+        """First upward crossings, by straight lines; by `ratio` of value/load over the logarithm of the load."""
+        if ratio:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                straight = cls.of(np.log(curve), np.log(loads))
+            return cls(straight.index, straight.fraction, straight.reached, straight.below, (curve, loads))
+        at_least = curve[..., np.newaxis] >= loads  # (..., k, l)
+        first = curve[..., :1, np.newaxis] == loads
+        reaches = np.concatenate([first, ~at_least[..., :-1, :] & at_least[..., 1:, :]], axis=-2)
+        reached: NDArray[np.bool_] = np.any(reaches, axis=-2)
+        index = reaches.argmax(axis=-2)
+        before = np.take_along_axis(curve, np.maximum(index - 1, 0), axis=-1)
+        step = np.take_along_axis(curve, index, axis=-1) - before
+        fraction = np.divide(loads - before, step, out=np.ones_like(before), where=step > 0)
+        return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
+
+    def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
+        """Without what is reached right behind a step that curves (..., k) lack (NaN), but for loads of steps."""
+        before, there = (
+            np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
+        )
+        return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
+
+    def at(self, values: Floats, *, sums: bool = True) -> Floats:
+        """(..., more, l): values (..., more, k) where loads are reached, else NaN; of `sums` ratios are straight."""
+        own = self.index.ndim - 1
+        more = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - own), -1)
+        index, fraction, reached = (each.reshape(more) for each in (self.index, self.fraction, self.reached))
+        if sums and self.scale is not None:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = values / self.scale[0].reshape(more)
+        shape = np.broadcast_shapes(values.shape[:-1], index.shape[:-1])
+        index = np.broadcast_to(index, (*shape, index.shape[-1]))
+        values = np.broadcast_to(values, (*shape, values.shape[-1]))
+        after = np.take_along_axis(values, index, axis=-1)
+        before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
+        # At a step itself the step before it does not matter, even where it is missing.
+        there = np.where(fraction == 1, after, before + fraction * (after - before))
+        if sums and self.scale is not None:
+            there = there * self.scale[1]
+        return np.where(reached, there, np.nan)
+
+    def slope(self, values: Floats, over: Floats) -> Floats:
+        """(..., l): steps of values over those of others, (..., k) each, between which the loads are reached."""
+        index = np.maximum(self.index, 1)
+        rise, run = (
+            np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
+            for each in (values, over)
+        )
+        return np.asarray(rise / run)
+
+
 # ---- Over repetitions ------------------------------------------------------------------------------------------------
 
 AROUND = 4  # steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise
@@ -34,30 +96,12 @@ IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step wou
 
 
 class AtLoads:
-    """Means of values, read off where the means of normal loads reach loads, and their intervals.
+    """Means of values, read off where the means of normal loads reach loads, and their intervals: docs/intervals.md.
 
     A jackknife over the repetitions. With v and n the values and normal loads of each at the crossing, and e the
     exponent of the mean curve there, mean(v) ~ mean(n)^e, a repetition that is left out moves the logarithm of the mean
-    by that of mean(v) less e times that of mean(n): what it does at the load, at a crossing that itself stays.
-    The scale is the logarithm, natural for a ratio of positive means, and Student's t has the degrees of freedom
-    that the kurtosis of the jackknife values leaves (Satterthwaite). Where the mean is zero, or what others leave of it
-    is not of its sign, the same to first order, symmetric, but not below zero if no value is.
-
-    Few repetitions that carry load make an interval too narrow: 5 lognormal ones cover 81 to 94 % of the time, 24 and
-    more 89 to 95 %. It is NaN where fewer than two carry any, or all of the load is carried by one. Where mean(F_N)
-    falls again behind a crossing, as it does at D >= 1.6, another sample may find another crossing first; the interval
-    does not know.
-
-    The means come first, over all repetitions; then the repetitions come by as many at a time as one likes. What one
-    that is left out leaves follows from it and the mean, and of the jackknife values sums of powers are kept, about a
-    point so close to their mean that nothing cancels.
-
-    Parameters
-    ----------
-    normal, values : (c, k) ndarray
-        Means over all repetitions, of c curves.
-    repetitions : int
-    loads : (l,) ndarray, mN
+    by that of mean(v) less e times that of mean(n). Where the mean is zero, or what others leave of it is not of its
+    sign, the same to first order, symmetric. The means (c, k) of c curves come first; then the repetitions come by.
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
@@ -195,47 +239,17 @@ FEWEST_OF_SAMPLE = 3
 
 
 def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """`Sample` of all of its values (r, ...) at once."""
-    sample = Sample(values.shape[1:])
-    sample.add(values)
-    return sample.interval()
-
-
-class Sample:
-    """Means of values (r, ...) that come by, over the first axis and without NaN, and intervals by Student's t.
-
-    The interval is NaN for fewer than `FEWEST_OF_SAMPLE` values, and not below 0 where no value is. Sums of squares are
-    put together about the common mean: Chan, Golub & LeVeque (1983), Eq. 2.1.
-    """
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._count = np.zeros(shape, np.intp)
-        self._mean, self._squares = np.zeros(shape), np.zeros(shape)
-        self._negative = np.zeros(shape, np.bool_)
-
-    def add(self, values: Floats) -> None:
-        """Further values."""
-        known = np.isfinite(values)
-        count = known.sum(axis=0)
-        mean = np.where(known, values, 0.0).sum(axis=0) / np.maximum(count, 1)
-        own = np.where(known, values - mean, 0.0)
-        step = mean - self._mean
-        before, self._count = self._count, self._count + count
-        share = count / np.maximum(self._count, 1)
-        self._squares += np.square(own).sum(axis=0) + np.square(step) * before * share
-        self._mean += step * share
-        self._negative |= (np.where(known, values, 0.0) < 0).any(axis=0)
-
-    def interval(self) -> tuple[Floats, Floats, Floats]:
-        """Mean, lower and upper end."""
-        count = self._count
-        mean = np.where(count > 0, self._mean, np.nan)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = np.sqrt(self._squares / (count - 1) / count)
-        quantile = student_quantile(np.maximum(count - 1, 1))
-        half_width = np.where(count >= FEWEST_OF_SAMPLE, quantile * error, np.nan)
-        lower = np.maximum(mean - half_width, np.where(self._negative, -np.inf, 0.0))
-        return mean, np.asarray(lower), np.asarray(mean + half_width)
+    """Mean, lower and upper end of values (r, ...) over the first axis, without NaN, by Student's t."""
+    known = np.isfinite(values)
+    there, count = np.where(known, values, 0.0), known.sum(axis=0)
+    mean = there.sum(axis=0) / np.maximum(count, 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.sqrt(np.square(np.where(known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
+    quantile = student_quantile(np.maximum(count - 1, 1))
+    half_width = np.where(count >= FEWEST_OF_SAMPLE, quantile * error, np.nan)
+    mean = np.where(count > 0, mean, np.nan)
+    lower = np.maximum(mean - half_width, np.where((there < 0).any(axis=0), -np.inf, 0.0))
+    return mean, np.asarray(lower), np.asarray(mean + half_width)
 
 
 # ---- Over neighbours -------------------------------------------------------------------------------------------------
@@ -249,11 +263,7 @@ _MOST_STEPS = 50
 
 @lru_cache(maxsize=32)
 def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
-    """What depends on the number of values alone.
-
-    For each correlation 1' R^-1 1 and the variance of the mean over that of the values; of Student's t its quantile and
-    its density at 0.
-    """
+    """1' R^-1 1 and inflation of the mean's variance for each correlation, and Student's quantile and density at 0."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -262,15 +272,11 @@ def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def of_neighbours(values: Floats) -> tuple[float, float, float]:
-    """Mean of values (r,) in the order in which they are neighbours, and its interval.
+    """Mean of values (r,) in the order in which they are neighbours, and its interval: docs/intervals.md.
 
-    Neighbours of correlation ρ are taken for an autoregressive process, of which the mean has a Student's t of r - 1
-    degrees of freedom about the sample's. A few values do not tell their ρ, so the interval is that of the mixture over
-    all ρ from 0 to 0.95, each weighted by the likelihood that the values give it and by sqrt(1 - ρ), for positions
-    are laid apart where one can choose. It is symmetric on the scale u of value = (exp(g u) - 1)/g on which the
-    skewness 3 g of the values vanishes to first order, and it does not go beyond the values.
-
-    NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal, because their spread is then not known.
+    That of the mixture of autoregressive processes over all correlations from 0 to 0.95, each weighted by the
+    likelihood that the values give it and by sqrt(1 - ρ), on a scale that takes their skewness off, and not beyond
+    them. NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal.
     """
     from scipy.special import stdtr
 
@@ -315,12 +321,7 @@ _STRAIGHT = 1e-9  # skewness below which a scale is straight to round-off
 
 
 def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[float, float, float]:
-    """Mean of values (r,) at positions on lines (r,), in the order in which these are neighbours, and its interval.
-
-    Positions on one line are neighbours of each other. Of several lines the values are their means, weighted with the
-    number of their positions, because positions on one line are alike however far apart. The interval does not go
-    beyond the values themselves.
-    """
+    """Mean and interval of values at positions on lines, in the order of neighbours, or of the means of several."""
     if not values.size:
         return math.nan, math.nan, math.nan
     mean, lower, upper = of_neighbours(_one_of_each_line(values, lines))
@@ -347,24 +348,12 @@ MOST_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
 
 @dataclass(frozen=True)
 class OfScans:
-    """Mean of members of several scans of two parts, and what its uncertainty is made of.
-
-    Attributes
-    ----------
-    mean : float
-    variances : tuple of three float
-        Parts of the variance of the mean: of which scans of the upper and of the lower part, and of positions.
-    freedom : float
-        Its degrees of freedom, by Satterthwaite (1946).
-    test : float
-        Standard deviation of a test of other scans at one position in one direction from the mean that was found.
-    test_freedom : float
-    """
+    """Mean of members of several scans of two parts, and what its uncertainty is made of."""
 
     mean: float
-    variances: tuple[float, ...]
-    freedom: float
-    test: float
+    variances: tuple[float, ...]  # of the mean: of which scans of the upper and of the lower part, and of positions
+    freedom: float  # of the variance of the mean, by Satterthwaite (1946)
+    test: float  # standard deviation of a test of other scans at one position in one direction from the mean
     test_freedom: float
 
     @property
@@ -374,11 +363,9 @@ class OfScans:
 
 
 def of_scans(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> OfScans | None:
-    """Means of values (r, ...) of members that are of scans (r,) of either part: two-way random effects.
+    """Means of values (r, ...) of members that are of scans (r,) of either part, by two-way random effects; or None.
 
-    The variance of means of pairs of scans is parted by its mean squares, of rows, of columns and of what is left
-    (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4); one that is not above the last is pooled with
-    it. Where a part has one scan, that of the other counts alone. None where there are no two pairs of scans.
+    Searle, Casella & McCulloch, Variance Components (1992), chapter 4: mean squares not above the last are pooled.
     """
     flat = values.reshape(values.shape[0], -1)
     every = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)

@@ -30,20 +30,14 @@ if TYPE_CHECKING:
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 
-ENDS = 1.959963984540054
-"""Standard deviations from the middle of a normal distribution to the ends of its 95 %."""
-
-DRAWS = 4096
-"""Draws that stand for what is known."""
-
-NO_NUMBER = re.compile(r"\.\.|±|\+/?-|\b(HV|HRC)\b")
-"""What a text has that is more than one number with a unit."""
+ENDS = 1.959963984540054  # standard deviations from the middle of a normal distribution to the ends of its 95 %
+DRAWS = 4096  # draws that stand for what is known
+NO_NUMBER = re.compile(r"\.\.|±|\+/?-|\b(HV|HRC)\b")  # what a text has that is more than one number with a unit
 
 _ROCKWELL = {20: 238, 25: 266, 30: 302, 35: 345, 40: 392, 45: 446, 50: 513, 55: 595, 60: 697, 65: 832, 68: 940}
 """Vickers hardness of steels of a Rockwell hardness C, ISO 18265 (2013), table A.1, and ASTM E140."""
 
-CONVERTED = 0.05
-"""Half of the relative range of a hardness that is converted from Rockwell's: 10 to 20 HV."""
+CONVERTED = 0.05  # half of the relative range of a hardness that is converted from Rockwell's: 10 to 20 HV
 
 _VICKERS = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) under a pyramid of 1 HV: kgf per mm² of its ground plan, which is 0.9272 of its faces."""
@@ -55,32 +49,13 @@ _UNIT = re.compile(r"[^\W\d_]+\s*$")
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of an input, in core units.
+    """What is known of an input, in core units."""
 
-    Attributes
-    ----------
-    value : float
-        The number, the middle of a range: geometric where its distribution is log-normal.
-    low, high : float
-        Ends of its 95 % interval, of a uniform distribution of all; equal where the number is exact.
-    distribution : {"exact", "normal", "log-normal", "uniform"}
-    text : str
-        As a person wrote it.
-
-    Examples
-    --------
-    >>> from stiction.studies.known import known
-    >>> known("hardness", "0.5..2 GPa", "pressure").value
-    1.0
-    >>> known("mu0", "0.2±0.02").distribution
-    'normal'
-    """
-
-    value: float
-    low: float
+    value: float  # the number, or the middle of a range: geometric where its distribution is log-normal
+    low: float  # end of its 95 % interval, of a uniform distribution of all
     high: float
     distribution: Distribution
-    text: str
+    text: str  # as a person wrote it
 
     @property
     def is_exact(self) -> bool:
@@ -113,20 +88,11 @@ class Known:
 
 Kind = Literal["", "pressure", "modulus", "hardness"]
 
-MOST_CREEP = 0.5
-"""Largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt."""
+MOST_CREEP = 0.5  # largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt
 
 
 def known(name: str, given: Any, kind: Kind = "") -> Known:
-    """Read a number, "0.2±0.02", "20..80 MPa" or "uniform 0.1..0.3"; numbers are in core units.
-
-    A hardness may be one of Vickers or of Rockwell's scale C as well, "150 HV" or "58..62 HRC".
-
-    Raises
-    ------
-    ValueError
-        If it is none of these, has a wrong unit, or an end that is not above the other.
-    """
+    """Read a number, "0.2±0.02", "20..80 MPa" or "150 HV"; numbers are in core units; a `ValueError` if it is none."""
     if isinstance(given, Known):
         return given
     if not isinstance(given, str):
@@ -276,11 +242,7 @@ class Input:
 
 
 def inputs_of(study: Study) -> dict[str, Input]:
-    """What is known of the inputs of a study of measured bodies, those that are no exact numbers, by their names.
-
-    The names are mu0, tau0, hardness, effective_modulus, and of either body young_upper, poisson_upper and so on; of
-    equal materials those of the lower body are left out. Materials by name bring their ranges.
-    """
+    """What is known of the inputs of a study of measured bodies that are no exact numbers, by their names."""
     if not study.is_measured:
         return {}
     table, contact = study.known, study.contact
@@ -324,8 +286,7 @@ def _bodies(study: Study) -> list[dict[str, Known]]:
     ]
 
 
-ROUNDED = 0.006
-"""Relative difference between a number and itself in three digits, at most."""
+ROUNDED = 0.006  # relative difference between a number and itself in three digits, at most
 
 
 def materials_of(study: Study) -> tuple[Material, ...]:

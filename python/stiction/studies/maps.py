@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,11 +61,6 @@ def friction_map(
         "ok", "no-contact", "self-locked" (mean(F_N) is zero or below at the largest approach), "not-reached" (no
         approach carries as much) or "below-range" (the smallest approach carries more); the coefficient is NaN unless
         it is "ok".
-
-    Raises
-    ------
-    ValueError
-        If loads, mu0 or tau0 are not positive (zero is allowed for mu0 and tau0).
 
     Examples
     --------
@@ -179,11 +173,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """One quantity of the ensemble, `what`, at given normal loads, as `friction_map` returns it.
-
-    Beside friction, area and stiffness that may be one of `ONSET`: creep and what slips are means that weigh members by
-    the load that they carry. A `change` is applied to each piece of the result, as to put directions together.
-    """
+    """One quantity of the ensemble, as `friction_map` returns it; a `change` is made to each piece of the result."""
     load_values = _list("loads", loads)
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
@@ -199,7 +189,7 @@ def ensemble_map(
     for cell in np.ndindex(asked.cells):
         normal, values = (each[..., 0] for each in asked.curves(cell, averages, others))
         at[cell] = intervals.AtLoads(normal, values, count, load_values)
-    at_a_time = asked.members_at_a_time()
+    at_a_time = max(1, AT_ONCE // max(1, asked.mu0.size * asked.tau0.size * dataset.sizes[asked.step]))
     with given_or_threads(None) as pool:
         for piece in solved_pieces(result, asked.names(), change):
             both = [_sums_of(piece, what, asked.step)] * len(at)
@@ -223,40 +213,17 @@ def _check_is_there(dataset: xarray.Dataset, what: str) -> None:
             raise ValueError(f"the dataset has no variable {name!r}")
 
 
-@dataclass(frozen=True, eq=False)
 class _Asked:
     """One quantity of an ensemble at loads (mN), for every mu0 and tau0 (GPa)."""
 
-    head: xarray.Dataset
-    what: str
-    loads: Floats
-    mu0: Floats
-    tau0: Floats
-
-    @property
-    def step(self) -> str:
-        """What members are pressed to."""
-        return step_of(self.head)
-
-    @property
-    def dims(self) -> list[str]:
-        """Dimensions of the cells, motions first."""
-        return [*(motion for motion in MOTIONS if motion in self.head.dims), *cells_of(self.head)]
-
-    @property
-    def cells(self) -> tuple[int, ...]:
-        """How many cells there are along each of them."""
-        return tuple(self.head.sizes[dim] for dim in self.dims)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of what comes out."""
-        return (*self.cells, self.loads.size, self.mu0.size, self.tau0.size)
-
-    @property
-    def judged(self) -> bool:
-        """Whether there are figures of validity: a dataset of loads alone still has a friction coefficient."""
-        return all(name in self.head for name in SUMS)
+    def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
+        self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
+        self.step = step_of(head)
+        self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
+        self.cells = tuple(head.sizes[dim] for dim in self.dims)
+        self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
+        # A dataset of loads alone still has a friction coefficient, but no figures of validity.
+        self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
         """Variables that are read."""
@@ -264,10 +231,6 @@ class _Asked:
         if self.what == "normal_stiffness" and self.step == "load":
             own = (*own, "approach")  # of each pair
         return (*own, *(name for name in SUMS if self.judged and name not in own))
-
-    def members_at_a_time(self) -> int:
-        """Members of which all curves are in memory together."""
-        return max(1, AT_ONCE // max(1, self.mu0.size * self.tau0.size * self.head.sizes[self.step]))
 
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
@@ -291,7 +254,12 @@ class _Asked:
                 array[cell] = _by_load(found, self.shape)
             pair = averages.each(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
-            status[cell] = _by_load(_status_of(pair, normal, each), self.shape)
+            locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # by friction, at the largest approach
+            why = friction.status_of(
+                touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
+                locked=locked,
+            )  # fmt: skip
+            status[cell] = _by_load(why, self.shape)
             if self.judged:
                 there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
                 for name, figure in vars(Validity.of(Sums(**there))).items():
@@ -319,14 +287,6 @@ class _Asked:
         return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
 
 
-def _status_of(pair: Sums, normal: Floats, at: intervals.AtLoads) -> NDArray[Any]:
-    """Whether loads are reached by the mean curves (c, k), or why not."""
-    locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # friction holds them at the largest approach
-    return friction.status_of(
-        touched=bool(pair.contact_count.any()), reached=at.crossing.reached, below=at.crossing.below, locked=locked
-    )
-
-
 _LOADS = ("contact_count", *friction.SIX[:3])
 _NEEDED = {
     "friction_coefficient": ("contact_count", *friction.SIX),
@@ -347,10 +307,7 @@ def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
 
 
 def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
-    """The sums of a result as plain arrays, and those that a quantity is linear in: of a stiffness their derivatives.
-
-    Over motions, fractal dimension, amplitude, step and repetition. Those that the result has not are NaN.
-    """
+    """The sums of a result over motions, cells, step and repetition, and those that a quantity is linear in."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 

@@ -180,13 +180,7 @@ class MeasuredFile(Table):
         return MeasuredFile(file=str(path), missing="mask" if holes else "error", tip=self.tip).known()
 
     def read(self) -> Body:
-        """The profile, surface or joined spectrum that the file holds, µm.
-
-        Raises
-        ------
-        ValueError
-            If the file cannot be read, or is not the one whose checksum the study has.
-        """
+        """The profile, surface or spectrum of the file, µm; a `ValueError` if its checksum is another."""
         if self.body is not None:
             return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
@@ -211,13 +205,7 @@ class MeasuredFile(Table):
         return np.array([body.missing.mean(), largest_hole(body.missing)[0] * np.prod(body.spacing)])
 
     def checksum(self) -> str:
-        """SHA-256 of the bytes of the file.
-
-        Raises
-        ------
-        ValueError
-            If it cannot be read.
-        """
+        """SHA-256 of the bytes of the file; a `ValueError` if it cannot be read."""
         try:
             with Path(self.file).open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
@@ -286,20 +274,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Facts:
-    """What a result says of the bodies that members are made of; lengths in µm, along (y and) x.
-
-    Attributes
-    ----------
-    upper, lower : Profile, Surface or JoinedSpectrum
-        Whose history it is.
-    area : float, µm²
-    shape, spacing : sequence
-        Points of a member, and their distance.
-    used : (float, float)
-        The fraction of either body that a member is.
-    scanned_spacing, scanned_extent : (ndarray, ndarray)
-        Of both files.
-    """
+    """What a result says of the bodies that members are made of; lengths in µm, along (y and) x."""
 
     upper: Body
     lower: Body
@@ -315,13 +290,7 @@ class Members(Protocol):
     """The members that two bodies make, each by its number alone."""
 
     def member(self, index: int) -> Member:
-        """One of them.
-
-        Raises
-        ------
-        ValueError
-            If there are fewer members.
-        """
+        """One of them; a `ValueError` if there are fewer."""
 
     def facts(self) -> Facts:
         """What all members share."""
@@ -365,18 +334,20 @@ class MeasuredBodies(Table):
         unknown = unknown_below([*self.upper.bodies, *self.lower.bodies])
         return next((each for each in asked if each >= unknown), asked[0])
 
+    def _both(self, change: Callable[[str, MeasuredFile], MeasuredFile]) -> Self:
+        return self.model_copy(update={side: change(side, getattr(self, side)) for side in SIDES})
+
     def located(self, directory: Path) -> Self:
         """The same with absolute names of files; those that are not absolute are relative to the directory."""
-        update = {"upper": self.upper.located(directory), "lower": self.lower.located(directory)}
-        return self.model_copy(update=update)
+        return self._both(lambda _, file: file.located(directory))
 
     def known(self) -> Self:
         """The same with the checksums of the files as they are."""
-        return self.model_copy(update={"upper": self.upper.known(), "lower": self.lower.known()})
+        return self._both(lambda _, file: file.known())
 
     def kept(self, folder: Path) -> Self:
         """The same with bodies in memory in files in a folder."""
-        return self.model_copy(update={side: getattr(self, side).kept(folder, side) for side in SIDES})
+        return self._both(lambda side, file: file.kept(folder, side))
 
     @property
     def first_scanned(self) -> int:
@@ -389,22 +360,13 @@ class MeasuredBodies(Table):
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
-        """Which scan of the upper and of the lower part members are of: all pairs in turn, so that they are balanced.
-
-        Members are whole numbers or arrays of them.
-        """
+        """Which scans of the upper and of the lower part members (numbers or arrays) are of: all pairs in turn."""
         upper, lower = self.scan_counts
         cell = members % (upper * lower)
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Members:
-        """What makes the members of scans from which waves shorter than this (µm, 0 for none) are taken off.
-
-        Raises
-        ------
-        ValueError
-            If such members cannot be made of them.
-        """
+        """What makes the members of scans without waves below so many µm; a `ValueError` if none can be made."""
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], wavelength: float) -> Iterator[Profile | Surface]:

@@ -15,7 +15,7 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, load_of, loads_of, ratio_of
 from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, UNLOADED, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
-from stiction.studies.crossing import Crossing
+from stiction.studies.intervals import Crossing
 from stiction.studies.maps import MOTIONS, cells_of, head_of, material_of
 from stiction.studies.store import pieces
 from stiction.studies.study import step_of, study_of
@@ -106,26 +106,19 @@ def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xa
     whole = parts[0] if len(parts) == 1 else xarray.concat(
         parts, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip
-    return _of_kind(whole, of)
-
-
-def _of_kind(members: xarray.Dataset, of: Kind | None) -> xarray.Dataset:
-    if "surrogate" not in members.coords:
-        return members
-    made = members["surrogate"].values.astype(bool)
+    if "surrogate" not in whole.coords:
+        return whole
+    made = whole["surrogate"].values.astype(bool)
     wanted = bool(made.all()) if of is None else of == "surrogates"
     if not (made == wanted).any():
         raise ValueError(f"of must not be {of!r}: the result has no such members")
-    return members.isel(repetition=np.flatnonzero(made == wanted))
+    return whole.isel(repetition=np.flatnonzero(made == wanted))
 
 
 def piece_at(
     piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool
 ) -> xarray.Dataset:
-    """`member_values` of some members, all of them in memory.
-
-    With `ratio` what grows with the load is read off by straight lines of value/load over the logarithm of the load.
-    """
+    """`member_values` of some members in memory; by `ratio` sums are read off over the logarithm of the load."""
     import xarray
 
     cells, step = cells_of(piece), step_of(piece)

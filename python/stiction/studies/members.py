@@ -73,10 +73,7 @@ class ProfileGenerator:
         )
 
     def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-        """Unscaled heights (k, points) of one body at fractal dimensions (k,), in memory that is there already.
-
-        Returns the mean, lowest and highest of each, (k, 3), µm.
-        """
+        """Unscaled heights (k, points) at dimensions (k,), into memory; mean, lowest and highest of each, (k, 3)."""
         return fill_family(
             heights, self.phases(repetition, side), dimensions, length_scale=self.length_scale, gamma=self.gamma,
             extent=self.extent, convention=self.convention, band_limit=self.band_limit,
@@ -202,10 +199,7 @@ def _grid(body: Any) -> tuple[Any, ...]:
 
 
 class Bodies:
-    """Measured bodies, read once, and the members that they make at each cut-off.
-
-    Raises a `ValueError` if a file cannot be read, or is another than the study was written for.
-    """
+    """Measured bodies, read once, and the members that they make; a `ValueError` if a file is not what it was."""
 
     def __init__(self, surfaces: Measured, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
@@ -222,10 +216,7 @@ class Bodies:
         self._members: dict[tuple[float, int, int], Members] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
-        """What makes the members of two scans at a cut-off (µm, 0 for the scans themselves).
-
-        Raises a `ValueError` if the bodies do not make what the study asks for.
-        """
+        """What makes the members of two scans at a cut-off (µm, 0 for none); a `ValueError` if none can be made."""
         found = self._members.get((wavelength, upper, lower))
         if found is None:
             if len(self._members) >= MOST_PREPARED:

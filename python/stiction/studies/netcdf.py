@@ -26,15 +26,7 @@ from stiction.studies.study import Study, study_from_text
 if TYPE_CHECKING:
     import xarray
 
-TEXT_OF_BODIES = ("upper", "lower")
-NUMBERS_OF_BODIES = (
-    "shape", "spacing_um", "fraction_used", "upper_spacing_um", "lower_spacing_um", "upper_extent_um",
-    "lower_extent_um",
-)  # fmt: skip
-"""Attributes of a result of measured bodies, besides those of every result."""
-
-FILLED = ("upper_filled", "lower_filled")
-"""Attributes of one whose missing points are interpolated: their share, and the largest hole (µm² or µm)."""
+OF_EVERY_RESULT = ("title", "study", "stiction_version", "_NCProperties")  # attributes; others are of bodies
 
 SEAL = b"stiction crc32 "
 """End of an exported file, before the checksum of all that precedes: HDF5 may run for ever in a damaged file. HDF5
@@ -78,10 +70,7 @@ _making = threading.Lock()
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """The file of this many members, filled with zeros.
-
-    To make one takes 40 ms, most of it for names and units, which all files of a study share.
-    """
+    """The file of so many members, filled with zeros: most of the time of a file goes for names and units."""
     numbers = range(count)
     arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
     if study.is_measured:
@@ -92,10 +81,7 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file, of which no number means that one is missing.
-
-    This is what `xarray.Dataset.to_netcdf` does, but for its locks: a worker of Dask would ask its scheduler for one.
-    """
+    """Write a dataset to a netCDF file as xarray does, but for its locks, for which workers of Dask ask a scheduler."""
     import h5netcdf
     from xarray.conventions import cf_encoder, encode_dataset_coordinates
 
@@ -128,19 +114,21 @@ def seal(file: io.BytesIO) -> None:
 def decoded(content: bytes) -> Members:
     """The members in a file; a `DamageError` if it is not the result of the study that it says."""
     with _opened(content) as file:
-        study, version = _study(file)
+        title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
+        if title != TITLE or not isinstance(text, str):
+            raise DamageError("does not say of what study it is")
+        study = _parsed(text)
         numbers = _values(file, "repetition")
         arrays = {name: _values(file, name, each.shape) for name, each in variables_of(study, numbers).items()}
         of_bodies = About()
         if study.is_measured:
             arrays |= {name: _values(file, name, numbers.shape).astype(dtype) for name, dtype in OF_MEMBERS.items()}
-            attributes: dict[str, Any] = {name: str(file.attrs[name]) for name in TEXT_OF_BODIES}
-            names = (*NUMBERS_OF_BODIES, *(name for name in FILLED if name in file.attrs))
-            attributes |= {name: np.atleast_1d(file.attrs[name]) for name in names}
+            known = {name: file.attrs[name] for name in file.attrs if name not in OF_EVERY_RESULT}
+            attributes = {name: each if isinstance(each, str) else np.atleast_1d(each) for name, each in known.items()}
             of_bodies = About(float(_values(file, "nominal_area")), attributes)
         steps = {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
         is_exact = [np.array_equal(_values(file, name), values) for name, (_, values) in steps.items()]
-    return Members(study, version, numbers, arrays, of_bodies, all(is_exact))
+    return Members(study, str(version), numbers, arrays, of_bodies, all(is_exact))
 
 
 def decoded_beside(content: bytes, names: Iterable[str]) -> xarray.Dataset:
@@ -169,13 +157,6 @@ def _opened(content: bytes) -> Iterator[h5py.File]:
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
         # All that HDF5 is known to answer to a file that is none.
         raise DamageError("is no netCDF file that can be read") from None
-
-
-def _study(file: h5py.File) -> tuple[Study, str]:
-    title, study, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
-    if title != TITLE or not isinstance(study, str):
-        raise DamageError("does not say of what study it is")
-    return _parsed(study), str(version)
 
 
 @functools.lru_cache(maxsize=8)

@@ -47,15 +47,10 @@ _STATISTICS = ["mean", "lower", "upper"]
 def onset_of_result(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """How the members of a measured pair begin to slide at the first load of its study, or another (mN), mu0 and tau0.
+    """How the first members of a measured pair begin to slide at a load (mN), by default the first of its study.
 
-    Of several cut-offs it is that of the reading to quote. So many members, the first ones, are computed: 16 by
-    default, 4 of areas by the half-space. The dataset has over fraction (of the sliding load) and statistic (mean,
-    lower, upper) tangential_load, displacement, slipped_area, slipped_load and energy_lost, over statistic
-    sliding_load, displacement_at_sliding, stiffness and, of normal loads, unloading_stiffness, and of areas the map of
-    what slips first of the first member, see `slip_map`. Its attributes say load, mu0, tau0 and how many members there
-    are, and have the parameters of the Iwan and LuGre models of the mean curve. None of generated bodies, where nothing
-    holds the bodies, and where no member has an answer.
+    Over fraction (of the sliding load) and statistic, with the map of what slips first of the first member and the
+    Iwan and LuGre models of the mean curve. None where nothing holds the bodies, and where no member has an answer.
     """
     if not study.is_measured:
         return None
@@ -154,10 +149,7 @@ def _models(onset: xarray.Dataset) -> dict[str, float]:
 
 
 def onset_beside(result: Stored) -> xarray.Dataset | None:
-    """The onset that lies beside a stored result, if there is one of its first load, mu0 and tau0 with all numbers.
-
-    Raises a `StoreError` if it is damaged.
-    """
+    """The onset beside a stored result, of its first load, mu0 and tau0; a `StoreError` if it is damaged."""
     if not result.study.is_measured:
         return None
     friction = result.study.friction
@@ -190,11 +182,9 @@ _LENGTH = {"units": "um"}
 
 
 def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
-    """Variables of a dataset: which fraction of the sliding load makes each point slip, and the heights below.
+    """Which fraction of the sliding load makes each point of a map slip, or each contact, and the heights below.
 
-    Of the half-space ``slip`` over slip_y and slip_x, NaN where nothing touches; of asperities, which all slip at their
-    edges from the start, ``contact_slip`` at which each slides as a whole, with contact_x, contact_y and contact_area.
-    Of maps with more than 512 rows or columns the first of some neighbours is kept. Nothing of profiles.
+    Of large maps the first of some neighbours is kept. Nothing of profiles.
     """
     lower = pressed.lower
     if not isinstance(lower, Surface):

@@ -17,15 +17,15 @@ from stiction._errors import ArgumentError
 from stiction._units import Quantity, exact, exactly, quantity
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.calibration import Interface, highest_density
+from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.interfaces import interface, interfaces, medians
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
-from stiction.studies.ladder import ladder
 from stiction.studies.measured_files import Body, MeasuredFile
 from stiction.studies.members import about
 from stiction.studies.study import Study
 from stiction.studies.surface_tables import Measured
-from stiction.studies.text import validated
+from stiction.studies.values import validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES
 from stiction.surfaces.profile import Profile
@@ -55,10 +55,7 @@ Several = Any
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
-    """Two bodies and what is asked of them: arguments of `pair`, by their names; None is the usual.
-
-    Numbers are in µm, mN, GPa and degrees. Wrong ones are an `ArgumentError`, whenever what they decide is needed.
-    """
+    """Two bodies and what is asked of them, in core units; None is the usual, a wrong one an `ArgumentError`."""
 
     upper: Any = None  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned, or several: the slider
     lower: Any = None  # what it is carried over

@@ -12,13 +12,11 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, choice, number, part_of_one, whole_number
 from stiction._units import exact
 from stiction.mechanics import friction
-from stiction.mechanics.alike import warn_of_one_body
 from stiction.mechanics.friction import SIX
-from stiction.mechanics.model import Sliding, modulus_for
+from stiction.mechanics.model import Sliding, modulus_for, warn_of_one_body
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
 from stiction.studies.contact_tables import COMPASS
-from stiction.studies.measured_areas import MeasuredAreas, MeasuredSurrogates
 from stiction.studies.measured_files import MeasuredFile
 from stiction.studies.member_values import by_slopes, piece_at
 from stiction.studies.members import about, bodies_of
@@ -26,6 +24,7 @@ from stiction.studies.pair import SEED, SHIFTS, SURROGATES, given_study
 from stiction.studies.pressing import Mechanics, checked_loads
 from stiction.studies.runner import run
 from stiction.studies.study import Study
+from stiction.studies.surface_tables import MeasuredAreas, MeasuredSurrogates
 from stiction.surfaces.pairing import MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
 from stiction.surfaces.profile import Profile

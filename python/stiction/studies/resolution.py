@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import functools
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,17 +19,15 @@ from stiction.mechanics.brackets import (
     interface_stretch,
     kappa_spread,
     plastic_wavelength,
+    rms_gradient,
 )
 from stiction.studies.at_load import at_load
-from stiction.studies.contact_statistics import slopes_of
 from stiction.studies.members import about, bodies_of
 from stiction.studies.result import measured
 from stiction.studies.store import STUDY, StoreError, open_stored
 from stiction.studies.study import Study, computed_otherwise
 from stiction.surfaces.hurst import HurstEstimate
-from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
-from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
@@ -46,11 +43,9 @@ LONGEST = 1 / 30  # longest cut-off over the shortest side of the scans: longer 
 
 
 def resolution_study(study: Study) -> Study | None:
-    """The study of the same pair over cut-offs, for few members and the loads that are asked for alone.
+    """The study of the same pair over cut-offs, two points and their doubles, for few members and the loads asked for.
 
-    The first cut-off is that of the study, 0 being the scan itself; two points and their doubles follow. None of
-    generated bodies, of asperities, where the study has several cut-offs itself, and where the scans are too short for
-    any.
+    None of generated bodies, of asperities, of several cut-offs, and where the scans are too short for any.
     """
     if not study.is_measured or not study.by_half_space:
         return None
@@ -76,10 +71,7 @@ def resolution_study(study: Study) -> Study | None:
 
 
 def resolution_at(result: Stored) -> xarray.Dataset | None:
-    """What a result says over cut-offs at the loads of its study, as `at_load` does: its own, or those in its folder.
-
-    None where it has none, or those of another study.
-    """
+    """What a result, or that in its folder, says over cut-offs at the loads of its study; None without one."""
     study = result.study
     if not study.is_measured:
         return None
@@ -117,18 +109,12 @@ class Seen:
         return float(self.roughness.fraction_below(wavelength))
 
     def yields_at(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Wavelength (µm) down to which waves make the elastic mean pressure so many times that of the scan.
-
-        With its interval, which is the narrower the more contacts there are; NaN where no wavelength does.
-        """
+        """Wavelength (µm), with interval, down to which waves make the elastic pressure so many times the scan's."""
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
         return plastic_wavelength(self.roughness, self.estimate, gradient, float(kappa_spread(np.array(contact_count))))
 
     def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Wavelengths (µm) of finer, elastic scans, and over them (value, lower, upper) gradients and area fractions.
-
-        The area fraction, on the interface, and the number of contacts are those of the scan.
-        """
+        """Wavelengths (µm) of finer, elastic scans, and (value, lower, upper) of their gradients and area fractions."""
         gradients = continued(self.roughness, self.estimate, self.shortest, self.gradient)
         flat = np.array([area_fraction * self.gradient]) / interface_stretch(np.array(self.gradient))
         ground = elastic_area(gradients, flat, kappa_spread(np.array([contact_count])))[:, 0]
@@ -153,18 +139,11 @@ def _seen(study: Study) -> Seen:
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
-    gap: Profile | Surface
-    if isinstance(upper, Profile):
-        gap = Profile(upper.heights - lower.heights, spacing=upper.spacing)
-        spacing, side = gap.spacing, gap.extent
-    else:
-        gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
-        spacing, side = max(gap.spacing), max(gap.extent)
+    gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
     facts = bodies.about().attributes
-    steps = [spacing, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
+    steps = [*gap.spacings, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return Seen(
-        shortest=max(2 * max(steps), wavelength), longest=side,
-        gradient=math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes_of(gap))), roughness=roughness,
-        estimate=gap_exponent(gap, periodic=False),
+        shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),
+        gradient=rms_gradient(gap, periodic=False), roughness=roughness, estimate=gap_exponent(gap, periodic=False),
     )  # fmt: skip

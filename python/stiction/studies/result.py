@@ -150,11 +150,6 @@ def _dims(study: Study, name: str) -> tuple[str, ...]:
     return (*members, *(study.motions() if name in DIRECTED else ()), study.step)
 
 
-def attributes_of_result(study: Study) -> dict[str, Any]:
-    """What a result says of itself."""
-    return {"title": TITLE, "study": study.to_toml(), "stiction_version": __version__}
-
-
 def stacked(study: Study, members: Sequence[Arrays]) -> Arrays:
     """Arrays of several members as those of a result: one more axis, behind the cells."""
     axis = len(study.surfaces.cells())
@@ -190,14 +185,5 @@ def dataset_of(
     return xarray.Dataset(
         {name: xarray.Variable(each.dims, arrays[name], each.attributes) for name, each in variables.items()},
         coordinates,
-        attributes_of_result(study) | about.attributes,
+        {"title": TITLE, "study": study.to_toml(), "stiction_version": __version__} | about.attributes,
     )
-
-
-def empty_dataset(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> xarray.Dataset:
-    """The dataset of a study, or of some of its repetitions: zeros, with units, names and attributes in place."""
-    numbers = np.arange(study.ensemble.repetitions) if repetitions is None else np.asarray(repetitions)
-    arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
-    if study.is_measured:
-        arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
-    return dataset_of(study, numbers, arrays, About(nominal_area=1.0) if study.is_measured else None)

@@ -25,7 +25,7 @@ from stiction.studies.pressed import cost_of_member, member_sums
 from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, stacked
 from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, put
 from stiction.studies.study import Study
-from stiction.studies.text import StudyError
+from stiction.studies.values import StudyError
 
 if TYPE_CHECKING:
     import xarray
@@ -114,10 +114,8 @@ def fill(
 ) -> int:  # fmt: skip
     """Compute what a folder lacks of a study, or of a part of it: of (3, 16) every 16th block from the third on.
 
-    Processes with different parts share a folder, on any file system that all of them see. What they leave is computed
-    by whoever comes without a part. Once the first tasks are handed out, `say` is told what lies ahead: bytes, files,
-    hours, and who writes. Returns how many repetitions of the study, or of the part, the folder holds. Raises a
-    `ValueError` as `run` does, and if there is no such part.
+    Processes with different parts share a folder; whoever comes without one computes what they leave. `say` is told
+    what lies ahead. Returns how many repetitions of the study, or of the part, the folder holds; errors as of `run`.
     """
     stored = prepared(study, folder, part)
     stored = filled(stored, part=part, executor=executor, progress=progress, say=say)
@@ -252,11 +250,7 @@ def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
 
 
 class _Missing:
-    """The members of a study, or of a part of its blocks, that are not finished.
-
-    A `block` has so many members; `total` are those of the study, or of the part, and `count` those of them that are
-    missing.
-    """
+    """The members of a study, or of a part of its blocks of so many, that are not finished: `count` of `total`."""
 
     def __init__(self, stored: Stored, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
@@ -284,11 +278,7 @@ def _compute(
     missing: _Missing, pool: Executor, most: int, take: Callable[[range, Any], None], task: Callable[..., Any],
     *arguments: Any,
 ) -> None:  # fmt: skip
-    """Compute blocks by a task that takes its members last, and have each taken as soon as it is done.
-
-    At most so many are submitted at a time. Errors and interruptions cancel those that have not begun, and those in
-    hand are taken if they end soon.
-    """
+    """Compute blocks by a task, so many submitted at a time, each taken when done; errors cancel the others."""
     rest = iter(missing)
     task = sharing(task, pool, sum(1 for _ in missing), points_of_member(arguments[1]))
     waiting: dict[Future[Any], range] = {}
@@ -333,11 +323,7 @@ class Folder:
 
 
 def block_task(version: str, study: Study, folder: Folder | None, members: range) -> bytes | None:
-    """The file of a block of members; None where it was written into the folder, because that is seen from here.
-
-    Raises a `StudyError` if another version of stiction asks for it, whose results may differ, and a `StoreError` if it
-    cannot be written.
-    """
+    """The file of a block of members; None where it was written into the folder, because that is seen from here."""
     from stiction.studies.netcdf import encoded
 
     is_seen = folder is not None and folder.is_seen()

@@ -85,15 +85,7 @@ class StoreInfo:
 
 @dataclass(frozen=True)
 class Stored:
-    """A result in its folder, of which blocks are read when they are asked for; one that is a single piece, once.
-
-    Attributes
-    ----------
-    path : Path
-    study : Study
-    blocks : tuple of Block
-        All that are there, in order; they may overlap.
-    """
+    """A result in its folder, of which blocks are read when they are asked for; one that is a single piece, once."""
 
     path: Path
     study: Study
@@ -156,11 +148,7 @@ class Stored:
         return self._read(self._used[0][0] if self._used else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
-        """The whole result.
-
-        Raises a `StoreError` if it takes more than 2 GiB of memory, if nothing is finished, or if a block is damaged or
-        another study's.
-        """
+        """The whole result; a `StoreError` if it takes more than 2 GiB, is not begun, damaged or another study's."""
         total = self.study.ensemble.repetitions
         if not self.count:
             raise StoreError(f"{named(self.path)}: none of its {total} repetitions is finished yet")
@@ -271,7 +259,14 @@ def read(path: str | Path) -> xarray.Dataset:
     """
     path = Path(path)
     if path.is_file():
-        return _exported(path)
+        from stiction.studies.netcdf import DamageError, decoded
+
+        try:
+            members = decoded(content(path, MOST_MEMORY))
+        except (OSError, NotReadableError, DamageError) as error:
+            raise StoreError(f"{named(path)}: {reason(error) if isinstance(error, OSError) else error}") from None
+        exported = dataset_of(members.study, members.numbers, members.arrays, members.about)
+        return exported.assign_attrs(stiction_version=members.version)
     stored = open_stored(path)
     result = stored.dataset()
     total = stored.study.ensemble.repetitions
@@ -283,22 +278,8 @@ def read(path: str | Path) -> xarray.Dataset:
     return result
 
 
-def _exported(path: Path) -> xarray.Dataset:
-    from stiction.studies.netcdf import DamageError, decoded
-
-    try:
-        members = decoded(content(path, MOST_MEMORY))
-    except (OSError, NotReadableError, DamageError) as error:
-        raise StoreError(f"{named(path)}: {reason(error) if isinstance(error, OSError) else error}") from None
-    result = dataset_of(members.study, members.numbers, members.arrays, members.about)
-    return result.assign_attrs(stiction_version=members.version)
-
-
 def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """The small dataset with variables of these names that `export` wrote beside a result, if it is there.
-
-    Raises a `StoreError` if it is damaged.
-    """
+    """The small dataset with these variables beside a result; None without one, a `StoreError` if it is damaged."""
     from stiction.studies.netcdf import DamageError, decoded_beside
 
     try:
@@ -338,10 +319,7 @@ def info(path: str | Path) -> StoreInfo:
 
 
 def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Iterate over a result, or some variables of it, piece by piece, in order: some members at a time are in memory.
-
-    How many depends on the study alone, so that sums over pieces have the same bits wherever the result lies.
-    """
+    """A result, or some of its variables, in pieces that the study alone decides, so that sums have the same bits."""
     if isinstance(result, Stored):
         yield from result.pieces(names)
         return
@@ -377,11 +355,9 @@ def _study(path: Path) -> Study:
 
 
 def begin(path: str | Path, study: Study) -> Stored:
-    """Begin a result in a folder, or open one of the same study to be continued.
+    """Begin a result in a folder, or open one of the same study to be continued; what was half written is removed.
 
-    One that holds all of its members need not be writeable. Half-written files of runs that were killed are removed.
-    Raises a `StoreError` if the folder cannot be written, holds another study, or lacks members and was begun by
-    another version of stiction, whose bits may differ.
+    Raises a `StoreError` if it cannot be written, holds another study, or would be continued by another version.
     """
     path = Path(path)
     if path.is_file():
@@ -458,10 +434,7 @@ def _another_study(path: Path, differ: list[Difference]) -> StoreError:
 
 
 def put(path: Path, first: int, written: bytes, count: int) -> None:
-    """Put the file of so many members, from the first on, into a folder.
-
-    Raises a `StoreError` if it cannot be written; what was finished before stays so.
-    """
+    """Put the file of so many members, from the first on, into a folder; a `StoreError` if it cannot be written."""
     block = Block(first, first + count - 1, zlib.crc32(written))
     for attempt in range(1, _ATTEMPTS + 1):
         try:

@@ -16,24 +16,26 @@ from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exactly, quantity, shortened
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
-from stiction.studies.contact_tables import KEYS, Contact, contact_case, read_contact
+from stiction.studies.contact_tables import KEYS, Contact, contact_case, ladder, read_contact
 from stiction.studies.generated_surfaces import Profiles
 from stiction.studies.known import KnownTable
-from stiction.studies.ladder import ladder
 from stiction.studies.surface_tables import Measured, Surfaces, pressed, read_surfaces, surfaces_case
-from stiction.studies.text import StudyError, as_toml, toml, validated
 from stiction.studies.values import (
     REQUIRED,
     Coefficients,
     Keys,
     LoadsOfInterest,
     Strengths,
+    StudyError,
     Table,
     Times,
+    as_toml,
     as_tuple,
     completed,
     defaults,
     fault_at,
+    toml,
+    validated,
 )
 
 if TYPE_CHECKING:
@@ -217,6 +219,11 @@ class Study(Table):
         return self.surfaces.kind == "measured"
 
     @property
+    def is_gap(self) -> bool:
+        """Whether one measured map is the gap of both bodies, which has one position."""
+        return bool(getattr(self.surfaces, "gap", None))
+
+    @property
     def is_areal(self) -> bool:
         """Whether its members are pairs of areas, and not of profiles or lines."""
         return self.surfaces.is_areal
@@ -391,16 +398,12 @@ def study_summary(name: str) -> str:
 
 def study_of(dataset: xarray.Dataset) -> Study:
     """The study that a result came from; a `StudyError` if it does not say."""
-    return study_of_attributes(dataset.attrs)
-
-
-def study_of_attributes(attributes: Mapping[str, Any]) -> Study:
-    """`study_of` a result that has these attributes."""
-    if not isinstance(attributes.get("study"), str):
+    text = dataset.attrs.get("study")
+    if not isinstance(text, str):
         raise StudyError(
             "the dataset does not say what study it is of (attribute 'study'), so mu0 and tau0 must be given"
         )
-    return study_from_text(attributes["study"], "the dataset's study")
+    return study_from_text(text, "the dataset's study")
 
 
 def step_of(dataset: xarray.Dataset) -> str:
@@ -418,11 +421,7 @@ def differences(one: Study, other: Study) -> list[Difference]:
 
 
 def computed_otherwise(one: Study, other: Study) -> list[Difference]:
-    """What makes the members of two studies differ.
-
-    What friction and figures are asked for is applied to the sums afterwards. Measured files are known by their
-    checksums, wherever they lie.
-    """
+    """What makes the members of two studies differ: not friction and figures, nor where measured files lie."""
     return [
         each
         for each in differences(one, other)

@@ -29,13 +29,12 @@ from stiction.mechanics.model import (
 from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, SUMS, VALIDITY, attributes_of
 from stiction.studies.at_load import OverMembers
 from stiction.studies.contact_tables import entry_of
-from stiction.studies.crossing import Crossing
-from stiction.studies.measured_areas import MeasuredAreas, overlap
+from stiction.studies.intervals import Crossing
 from stiction.studies.measured_files import MeasuredFile
-from stiction.studies.measured_lines import MeasuredLines
 from stiction.studies.pair import given_study
 from stiction.studies.pressing import Load, Mechanics, checked_loads
 from stiction.studies.runner import run
+from stiction.studies.surface_tables import MeasuredAreas, MeasuredLines, overlap
 from stiction.surfaces.pairing import FEWEST_POINTS
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -407,13 +406,10 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     Notes
     -----
     All positions carry the same load, so the mean coefficient is the ratio of mean tangential to normal load.
-    Neighbouring positions have asperities in common and are not independent: the interval is over all correlations of
-    neighbours that the values allow. Positions on the same line are alike however far apart, so with several lines it
-    is that of the means of the lines. It never goes beyond the values themselves. In trials of lognormal and bounded
-    values, and of values of which half are zero, 64 positions cover 92 to 97 % for correlations up to 0.8 and are 1.0
-    to 1.2 times as wide as the best that is possible; 16 cover 82 to 87 % where the correlation is 0.8, and are 1.6
-    times as wide where it is 0. It says how well the mean over these two profiles is known, not what other pieces of
-    the same surfaces would give; that takes more profiles, or surrogates.
+    Neighbouring positions have asperities in common: the interval is over all correlations of neighbours that the
+    values allow, with several lines over those of their means, and never beyond the values themselves. It says how well
+    the mean over these two profiles is known, not what other pieces of the same surfaces would give; that takes more
+    profiles, or surrogates.
 
     Examples
     --------

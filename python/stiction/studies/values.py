@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
+import json
+import tomllib
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
 import numpy as np
 from pydantic import (
@@ -17,11 +20,13 @@ from pydantic import (
     PlainSerializer,
     PlainValidator,
     Tag,
+    ValidationError,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from stiction._checks import Floats
+from stiction._text import LONGEST_WORD, named, printable
 from stiction._units import Quantity, quantity, shortened
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS
@@ -30,22 +35,17 @@ MOST_VALUES = 10_000  # largest number of values of one parameter of a study
 MOST_MATERIALS = 100  # largest number of mu0, of tau0 and of cut-off wavelengths
 
 
-def read_length(text: object) -> Quantity:
-    """A length above 0."""
-    value = quantity(text, "length")
-    if not value > 0:
-        raise ValueError(f"must be above 0, got {value.text!r}")
-    return value
-
-
-def _reader(kind: str, *, zero: bool) -> PlainValidator:
+def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
     def read(text: object) -> Quantity:
         value = quantity(text, kind)
         if not (value > 0 or (zero and float(value) == 0)):
             raise ValueError(f"must be {'at least' if zero else 'above'} 0, got {value.text!r}")
         return value
 
-    return PlainValidator(read)
+    return read
+
+
+read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
@@ -65,13 +65,13 @@ def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
 
 
 as_written = PlainSerializer(written)
-Length = Annotated[Quantity, _reader("length", zero=False), as_written]
-LengthOrZero = Annotated[Quantity, _reader("length", zero=True), as_written]
-Modulus = Annotated[Quantity, _reader("pressure", zero=False), as_written]
-Strength = Annotated[Quantity, _reader("pressure", zero=True), as_written]
-Force = Annotated[Quantity, _reader("force", zero=False), as_written]
-Time = Annotated[Quantity, _reader("time", zero=False), as_written]
-WorkOfAdhesion = Annotated[Quantity, _reader("work of adhesion", zero=True), as_written]
+Length = Annotated[Quantity, PlainValidator(read_length), as_written]
+LengthOrZero = Annotated[Quantity, PlainValidator(_reader("length", zero=True)), as_written]
+Modulus = Annotated[Quantity, PlainValidator(_reader("pressure")), as_written]
+Strength = Annotated[Quantity, PlainValidator(_reader("pressure", zero=True)), as_written]
+Force = Annotated[Quantity, PlainValidator(_reader("force")), as_written]
+Time = Annotated[Quantity, PlainValidator(_reader("time")), as_written]
+WorkOfAdhesion = Annotated[Quantity, PlainValidator(_reader("work of adhesion", zero=True)), as_written]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=FEWEST_POINTS, le=MOST_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
@@ -273,3 +273,88 @@ def completed(keys: Keys, where: str, given: Mapping[Any, Any]) -> dict[Any, Any
         if table.get(key) is REQUIRED:
             raise fault_at(key, f"must be given for {where}")
     return table
+
+
+_Kind = TypeVar("_Kind", bound=Table)
+
+
+class StudyError(ValueError):
+    """A study that cannot be: one line per fault, each naming its key."""
+
+
+def as_toml(value: Any) -> str:
+    """A value of a study file."""
+    match value:
+        case None:
+            return "none"
+        case str():
+            return json.dumps(value, ensure_ascii=False)
+        case bool():
+            return str(value).lower()
+        case int():
+            return f"{value:_}"
+        case float():
+            return repr(value)
+        case dict():
+            written = [f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"]  # which is in memory
+            return "{ " + ", ".join(written) + " }"
+        case _:
+            return "[" + ", ".join(as_toml(item) for item in value) + "]"
+
+
+def toml(text: str) -> dict[str, Any]:
+    """What a TOML text says; a `ValueError` if it is not TOML, or is deeper than any study."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("it is too deep") from None
+
+
+def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
+    """A table of that kind with its data; errors call it by the name of its source."""
+    try:
+        return kind.model_validate(data)
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        lines = [f"{named(source)}: {_fault(kind, fault)}" for fault in faults[:5]]
+        if len(faults) > 5:
+            lines.append(f"{named(source)}: ... and {len(faults) - 5} more")
+        raise StudyError("\n".join(lines)) from None
+
+
+def _fault(kind: type[Table], fault: ErrorDetails) -> str:
+    location = [part for part in fault["loc"] if part not in (RANGE, LIST)]
+    key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
+    if fault["type"] == "key":
+        key += f".{fault['ctx']['key']}"
+    key = printable(key)
+    if fault["type"] == "extra_forbidden":
+        return f"{key}: unknown key{_suggestion(kind, location)}"
+    message = fault["msg"].removeprefix("Value error, ")
+    if fault["type"] == "model_type":
+        message = "must be a table"
+    if fault["type"] == "tuple_type":
+        message = "must be a list"
+    if fault["type"] == "string_unicode":
+        message = "must be text in UTF-8, as the study that keeps it is (rename a file that is not)"
+    if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
+        message = f"{message[0].lower()}{message[1:]}, got {shortened(fault['input'])}"
+    return f"{key}: {message}" if key else message
+
+
+def _suggestion(kind: type[Table], location: list[int | str]) -> str:
+    """Which key was meant, of all cases that the table may be of."""
+    tables = [kind]
+    for part in location[:-1]:
+        fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]
+        tables = [table for field in fields for table in tables_of(field.annotation)]
+    known = dict.fromkeys(name for table in tables for name in table.model_fields)
+    close = difflib.get_close_matches(str(location[-1])[:LONGEST_WORD], known, n=1)
+    return f"; is it {close[0]!r}?" if close else ""
+
+
+def tables_of(annotation: Any) -> list[type[Table]]:
+    """The tables that a value of this type may be."""
+    if isinstance(annotation, type):
+        return [annotation] if issubclass(annotation, Table) else []
+    return [table for part in get_args(annotation) for table in tables_of(part)]

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import overload
 
 import numpy as np
 
 from stiction._checks import Floats, number, truth
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import AnyBody, Surface
 
 LONGEST = 1 / 3  # longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few
 _REACH = 1.6  # wavelengths to each side over which weights are summed; beyond, they are below 1e-15 of the largest
 _FEWEST_WEIGHTS = 64  # weights to each side; for wavelengths of two or three points they fall slowly, here to 1e-5
 
 
-@overload
-def cut_off(body: Profile, wavelength: float, *, periodic: bool = ...) -> Profile: ...
-@overload
-def cut_off(body: Surface, wavelength: float, *, periodic: bool = ...) -> Surface: ...
-def cut_off(body: Profile | Surface, wavelength: float, *, periodic: bool = False) -> Profile | Surface:
+def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:
     r"""A profile or a surface without its short waves, as a coarser instrument would see it.
 
     Parameters
@@ -37,11 +32,6 @@ def cut_off(body: Profile | Surface, wavelength: float, *, periodic: bool = Fals
     -------
     Profile or Surface
         On the same grid; the step is added to its history.
-
-    Raises
-    ------
-    ValueError
-        If the body is neither or the wavelength is outside its range.
 
     Notes
     -----
@@ -65,7 +55,7 @@ def cut_off(body: Profile | Surface, wavelength: float, *, periodic: bool = Fals
     truth("periodic", periodic)
     if not isinstance(body, (Profile, Surface)):
         raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
-    spacing = (body.spacing,) if isinstance(body, Profile) else body.spacing
+    spacing = body.spacings
     sides = [points * step for points, step in zip(body.heights.shape, spacing, strict=True)]
     length = number("wavelength", wavelength, unit="µm", above=0)
     shortest, longest = 2 * min(spacing), LONGEST * min(sides)
@@ -76,12 +66,10 @@ def cut_off(body: Profile | Surface, wavelength: float, *, periodic: bool = Fals
         )
     mean = body.heights.mean()
     heights = body.heights - mean
-    for axis, step in enumerate(spacing):
-        heights = _smoothed(heights, axis, length / step, periodic) if heights.shape[axis] > 1 else heights
-    history = (*body.history, f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)")
-    if isinstance(body, Profile):
-        return Profile(heights + mean, spacing=body.spacing, history=history, missing=body.missing)
-    return Surface(heights + mean, spacing=body.spacing, history=history, missing=body.missing)
+    for axis, each in enumerate(spacing):
+        heights = _smoothed(heights, axis, length / each, periodic) if heights.shape[axis] > 1 else heights
+    step = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
+    return body.changed(heights + mean, step)  # type: ignore[return-value]
 
 
 def transmission(wave_number: Floats, wavelength: float) -> Floats:

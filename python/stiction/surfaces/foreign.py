@@ -32,9 +32,7 @@ class Taken(NamedTuple):
 def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
     """Heights and spacing of a body of our own, or of an object of SurfaceTopography, surfalize or xarray.
 
-    That is a topography or line scan, a Surface, or a DataArray with units; where the object says none, a unit may be
-    given of all lengths. Raises a `ValueError`, which calls the argument by its name, if it is none of these, has no
-    unit, or points are missing.
+    A unit is of all lengths where the object says none. A `ValueError` calls the argument by its name.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
         spacing = tuple(np.atleast_1d(other.spacing).tolist())

@@ -40,11 +40,6 @@ def random_phases(
     -------
     (directions, frequencies) ndarray of float, rad
 
-    Raises
-    ------
-    ValueError
-        If a number is negative or the side is unknown.
-
     Examples
     --------
     >>> from stiction import random_phases
@@ -63,10 +58,7 @@ def random_phases(
 
 
 def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
-    """Hurst exponent H of Eq. 1 at a fractal dimension: 4 - 2D in the paper's measure of D, 2 - D in the textbooks'.
-
-    Raises a `ValueError` if D is outside [1, 2) or the convention is unknown.
-    """
+    """H of Eq. 1 at a fractal dimension: 4 - 2D in the paper's measure, 2 - D in the textbooks'."""
     choice("convention", convention, Convention)
     dimension = number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
@@ -141,10 +133,7 @@ def fill_family(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: Convention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """`weierstrass_mandelbrot_family` in memory that is there already, which new memory of this size is slower than.
-
-    Returns the mean, lowest and highest of each, (k, 3), µm.
-    """
+    """`weierstrass_mandelbrot_family` in memory that is there; the mean, lowest and highest of each, (k, 3), µm."""
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     extent = number("extent", extent, unit="µm", above=0)
@@ -284,11 +273,6 @@ def weierstrass_mandelbrot_moments(
     shortest_wavelength : float, µm
         Harmonics shorter than this are left out: twice the spacing for ``band_limit="nyquist"``, 0 for none.
         Harmonics above the Nyquist frequency of a grid count as they are, not as they fold.
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range.
 
     Examples
     --------

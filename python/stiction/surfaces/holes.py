@@ -14,11 +14,7 @@ single point is an outlier."""
 
 
 def bridged(heights: Floats, *, beyond: bool) -> Floats:
-    """Heights with straight lines over the holes (NaN): along x, and where there is none, along y.
-
-    A hole that reaches the edge has a height on one side alone, which is taken on to the edge where `beyond` says so
-    and leaves NaN where not.
-    """
+    """Heights with straight lines over holes (NaN) along x, or else y; `beyond` takes those at an edge on to it."""
     full = heights.copy()
     for to_edge in (False, True)[: 1 + beyond]:
         for lines in (full, full.T) if full.ndim == 2 else (full[np.newaxis],):
@@ -51,11 +47,7 @@ def words_of_holes(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> st
 
 
 def outliers_of(heights: Floats) -> NDArray[np.bool_]:
-    """Single points that stand out by `OUTLYING` robust deviations from their neighbours on opposite sides.
-
-    Off is what is off the median of three (of areas three or four) means of two neighbours, which a slope or another
-    outlier does not move. Points that have fewer, at an edge or beside a missing one (NaN), are none.
-    """
+    """Single points that are off the median of means of opposite neighbours, which slopes do not move."""
     from scipy.ndimage import label, median_filter
 
     reach, sides = (3, [(1,), (2,), (3,)]) if heights.ndim == 1 else (1, [(0, 1), (1, 0), (1, 1), (1, -1)])

@@ -373,10 +373,7 @@ def _no_band() -> ValueError:
 
 
 def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _Bins) -> tuple[slice, _Bins]:
-    """A band without its shortest wavelengths where white noise bends the spectrum, and its piece likewise.
-
-    Noise comes up from below over a decade, too smoothly to be a piece with a slope of its own.
-    """
+    """A band and its piece without the shortest wavelengths where white noise bends the spectrum."""
     from scipy.optimize import minimize_scalar
 
     bins = _Bins.of(q[chosen], power[chosen])
@@ -412,10 +409,7 @@ def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
 
 
 def _behind_roll_off(bins: _Bins, weight: Floats) -> int:
-    """The first bin of a piece that begins with the longest wavelengths, less what is better explained as flat.
-
-    A roll-off has few harmonics, too few to be told as a piece with a slope of its own.
-    """
+    """The first bin of a piece of the longest wavelengths, less a roll-off that is too short for a piece."""
     losses = [law.least_loss for law in _rolled_off(bins, weight)]
     return int(np.argmin(losses)) if min(losses) < losses[0] - _PARAMETER_PRICE else 0
 

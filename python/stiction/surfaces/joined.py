@@ -257,7 +257,7 @@ def _one_each(name: str, values: Sequence[float | None] | None, size: int) -> li
 
 def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
     """Shortest and longest wave to take of a scan, and what ends it."""
-    spacing, side = (body.spacing, body.extent) if isinstance(body, Profile) else (max(body.spacing), min(body.extent))
+    spacing, side = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest, reason = limit, "given"
     else:

@@ -129,23 +129,15 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in found], axis=0)
         band = float(ends[0]), float(ends[1])
         estimates = [fit for line in fitted if (fit := _fit(line, band)) is not None]
-    rms = np.sqrt(squares)
+    pq, pdq, neighbours = np.sqrt(squares).tolist()
     spectrum = replace(spectrum, density=read_only(density))
     exponents = np.array([fit.value for fit in estimates if band is not None])
+    misfit = math.nan
+    if band is not None and exponents.size:
+        misfit = off_power_law(spectrum.in_bins(), band, float(exponents.mean()))
     return LineRoughness(
-        lines=count,
-        Pq=float(rms[0]),
-        Pdq=float(rms[1]),
-        Pdq_neighbours=float(rms[2]),
-        spectrum=spectrum,
-        band=band,
-        fitted=len(fitted),
-        with_band=len(found),
-        hurst_exponents=read_only(exponents),
-        misfit=off_power_law(spectrum.in_bins(), band, float(exponents.mean()))
-        if band is not None and exponents.size
-        else math.nan,
-    )
+        count, pq, pdq, neighbours, spectrum, band, len(fitted), len(found), read_only(exponents), misfit
+    )  # fmt: skip
 
 
 def lines_along_both(
@@ -161,11 +153,6 @@ def lines_along_both(
         between them. Where they do not, or both mean spectra are off their power laws there by more than a factor of
         1.5, that which `hurst_exponent_of` finds in the spectrum of the surface. Where it finds none, or one too narrow
         for lines, the lines along x and those along y keep bands of their own.
-
-    Raises
-    ------
-    ValueError
-        As `line_roughness`.
 
     Examples
     --------
@@ -203,10 +190,7 @@ def off_power_law(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Factor by which a spectrum in bins is off the power law of a Hurst exponent in a band, as rms of logarithms.
-
-    Of a single spectrum, whose harmonics scatter, `chance` over their number is the variance of a bin's logarithm.
-    """
+    """Factor by which a spectrum in bins is off a power law in a band, as rms of logarithms, less its `chance`."""
     inside = in_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan

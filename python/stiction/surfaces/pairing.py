@@ -14,6 +14,8 @@ from typing import Literal
 import numpy as np
 
 from stiction._checks import choice, number, whole_number
+from stiction.surfaces.cut_off import cut_off
+from stiction.surfaces.joined import LONGEST, JoinedSpectrum, joined_spectrum
 from stiction.surfaces.preparation import (
     ProfileTrend,
     SurfaceTrend,
@@ -39,10 +41,7 @@ _OF_FOUR = 1.1673039782614187  # the real root of x^5 = x + 1
 
 
 def spread(index: int, dimensions: int) -> tuple[float, ...]:
-    """Point `index` of a sequence that fills the unit cube evenly, however many of its points are taken.
-
-    Multiples of powers of the golden ratio (one dimension), the plastic number (two) and their kin (four).
-    """
+    """Point `index` of a sequence that fills the unit cube evenly, by powers of the golden ratio and its kin."""
     if dimensions == 1:
         return ((index * _GOLDEN) % 1,)
     base = _PLASTIC if dimensions == 2 else _OF_FOUR
@@ -54,11 +53,7 @@ def spread(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines of two scans, or of surrogates of lines: a slider, turned over, and what it is carried over.
-
-    All as for `paired_lines`. Of `several` pairs none has room to travel unless it is asked for, and of lines of
-    different lengths the longer is cut to the shorter, each at another place.
-    """
+    """Pairs of lines of two scans, or of surrogates of lines, as `paired_lines` makes them."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -225,8 +220,7 @@ def _row(width: int, index: int, count: int | None, *, apart: bool) -> int:
 
 def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
     made = surrogate(profile, seed, repetition=repetition, side=side)
-    step = f"replaced by its surrogate of seed {seed}, repetition {repetition}"
-    return Profile(made.heights, spacing=made.spacing, history=(*profile.history, step))
+    return profile.changed(made.heights, f"replaced by its surrogate of seed {seed}, repetition {repetition}")
 
 
 def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
@@ -243,10 +237,8 @@ def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
 class MapPairs:
     """Pairs of pieces of two maps that are moved over each other, or of their surrogates, all of one size.
 
-    Pieces have three quarters of the shorter length along each axis and lie all over both maps. Of maps of one size
-    the upper is moved along +x by an eighth to a quarter of its length and along y by up to a quarter either way, so
-    that a map on itself never lies on itself nor on its mirror image. Maps of different spacing are brought to the
-    finer one.
+    Pieces have three quarters of the shorter length along each axis, on the finer spacing, and lie all over both maps.
+    Of maps of one size the upper is moved so that a map on itself never lies on itself nor on its mirror image.
     """
 
     upper: Surface  # heights of the upper body are up, as `turned_over` makes them
@@ -406,6 +398,62 @@ class IsotropicPairs(SquarePairs):
             for body, side in zip(self._both, SIDES, strict=True)
         )  # fmt: skip
         return upper, lower
+
+
+POINTS_OF_A_WAVE = 4  # points of the shortest wave of the surfaces that are made
+
+
+def spectrum_of(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
+    """The spectrum of a scan that is to be pressed on one of several: alike in all directions, where it is trusted."""
+    return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
+
+
+@dataclass(frozen=True, eq=False)
+class SpectrumPairs(SquarePairs):
+    """Pairs of pieces of random, periodic surfaces of two spectra, alike in all directions.
+
+    Points are a quarter of the shortest wave apart, so that with a cut-off the surfaces are the larger.
+    """
+
+    upper: JoinedSpectrum  # random phases are the same whether a surface is turned over or not
+    lower: JoinedSpectrum
+    level: SurfaceTrend = "plane"  # what is taken off each piece
+    seed: int = 2016
+    cut_off: float = 0.0  # µm, waves shorter than this are taken off; 0 for none
+    finest: float = 0.0  # µm, shortest of several cut-offs, which decides the grid: members are the same at each
+
+    @cached_property
+    def _step(self) -> float:  # type: ignore[override]
+        return max(min(self.upper.shortest, self.lower.shortest), self.finest) / POINTS_OF_A_WAVE
+
+    @cached_property
+    def _whole(self) -> int:  # type: ignore[override]
+        longest = max(self.upper.longest, self.lower.longest) / LONGEST
+        return min(MOST_POINTS, int(longest / self._step))
+
+    @property
+    def side(self) -> float:
+        """Side of the surfaces that pieces are taken from, µm."""
+        return self._whole * self._step
+
+    @property
+    def used(self) -> tuple[float, float]:
+        """The fraction of a surface that a piece is."""
+        part = float(np.prod(self.shape)) / self._whole**2
+        return part, part
+
+    def surrogates(self, index: int) -> tuple[Surface, Surface]:
+        """Pieces of a pair, both levelled."""
+        return self._piece(self.upper, index, "upper"), self._piece(self.lower, index, "lower")
+
+    def _piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
+        shape = (self._whole, self._whole)
+        whole = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
+        if self.cut_off > 0:
+            whole = cut_off(whole, self.cut_off, periodic=True)
+        rows, columns = self.shape
+        piece = Surface(whole.heights[:rows, :columns], spacing=self.spacing, history=whole.history)
+        return levelled(piece, self.level)
 
 
 def _middle(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice, number
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, part
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import AnyBody, Surface
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
@@ -42,11 +42,6 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     Profile or Surface
         Of the same spacing, with a mean of zero; the step is added to its history.
 
-    Raises
-    ------
-    ValueError
-        If the body or the trend is none of these.
-
     Notes
     -----
     On a uniform grid the polynomials :math:`1, t, t^2 - \overline{t^2}` with t measured from the middle are orthogonal,
@@ -63,22 +58,20 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     """
     if isinstance(body, Profile):
         choice("trend", trend, ProfileTrend)
-        degree = {"mean": 0, "line": 1, "quadratic": 2}[trend]
-        heights = _without(body.heights, _orthogonal(body.heights.size, degree), body.missing)
-        history = (*body.history, _LEVELLED[trend])
-        return Profile(heights, spacing=body.spacing, history=history, missing=body.missing)
+        basis, step = _orthogonal(body.heights.size, _DEGREES[trend]), _LEVELLED[trend]
+        return body.changed(_without(body.heights, basis, body.missing), step)
     if isinstance(body, Surface):
         choice("trend", trend, SurfaceTrend)
         rows, columns = body.heights.shape
-        degree = {"mean": 0, "plane": 1, "quadratic": 2}[trend]
+        degree = _DEGREES[trend]
         along_y, along_x = _orthogonal(rows, degree), _orthogonal(columns, degree)
         basis = [along_y[j][:, np.newaxis] * along_x[i] for j in range(degree + 1) for i in range(degree + 1 - j)]
         step = "levelled by a polynomial of second degree" if trend == "quadratic" else _LEVELLED[trend]
-        heights = _without(body.heights, basis, body.missing)
-        return Surface(heights, spacing=body.spacing, history=(*body.history, step), missing=body.missing)
+        return body.changed(_without(body.heights, basis, body.missing), step)
     raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
 
 
+_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2}
 _LEVELLED = {
     "mean": "levelled by the mean",
     "line": "levelled by a line",
@@ -95,11 +88,7 @@ def _orthogonal(points: int, degree: int) -> list[Floats]:
 
 
 def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Heights less their projections on orthogonal functions, one after the other, which keeps the digits.
-
-    Where points are missing the fit is of all others. Zero where only round-off is left, which would pass for
-    roughness.
-    """
+    """Heights less their fit by orthogonal functions where measured; zero where only round-off is left."""
     rest = heights
     if missing is not None:
         there = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
@@ -112,11 +101,7 @@ def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | 
     return rest if np.abs(rest).max() > ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
-@overload
-def turned_over(body: Profile) -> Profile: ...
-@overload
-def turned_over(body: Surface) -> Surface: ...
-def turned_over(body: Profile | Surface) -> Profile | Surface:
+def turned_over(body: AnyBody) -> AnyBody:
     """A profile or a surface as that of the upper body: heights out of the material are then heights down.
 
     The body is turned about the x axis, so that x stays, and the last row of a surface becomes the first.
@@ -127,11 +112,9 @@ def turned_over(body: Profile | Surface) -> Profile | Surface:
     >>> turned_over(Profile([0.5, 1.0, 2.0, 1.0], spacing=0.5)).heights
     array([-0.5, -1. , -2. , -1. ])
     """
-    history = (*body.history, "turned over")
-    if isinstance(body, Surface):
-        missing = part(body.missing, slice(None, None, -1))
-        return Surface(-body.heights[::-1], spacing=body.spacing, history=history, missing=missing)
-    return Profile(-body.heights, spacing=body.spacing, history=history, missing=body.missing)
+    if isinstance(body, Profile):
+        return body.changed(-body.heights, "turned over")
+    return body.changed(-body.heights[::-1], "turned over", missing=part(body.missing, slice(None, None, -1)))
 
 
 @overload
@@ -166,8 +149,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     if isinstance(body, Profile):
         first, end, words = piece_of("", len(body), body.spacing, start, stop)
         missing = part(body.missing, slice(first, end))
-        history = (*body.history, f"cropped to {words}")
-        return Profile(body.heights[first:end], spacing=body.spacing, history=history, missing=missing)
+        return body.changed(body.heights[first:end], f"cropped to {words}", missing=missing)
     starts, stops = ((each, each) if np.ndim(each) == 0 else each for each in (start, stop))
     if len(starts) != 2 or len(stops) != 2:
         raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
@@ -175,12 +157,9 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
         piece_of(f" along {axis}", body.heights.shape[at], body.spacing[at], starts[at], stops[at])
         for at, axis in enumerate("yx")
     )
-    return Surface(
-        body.heights[top:bottom, left:right],
-        spacing=body.spacing,
-        history=(*body.history, f"cropped to {along_y} and {along_x}"),
-        missing=part(body.missing, (slice(top, bottom), slice(left, right))),
-    )
+    kept = slice(top, bottom), slice(left, right)
+    step = f"cropped to {along_y} and {along_x}"
+    return body.changed(body.heights[kept], step, missing=part(body.missing, kept))
 
 
 def piece_of(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
@@ -279,18 +258,13 @@ def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[i
         step = f"cropped to its {_KEPT[align]} {rows} rows of {columns} points"
     elif align == "middle":
         step += " about its middle"
-    return Surface(heights, spacing=spacing, history=(*surface.history, step), missing=missing)
+    return surface.changed(heights, step, spacing=spacing, missing=missing)
 
 
 def resampled_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """A piece of a surface on a grid of another spacing (µm, of rows and columns) that begins where the surface does.
-
-    It has so many rows and columns from the `origin`, the first ones on the new grid. Heights of an axis that has the
-    spacing already are taken as they are, others are interpolated by natural cubic splines, from enough points beyond
-    the piece that its ends do not matter.
-    """
+    """A piece of a surface from an origin on, on a grid (µm), by natural splines from enough points beyond it."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         own, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
@@ -312,7 +286,7 @@ def resampled_piece(
         f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x) on, "
         f"spacings {dy:g} and {dx:g} µm"
     )
-    return Surface(np.asarray(heights), spacing=spacing, history=(*surface.history, step_taken), missing=missing)
+    return surface.changed(np.asarray(heights), step_taken, spacing=spacing, missing=missing)
 
 
 def _beside_missing(missing: Any, places: Floats, axis: int) -> Any:
@@ -388,8 +362,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
         heights = np.rot90(surface.heights, -int(quarters) % 4)
         spacing = surface.spacing if quarters % 2 == 0 else surface.spacing[::-1]
         missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarters) % 4)
-        history = (*surface.history, f"rotated by {angle:g} degrees")
-        return Surface(heights, spacing=spacing, history=history, missing=missing)
+        return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
     if min(surface.heights.shape) < FEWEST_POINTS:
         raise ValueError(f"a surface of {surface.heights.shape} points can only be turned by multiples of 90 degrees")
     from scipy.interpolate import RectBivariateSpline
@@ -416,7 +389,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
         missing = np.logical_or.reduce([surface.missing[way] for way in ways])
     lost = 1 - shape[0] * shape[1] / surface.heights.size
     step = f"rotated by {angle:g} degrees, {100 * lost:.0f} % cut off"
-    return Surface(heights, spacing=surface.spacing, history=(*surface.history, step), missing=missing)
+    return surface.changed(heights, step, missing=missing)
 
 
 _SIDES = (np.floor, np.ceil)
@@ -456,4 +429,4 @@ def _on_grid(profile: Profile, spacing: float, points: int, align: Align) -> Pro
     heights, missing = (
         _splined(each, profile.spacing, spacing, points, 0, align) for each in (profile.heights, profile.missing)
     )
-    return Profile(heights, spacing=spacing, history=(*profile.history, step), missing=missing)
+    return profile.changed(heights, step, spacing=spacing, missing=missing)

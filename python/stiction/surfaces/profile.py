@@ -1,10 +1,10 @@
-"""A rough profile: heights on a uniform grid."""
+"""A rough profile: heights on a uniform grid, and what it has in common with a surface."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,105 @@ FEWEST_POINTS = 4  # a natural cubic spline with a curvature of its own needs tw
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Profile(Shown):
+class Body(Shown):
+    """What a profile and a surface have in common: heights on a uniform grid, and where they come from."""
+
+    _ndim: ClassVar[int]
+    x: ClassVar[property]
+
+    heights: Floats = field(metadata={"unit": "µm"})
+    spacing: Any = field(kw_only=True, metadata={"unit": "µm"})
+    history: tuple[str, ...] = field(default=(), kw_only=True)
+    missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
+
+    def _keep(self, heights: Floats, spacing: Any) -> None:
+        """Take heights and spacing that are checked, and check the rest."""
+        if heights.flags.writeable or not heights.flags.owndata:  # somebody else may still change it
+            heights = read_only(heights.copy())
+        object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "spacing", spacing)
+        object.__setattr__(self, "history", steps("history", self.history))
+        object.__setattr__(self, "missing", mask_of(self.missing, heights.shape))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Read-only on the other side as well.
+        return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
+
+    @property
+    def spacings(self) -> tuple[float, ...]:
+        """Distances of neighbouring points along y and x, or x, µm."""
+        return self.spacing if isinstance(self.spacing, tuple) else (self.spacing,)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether all heights are equal: a flat body, which has no amplitude."""
+        return bool((self.heights == self.heights.flat[0]).all())
+
+    def changed(self, heights: Floats, step: str, **others: Any) -> Self:
+        """The body with other heights, and a step more in its history."""
+        return replace(self, heights=heights, history=(*self.history, step), **others)
+
+    def __repr__(self) -> str:
+        """Show its size, its roughness and where it is from."""
+        from stiction.surfaces.foreign import words_of
+
+        return words_of(type(self).__name__, self.heights, self.spacings, self.history)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the heights over x, or a map of them.
+
+        Into given axes, or by default new ones, which are returned.
+        """
+        from stiction._drawing import draw_profile, draw_surface
+
+        if self.heights.ndim == 2:
+            return draw_surface(axes_for(ax), self.heights, self.spacing)
+        return draw_profile(axes_for(ax), self.x, self.heights)
+
+    @classmethod
+    def from_(cls, other: Any, *, unit: str | None = None) -> Self:
+        """A profile or a surface from an object of another library, as it is: its heights, its spacing and its unit.
+
+        Parameters
+        ----------
+        other : object
+            A line scan or a topography of SurfaceTopography, a Surface of surfalize, or an xarray.DataArray over x, or
+            over y and x, with units.
+        unit : str, optional
+            Of all lengths, where the object says none.
+
+        Raises
+        ------
+        ValueError
+            If it is none of these, is a surface and no profile or the other way round, has no unit, or points are
+            missing.
+
+        Examples
+        --------
+        >>> from stiction import Profile
+        >>> profile = Profile([0.0, 1.0, 0.0, 1.0], spacing=0.5)
+        >>> Profile.from_(profile.to_xarray()).spacing
+        0.5
+        """
+        from stiction.surfaces.foreign import taken_from
+
+        taken = taken_from("other", other, unit=unit)
+        wanted, found = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, taken.heights.ndim))
+        if found != wanted:
+            raise ValueError(f"other must be a {wanted}, got a {found}; see {found.capitalize()}.from_")
+        spacing = taken.spacing[0] if cls._ndim == 1 else taken.spacing
+        return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
+
+    def to_xarray(self) -> xarray.DataArray:
+        """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
+        from stiction.surfaces.foreign import data_array_of
+
+        positions = {axis: getattr(self, axis) for axis in "yx"[2 - self.heights.ndim :]}
+        return data_array_of(self.heights, self.history, **positions)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Profile(Body):
     """Heights of a surface along a line, on a uniform grid that starts at x = 0.
 
     Parameters
@@ -39,12 +137,6 @@ class Profile(Shown):
     missing : (n,) array_like of bool, optional
         Where nothing was measured, so that nothing touches there; heights there only bridge the holes.
 
-    Raises
-    ------
-    ValueError
-        If heights are not a one-dimensional array of at least 4 finite numbers, or the spacing is not above 0, or the
-        history is not a tuple of strings, or all points are missing.
-
     Examples
     --------
     >>> from stiction import Profile
@@ -55,25 +147,14 @@ class Profile(Shown):
     array([ 0. ,  0.5,  0. , -0.5,  0. ])
     """
 
-    heights: Floats = field(metadata={"unit": "µm"})
+    _ndim = 1
     spacing: float = field(kw_only=True, metadata={"unit": "µm"})
-    history: tuple[str, ...] = field(default=(), kw_only=True)
-    missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=1)
         if heights.size < FEWEST_POINTS:
             raise ValueError(f"heights must have at least {FEWEST_POINTS} points, got {heights.size}")
-        if heights.flags.writeable or not heights.flags.owndata:  # somebody else may still change it
-            heights = read_only(heights.copy())
-        object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "spacing", number("spacing", self.spacing, unit="µm", above=0))
-        object.__setattr__(self, "history", steps("history", self.history))
-        object.__setattr__(self, "missing", mask_of(self.missing, heights.shape))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Read-only on the other side as well.
-        return partial(Profile, spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
+        self._keep(heights, number("spacing", self.spacing, unit="µm", above=0))
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -89,11 +170,6 @@ class Profile(Shown):
         """Points times spacing, µm."""
         return self.heights.size * self.spacing
 
-    @property
-    def is_flat(self) -> bool:
-        """Whether all heights are equal: a flat body, which has no amplitude."""
-        return bool((self.heights == self.heights[0]).all())
-
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
         """The same shape about a mean of zero, scaled to an amplitude.
 
@@ -103,70 +179,11 @@ class Profile(Shown):
             The value that the measure shall have, above 0.
         measure : {"height", "Ra", "Rq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
-
-        Raises
-        ------
-        ValueError
-            If the amplitude is not above 0, the measure is unknown, or the profile is flat.
         """
         scaled = scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
         object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
         object.__setattr__(scaled, "missing", self.missing)
         return scaled
-
-    def __repr__(self) -> str:
-        """Show its size, its roughness and where it is from."""
-        from stiction.surfaces.foreign import words_of
-
-        return words_of(type(self).__name__, self.heights, (self.spacing,), self.history)
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights over x.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
-        """
-        from stiction._drawing import draw_profile
-
-        return draw_profile(axes_for(ax), self.x, self.heights)
-
-    @classmethod
-    def from_(cls, other: Any, *, unit: str | None = None) -> Profile:
-        """A profile from an object of another library, as it is: its heights, its spacing and its unit.
-
-        Parameters
-        ----------
-        other : object
-            A line scan of SurfaceTopography, or an xarray.DataArray over x with units.
-        unit : str, optional
-            Of all lengths, where the object says none.
-
-        Raises
-        ------
-        ValueError
-            If it is none of these, is no profile, has no unit, or points are missing.
-
-        Examples
-        --------
-        >>> from stiction import Profile
-        >>> profile = Profile([0.0, 1.0, 0.0, 1.0], spacing=0.5)
-        >>> Profile.from_(profile.to_xarray()).spacing
-        0.5
-        """
-        from stiction.surfaces.foreign import taken_from
-
-        taken = taken_from("other", other, unit=unit)
-        if taken.heights.ndim != 1:
-            raise ValueError("other must be a profile, got a surface; see Surface.from_")
-        return cls(taken.heights, spacing=taken.spacing[0], history=taken.history, missing=taken.missing)
-
-    def to_xarray(self) -> xarray.DataArray:
-        """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
-        from stiction.surfaces.foreign import data_array_of
-
-        return data_array_of(self.heights, self.history, x=self.x)
 
 
 def steps(name: str, value: Any) -> tuple[str, ...]:
@@ -209,11 +226,7 @@ def refuse_missing(body: Any, what: str) -> None:
 def scaled_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """`Profile(heights, spacing=spacing).with_amplitude(amplitude, measure)` in the memory of `scaled`.
-
-    New memory costs more than the scaling itself; whoever scales many profiles one after the other gives the same
-    again, and the profile before is then gone.
-    """
+    """`with_amplitude` of heights in the memory of `scaled`, which many profiles share: new memory costs more."""
     choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

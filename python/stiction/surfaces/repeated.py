@@ -73,10 +73,7 @@ class Repeated(Shown):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw noise and what is common over the wavelength.
 
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
+        Into given axes, or by default new ones, which are returned.
         """
         from stiction._drawing import draw_repeated
 

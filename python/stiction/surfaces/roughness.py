@@ -88,11 +88,6 @@ def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-po
         neighbours on each side; it smooths, and sees nothing of wavelengths near twice the spacing. "neighbours" is
         the difference of two neighbours over the spacing, which most codes for contact take.
 
-    Raises
-    ------
-    ValueError
-        If the profile is flat or has fewer than 7 points, or the derivative is unknown.
-
     Notes
     -----
     Seven points: :math:`z'_i = (z_{i+3} - 9z_{i+2} + 45z_{i+1} - 45z_{i-1} + 9z_{i-2} - z_{i-3}) / 60Δx`. On a
@@ -196,11 +191,6 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
         How Sdq takes slopes, as for `roughness_parameters`: along rows and columns one by one, and the mean squares of
         both added.
 
-    Raises
-    ------
-    ValueError
-        If the surface is flat or has fewer points, or the derivative is unknown.
-
     Notes
     -----
     Sdr takes the mean of both ways to part each mesh of the grid into two triangles.
@@ -261,11 +251,6 @@ def bearing_curve(surface: Surface, shares: ArrayLike) -> Floats:
     surface : Surface
     shares : array_like of float
         From 0 to 1, of any shape.
-
-    Raises
-    ------
-    ValueError
-        If a share is outside of these.
 
     Examples
     --------
@@ -333,10 +318,7 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
 
 
 def autocorrelation(deviation: Floats) -> Floats:
-    """Autocorrelation of heights about their mean, for shifts of up to half the points along each axis.
-
-    Element (j, l) is for a shift of j rows and l - columns//2 columns; j is not negative.
-    """
+    """Autocorrelation of heights, at shifts of j rows and l - columns//2 columns, up to half the points."""
     from scipy.fft import irfft2, next_fast_len, rfft2
 
     rows, columns = deviation.shape

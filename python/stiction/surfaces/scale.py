@@ -18,13 +18,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface, refuse_flat
 
-TIP_FACTOR = 0.1
-"""c of Jacobs, Junge & Pastewka: a tip of radius R follows what has an rms curvature below c/R.
-
-They take 1/2. Simulated parabolic tips of four radii on surfaces of Hurst exponents 0.5 and 0.8 took a tenth of the
-spectrum at 0.1 (0.07 to 0.18) and left a third of it at 1/2.
-"""
-
+TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R follows what has an rms curvature below c/R
 _PER_DECADE = 48  # bins of the wave number in which slope and curvature are summed
 _PER_OCTAVE = 8  # bins to an octave of the wave number, in which waves of an instrument are looked for
 _WIDTHS = (1.0, 2.0)  # octaves over which the exponent of a spectrum is taken
@@ -164,11 +158,6 @@ def scale_dependent_roughness(body: Profile | Surface, *, periodic: bool = False
     periodic : bool
         As for `power_spectrum`.
 
-    Raises
-    ------
-    ValueError
-        If the body is flat, or neither a profile nor a surface.
-
     Notes
     -----
     .. math:: h'(λ)^2 = \frac1{4π^2} \int_{q<2π/λ} q^2 C^{2D} d^2q, \qquad
@@ -285,11 +274,6 @@ def instrument_limit(
     periodic : bool
         As for `power_spectrum`.
 
-    Raises
-    ------
-    ValueError
-        If the body is flat or the radius is not above 0.
-
     Notes
     -----
     The spectrum of a self-affine surface falls along a line as q^-(1+2H), with an exponent of -1 to -3, and steeper
@@ -317,7 +301,7 @@ def instrument_limit(
     """
     radius = None if tip_radius is None else number("tip_radius", tip_radius, unit="µm", above=0)
     roughness = scale_dependent_roughness(body, periodic=periodic)
-    spacing = body.spacing if isinstance(body, Profile) else max(body.spacing)
+    spacing = max(body.spacings)
     found = [_foreign_waves(*each, periodic=periodic) for each in _line_spectra(body, periodic)]
     along = [wave for wave, _ in found]
     noise, kind = max(found, key=lambda each: -1.0 if math.isnan(each[0]) else each[0])
@@ -340,10 +324,7 @@ def instrument_limit(
 
 
 def unknown_below(bodies: Sequence[Profile | Surface]) -> float:
-    """The cut-off (µm) that takes waves of unknown origin off all scans in which they have much of the slope; or 0.
-
-    Not by the tip, which takes slope away: without the waves that it blurs a scan is further from the surface.
-    """
+    """The cut-off (µm) that takes waves of unknown origin off scans where they have much of the slope, or 0."""
     limits = [instrument_limit(body) for body in bodies if not body.is_flat]
     return max((limit.cut_off for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
 

@@ -61,11 +61,6 @@ def self_affine(
         of a profile scatters about the wanted one by its own size. "fixed" gives a periodic profile exactly the wanted
         spectrum and rms, whatever the random numbers, and only phases are random.
 
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range.
-
     Notes
     -----
     .. math:: z(x) = \sum_k a_k \cos(q_k x + φ_k), \qquad \langle a_k^2 \rangle \propto C(q_k)
@@ -166,11 +161,6 @@ def self_affine_surface(
         The roll-off, above `shortest_wavelength` and at most the longer side, which is the default.
     shortest_wavelength : float, µm, optional
         The cut-off, at least and by default twice the larger spacing. Waves at a Nyquist wave number are left out.
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range, or no wave lies between the wavelengths.
 
     Notes
     -----

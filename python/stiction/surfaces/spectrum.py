@@ -77,10 +77,7 @@ class PowerSpectrum(Shown):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw it on logarithmic scales, with its means over tenths of a decade.
 
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
+        Into given axes, or by default new ones, which are returned.
         """
         from stiction._drawing import draw_spectrum
 
@@ -112,11 +109,6 @@ def power_spectrum(profile: Profile, *, periodic: bool = False) -> PowerSpectrum
     -------
     PowerSpectrum
         Of all harmonics from 2π/extent to the Nyquist wave number π/spacing.
-
-    Raises
-    ------
-    ValueError
-        If periodic is not a truth value.
 
     Notes
     -----
@@ -385,11 +377,6 @@ def surface_spectrum(surface: Surface, *, periodic: bool = False) -> SurfaceSpec
     -------
     SurfaceSpectrum
 
-    Raises
-    ------
-    ValueError
-        If the surface is flat, or periodic is not a truth value.
-
     Notes
     -----
     .. math:: C(q) = \frac{Δx Δy}{N_x N_y} \left|\sum_{jl} w_j w_l (z_{jl} - \bar z) e^{-i q·r}\right|^2, \qquad
@@ -439,11 +426,7 @@ _PEAK_REACH = 6
 
 
 def peak_of(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Wavelength (µm) of a spectrum's highest narrow peak, and the share of m4 in all of them; None without one.
-
-    A peak rises above the median of half a decade about it by more than a factor of three, and by more than chance
-    does in the mean of so many lines.
-    """
+    """Wavelength (µm) of a spectrum's highest narrow peak that is not chance, and the share of m4 in all; or None."""
     bins = spectrum.in_bins(_PEAK_BINS)
     density = np.maximum(bins.density, np.finfo(float).tiny)
     size = density.size

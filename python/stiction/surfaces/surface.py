@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 import stiction._core as _core
-from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
-from stiction._shown import Shown, axes_for
-from stiction.surfaces.profile import MOST_POINTS, Profile, mask_of, part, steps
+from stiction._checks import Floats, choice, float_array, number, whole_number
+from stiction.surfaces.profile import MOST_POINTS, Body, Profile, part
 
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-
+AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 
 # Each is that of all points, whatever their arrangement, and has the name of the profile's in the core.
@@ -25,7 +19,7 @@ _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Surface(Shown):
+class Surface(Body):
     """Heights of a surface on a uniform grid that starts at x = y = 0: x along the columns, y along the rows.
 
     Parameters
@@ -39,12 +33,6 @@ class Surface(Shown):
     missing : (rows, columns) array_like of bool, optional
         Where nothing was measured, so that nothing touches there; heights there only bridge the holes.
 
-    Raises
-    ------
-    ValueError
-        If heights are not such an array, or a spacing is not above 0, or the history is not a tuple of strings, or all
-        points are missing.
-
     Examples
     --------
     >>> from stiction import Surface
@@ -57,25 +45,14 @@ class Surface(Shown):
     array([-2.,  0., -2.,  0.])
     """
 
-    heights: Floats = field(metadata={"unit": "µm"})
+    _ndim = 2
     spacing: tuple[float, float] = field(kw_only=True, metadata={"unit": "µm"})
-    history: tuple[str, ...] = field(default=(), kw_only=True)
-    missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=2)
         if min(heights.shape) < 2:
             raise ValueError(f"heights must have at least 2 rows and 2 columns, got shape {heights.shape}")
-        if heights.flags.writeable or not heights.flags.owndata:  # somebody else may still change it
-            heights = read_only(heights.copy())
-        object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "spacing", lengths("spacing", self.spacing))
-        object.__setattr__(self, "history", steps("history", self.history))
-        object.__setattr__(self, "missing", mask_of(self.missing, heights.shape))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Read-only on the other side as well.
-        return partial(Surface, spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
+        self._keep(heights, lengths("spacing", self.spacing))
 
     @property
     def x(self) -> Floats:
@@ -108,11 +85,6 @@ class Surface(Shown):
         mask = None if mask is None or mask.all() else mask  # of a line without any point only the bridge is left
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
-    @property
-    def is_flat(self) -> bool:
-        """Whether all heights are equal: a flat body, which has no amplitude."""
-        return bool((self.heights == self.heights[0, 0]).all())
-
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:
         """The same shape about a mean of zero, scaled to an amplitude.
 
@@ -122,74 +94,13 @@ class Surface(Shown):
             The value that the measure shall have, above 0.
         measure : {"height", "Sa", "Sq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
-
-        Raises
-        ------
-        ValueError
-            If the amplitude is not above 0, the measure is unknown, or the surface is flat.
         """
         choice("measure", measure, SurfaceAmplitude)
         amplitude = number("amplitude", amplitude, unit="µm", above=0)
         scaled = np.empty(self.heights.size)
         if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _OF_POINTS[measure], scaled):
             raise ValueError("a flat surface has no amplitude to scale")
-        history = (*self.history, f"scaled to {measure} {amplitude:g} µm")
-        return Surface(scaled.reshape(self.heights.shape), spacing=self.spacing, history=history, missing=self.missing)
-
-    def __repr__(self) -> str:
-        """Show its size, its roughness and where it is from."""
-        from stiction.surfaces.foreign import words_of
-
-        return words_of(type(self).__name__, self.heights, self.spacing, self.history)
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw a map of the heights.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            New ones by default, which are returned.
-        """
-        from stiction._drawing import draw_surface
-
-        return draw_surface(axes_for(ax), self.heights, self.spacing)
-
-    @classmethod
-    def from_(cls, other: Any, *, unit: str | None = None) -> Surface:
-        """A surface from an object of another library, as it is: its heights, its spacing and its unit.
-
-        Parameters
-        ----------
-        other : object
-            A topography of SurfaceTopography, a Surface of surfalize, or an xarray.DataArray over y and x with units.
-        unit : str, optional
-            Of all lengths, where the object says none.
-
-        Raises
-        ------
-        ValueError
-            If it is none of these, is no surface, has no unit, or points are missing.
-
-        Examples
-        --------
-        >>> from stiction import Surface
-        >>> surface = Surface([[0.0, 1.0], [2.0, 3.0]], spacing=0.5)
-        >>> Surface.from_(surface.to_xarray()).spacing
-        (0.5, 0.5)
-        """
-        from stiction.surfaces.foreign import taken_from
-
-        taken = taken_from("other", other, unit=unit)
-        if taken.heights.ndim != 2:
-            raise ValueError("other must be a surface, got a profile; see Profile.from_")
-        spacing = lengths("spacing", taken.spacing)
-        return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
-
-    def to_xarray(self) -> xarray.DataArray:
-        """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
-        from stiction.surfaces.foreign import data_array_of
-
-        return data_array_of(self.heights, self.history, y=self.y, x=self.x)
+        return self.changed(scaled.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 
 
 def lengths(name: str, value: Any) -> tuple[float, float]:

@@ -53,11 +53,6 @@ def surrogate(
     Profile or Surface
         Of as many points; periodic in any case.
 
-    Raises
-    ------
-    ValueError
-        If the body is flat, or a number is negative.
-
     Notes
     -----
     A profile that is not periodic is continued by its mirror image, without a jump, and the spectrum of the two is
@@ -142,11 +137,6 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
         In rings of the wave number, from the profile's first harmonic to the corners of the grid; the count is that of
         the profile's harmonics in each ring.
 
-    Raises
-    ------
-    ValueError
-        If the profile is flat, or periodic is not a truth value.
-
     Notes
     -----
     A section sums up the waves of a surface across it,
@@ -203,11 +193,6 @@ def isotropic_surface(
     -------
     Surface
         With the profile's spacing along both axes and a mean of zero; its spectrum is `isotropic_spectrum` on average.
-
-    Raises
-    ------
-    ValueError
-        If the profile is flat, or an argument is outside its range.
 
     Examples
     --------

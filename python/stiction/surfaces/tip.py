@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +31,6 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     certain : ndarray of bool, of the shape of the heights
         Points that a ball touches alone, where the surface is known; elsewhere it may lie lower.
 
-    Raises
-    ------
-    ValueError
-        If the scan has missing points or the radius is not above 0.
-
     Notes
     -----
     A ball that touches records :math:`i(x) = \max_u [s(x + u) - P(u)]` with :math:`P(u) = R - (R^2 - u^2)^{1/2}`; the
@@ -56,7 +50,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         raise ValueError(f"scan must be a Profile or a Surface, got {type(scan).__name__}")
     refuse_missing(scan, "taking back the ball of a probe")
     radius = number("radius", radius, unit="µm", above=0)
-    seen, spacing = scan.heights, np.atleast_1d(scan.spacing)
+    seen, spacing = scan.heights, np.array(scan.spacings)
     deepest = float(np.ptp(seen))
     eroded = seen.copy()
     for here, there, depth in _ball(seen.shape, spacing, radius, deepest):
@@ -73,9 +67,8 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
                 touched[here] += at
             else:
                 alone[there] |= at & (touched[here] == 1) & inside[here]
-    kind: Any = type(scan)
     step = f"a ball of {radius:g} µm taken back, {100 * float(alone.mean()):.0f} % of the points certain"
-    return kind(eroded, spacing=scan.spacing, history=(*scan.history, step)), read_only(alone)
+    return scan.changed(eroded, step), read_only(alone)
 
 
 def _ball(

@@ -95,48 +95,22 @@ class Waited:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a result says at one load, for one mu0 and tau0: `rules` has the rule to quote first.
-
-    Attributes
-    ----------
-    rules : tuple of RuleValue
-    status : str
-        "ok", or why there is no coefficient.
-    inputs : str
-        Load, materials and resolution, in words.
-    note : str
-        What was averaged, and which reading of the load it is.
-    doubts : tuple of Doubt
-        Faults first.
-    at : dict
-        Coordinates: the cell, load (mN), mu0 and tau0 (GPa).
-    bracket : (float, float), optional
-        With a hardness, and a value to quote, between which ends every finer scan lies where all contacts rub:
-        mu0 + tau0/H, and the upper end of the interval at this scan with what few contacts leave open.
-    budget : tuple of Left
-        Of the rule to quote: what would be left of its interval if an input were known, the most important first.
-    parts : (float, float, float), optional
-        What holds the bodies by that rule: mu0, adhesion on the true area, and the slopes.
-    waited : tuple of Waited
-        By that rule, after each time that the study waits.
-    covered : bool
-        Whether it is one of two readings of a scan, and the interval of the other one covers it.
-    scans : (int, int)
-        How many places of the upper and of the lower part were scanned.
-    """
+    """What a result says at one load, for one mu0 and tau0: `rules` has the rule to quote first."""
 
     rules: tuple[RuleValue, ...]
-    status: str
-    inputs: str
-    note: str
-    doubts: tuple[Doubt, ...] = ()
-    at: dict[str, Any] = field(default_factory=dict)
+    status: str  # "ok", or why there is no coefficient
+    inputs: str  # load, materials and resolution, in words
+    note: str  # what was averaged, and which reading of the load it is
+    doubts: tuple[Doubt, ...] = ()  # faults first
+    at: dict[str, Any] = field(default_factory=dict)  # the cell, load (mN), mu0 and tau0 (GPa)
+    # With a hardness, and a value to quote: between mu0 + tau0/H and the upper end of the interval at this scan, with
+    # what few contacts leave open, every finer scan lies where all contacts rub.
     bracket: tuple[float, float] | None = None
-    budget: tuple[Left, ...] = ()
-    parts: tuple[float, float, float] | None = None
-    waited: tuple[Waited, ...] = ()
-    covered: bool = False
-    scans: tuple[int, int] = (1, 1)
+    budget: tuple[Left, ...] = ()  # what would be left of its interval if an input were known, the most important first
+    parts: tuple[float, float, float] | None = None  # what holds the bodies: mu0, adhesion on the true area, and slopes
+    waited: tuple[Waited, ...] = ()  # after each time that the study waits
+    covered: bool = False  # whether it is one of two readings of a scan, and the interval of the other one covers it
+    scans: tuple[int, int] = (1, 1)  # places of the upper and of the lower part that were scanned
 
     @property
     def value(self) -> float:
@@ -262,7 +236,8 @@ def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
 def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> Answer:
     """The answer of one point of what `at_load` gives, one cell, load, mu0 and tau0, with doubts from the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
-    statuses = np.unique(_of_rule(point["status"], rules[0].rule))
+    own = point.sel(sliding=rules[0].rule) if "sliding" in point["status"].dims else point
+    statuses = np.unique(own["status"].values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
     # A direction without an answer leaves the mean over all of them without one.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
@@ -281,10 +256,6 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
 
 
 # ---- Values ----------------------------------------------------------------------------------------------------------
-
-
-def _of_rule(table: xarray.DataArray, rule: str) -> Any:
-    return (table.sel(sliding=rule) if "sliding" in table.dims else table).values
 
 
 def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
@@ -365,7 +336,8 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
 def bracket_text(bracket: tuple[float, float]) -> str:
     """Between which ends every finer scan lies, in words."""
     low, high = (f"{end:.3f}" for end in bracket)
-    return f"every finer scan lies from {low} (μ0 + τ0/H) to {high} if all contacts rub"
+    where = f"from {low} (μ0 + τ0/H) to {high}" if low != high else f"at {low} (μ0 + τ0/H)"
+    return f"every finer scan lies {where} if all contacts rub"
 
 
 def _inputs(point: xarray.Dataset, study: Study) -> str:
@@ -390,7 +362,8 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
     if study.contact.adheres:
         words.append(adhesion_text(point, study))
     if "spacing_um" in point.attrs:
-        words.append(f"points {_spacing_text(point)} apart")
+        steps = np.unique(np.atleast_1d(point.attrs["spacing_um"]).astype(float)).tolist()
+        words.append(f"points {' and '.join(with_unit(step, 'um') for step in steps)} apart")
     if "cut_off" in point.coords and float(point["cut_off"]) > 0:
         words.append(f"waves below {with_unit(float(point['cut_off']), 'um')} taken off")
     return ", ".join(words)
@@ -398,7 +371,8 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
 
 def _asked(point: xarray.Dataset, study: Study, name: str) -> str:
     """The range of mu0 or tau0 as it was given, where the point is at the middle of it."""
-    return _given(getattr(study.known, name)) if _is_asked(point, study, name) else ""
+    text = getattr(study.known, name)
+    return f" ({text})" if text is not None and _is_asked(point, study, name) else ""
 
 
 def _is_asked(point: xarray.Dataset, study: Study, name: str) -> bool:
@@ -416,22 +390,14 @@ def _interface_words(study: Study) -> str:
     return f"interface {name} ({', '.join(filter(None, words))})"
 
 
-def _given(text: str | None) -> str:
-    """A range or an uncertainty as it was given."""
-    return "" if text is None else f" ({text})"
-
-
 def _range(study: Study) -> str:
     """What of the hardness is known, where that is no single number."""
     found = inputs_of(study).get("hardness")
-    if found is None or study.known.hardness is not None:
-        return "" if found is None else _given(study.known.hardness)
+    if found is None:
+        return ""
+    if study.known.hardness is not None:
+        return f" ({study.known.hardness})"
     return f" (known: {with_unit(found.known.low, 'GPa')} to {with_unit(found.known.high, 'GPa')})"
-
-
-def _spacing_text(point: xarray.Dataset) -> str:
-    steps = np.unique(np.atleast_1d(point.attrs["spacing_um"]).astype(float))
-    return " and ".join(with_unit(float(step), "um") for step in steps)
 
 
 _READINGS = {
@@ -450,7 +416,7 @@ def _note(point: xarray.Dataset, study: Study) -> str:
     members = value_of(point, "members")
     made = study.surfaces.press == "surrogates"
     of = "pairs of random surfaces with these spectra" if made else "members"
-    words.append(f"95 % intervals over {members:.0f} {of}" if members > 1 else "95 % intervals")
+    words += [f"95 % intervals over {members:.0f} {of}"] if members > 1 else []
     words += [_scans_text(study)] if study.is_measured else []
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
@@ -462,7 +428,7 @@ def _note(point: xarray.Dataset, study: Study) -> str:
 def _scans_text(study: Study) -> str:
     """How many scans of each part there are, and which spread between places is not in an interval."""
     counts = measured(study).scan_counts
-    if getattr(study.surfaces, "gap", None):
+    if study.is_gap:
         return "one gap at its one position, without the spread between places"
     if counts == (1, 1):
         return "one scan of each part, without the spread between places"

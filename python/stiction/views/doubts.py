@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.study import Study
+    from stiction.views.answer import RuleValue
 
 Severity = Literal["caution", "fault"]
 
@@ -92,13 +93,20 @@ ADVICE = {
 }
 """What a status means, and what to do about it; the last of any other."""
 
+WIDE_INTERVAL = f"its interval is wider than ±{100 * WIDE:.0f} %"
+
 OF_VALUE: Checks = (
     (
         Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
         Check("missing_interval", HALF, "there is no interval", "that takes at least 8 members that differ"),
-        Check("half_width", WIDE, f"its interval is wider than ±{100 * WIDE:.0f} %", "more members narrow it"),
+        Check("half_width", WIDE, WIDE_INTERVAL, "more members narrow it"),
     ),
 )
+
+OF_GAP = Check(
+    "missing_interval", HALF, "a gap has one position, and the spread between places is not known",
+    "press gaps of other places", "caution",
+)  # fmt: skip
 
 OF_ASPERITIES: Checks = (
     (
@@ -169,30 +177,21 @@ OF_SIZES: Checks = (
 )  # fmt: skip
 
 
-class Interval(Protocol):
-    """A value with its 95 % interval."""
-
-    @property
-    def value(self) -> float: ...  # noqa: D102
-    @property
-    def lower(self) -> float: ...  # noqa: D102
-    @property
-    def upper(self) -> float: ...  # noqa: D102
-
-
-def doubts_of(point: xarray.Dataset, study: Study, value: Interval, status: str) -> Iterator[Doubt]:
+def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Doubt]:
     """What is doubtful of one point, of which this value would be quoted if its status is "ok"."""
     if status != friction.STATUS_OK or math.isnan(value.value):
         text, cure = ADVICE.get(status, ADVICE[""])
         yield Doubt(text, cure, "fault")
         return
-    members, ok = value_of(point, "members"), _fewest_with_an_answer(point)
+    members = value_of(point, "members")
+    ok = float(point["ok"].min()) if "ok" in point else math.nan  # in the direction where fewest have an answer
     if ok < HALF * members:
         text = f"only {ok:.0f} of {members:.0f} members have an answer"
         yield Doubt(text, "see their statuses, and try another load", "fault")
     numbers = _numbers(point, study, value)
     pressures = pressure_checks(study, modulus_of(point, study))
-    yield from doubted((*OF_VALUE, *OF_SLOPES, *pressures), numbers)
+    of_value = ((OF_GAP,),) if study.is_gap else OF_VALUE
+    yield from doubted((*of_value, *OF_SLOPES, *pressures), numbers)
     yield from _of_the_strength(point, study, value)
     yield from _of_the_adhesion(point, study)
     yield from _of_the_scans(point, study)
@@ -213,11 +212,12 @@ def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
         yield from (check.doubt(numbers[check.name]) for check in [next(failed, None)] if check is not None)
 
 
-def _numbers(point: xarray.Dataset, study: Study, value: Interval) -> dict[str, float]:
+def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
     """The numbers of a point that checks are about."""
     width = value.upper - value.lower
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
-    cell = _cell_area(point, study)
+    steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
+    cell = float(np.prod(steps)) if steps.size == 2 and study.by_half_space else math.nan  # of maps
     return {
         "deficit": -value.value,
         "missing_interval": float(not (math.isfinite(value.lower) and math.isfinite(value.upper))),
@@ -274,7 +274,7 @@ def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
     return [[check._asdict() for check in group] for group in groups]
 
 
-def _of_the_strength(point: xarray.Dataset, study: Study, value: Interval) -> Iterator[Doubt]:
+def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Doubt]:
     """Where a strength is above that of the softer body, and where the answer is mu0 alone."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
@@ -368,14 +368,3 @@ def _of_the_contacts(point: xarray.Dataset, ok: float) -> Iterator[Doubt]:
     elif count < FEW_CONTACTS and not fraction > MERGED:
         text = f"{significant(count)} contacts on average are few, so μ_s is that of single contacts"
         yield Doubt(text, "larger bodies or more load have more", "caution")
-
-
-def _cell_area(point: xarray.Dataset, study: Study) -> float:
-    """µm² of a cell of the grid of maps that are pressed by the half-space; NaN of others."""
-    steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    return float(np.prod(steps)) if steps.size == 2 and study.by_half_space else math.nan
-
-
-def _fewest_with_an_answer(point: xarray.Dataset) -> float:
-    """How many members have one, in the direction where fewest have."""
-    return float(point["ok"].min()) if "ok" in point else math.nan

@@ -23,8 +23,9 @@ _TITLES = {
 """Columns that a table calls otherwise than `column_of`, and the factor to their units."""
 
 _OF_LOADS = tuple(_TITLES)[:4]
+_FACTORS = ("area_factor", "stiffness_factor", "stiffness_exponent")
 _PLACES = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
-_OF_LAWS = ("area_factor", "stiffness_factor", "stiffness_exponent", "area_deviation", "stiffness_deviation")
+_OF_LAWS = (*_FACTORS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
@@ -73,7 +74,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
         rows.append(
             [
                 f"{float(at['hurst_exponent']):.3g}, {with_unit(float(at['rms']), 'um')}",
-                *(_interval(at[name].values) for name in ("area_factor", "stiffness_factor", "stiffness_exponent")),
+                *(with_interval(*at[name].values.tolist()).replace(" no interval", "") for name in _FACTORS),
                 *(_span(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
                 ", ".join("none" if np.isnan(each) else f"{100 * each:.0f} %" for each in off),
             ]
@@ -82,10 +83,6 @@ def friction_table_text(table: xarray.Dataset) -> str:
     if doubted:
         lines += ["", fitted("Where a law is off by more than 10 %, take the numbers of the table instead.")]
     return "\n".join(lines) + "\n"
-
-
-def _interval(statistics: Any) -> str:
-    return with_interval(*(float(value) for value in statistics)).replace(" no interval", "")
 
 
 def _span(coefficients: xarray.DataArray) -> str:

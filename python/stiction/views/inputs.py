@@ -53,20 +53,24 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
                 if isinstance(scan, JoinedSpectrum)
                 else doubts_of_scan(scan, form=not bowed, instrument=not vouched, tip_radius=file.tip)
             ):
-                kind = re.sub(r"\d[\d.]*", "", each.text)
+                kind = _kind(each)
                 kinds[kind] = max(kinds.get(kind, each), each, key=lambda doubt: doubt.cut_off)
         return list(kinds.values())
 
     of_upper, of_lower = (
         of_part(getattr(study.surfaces, side), body) for side, body in zip(SIDES, (upper, lower), strict=True)
     )
-    pairs = [(each, other) for each in of_upper for other in of_lower if each.text == other.text]
-    both = [max(pair, key=lambda each: each.cut_off) for pair in pairs]
+    pairs = [
+        (each, other) for each in of_upper for other in of_lower
+        if _kind(each) == _kind(other) and each.severity == other.severity
+    ]  # fmt: skip
+    alike = {doubt for pair in pairs for doubt in pair}
+    both = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
     doubts = [
         replace(each, text=f"{name}: {each.text}")
         for name, of_body in (("both bodies", both), ("upper", of_upper), ("lower", of_lower))
         for each in of_body
-        if name == "both bodies" or each.text not in {one.text for one in both}
+        if name == "both bodies" or each not in alike
     ]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
@@ -79,6 +83,25 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
             text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
             doubts.append(Doubt(text, "give the load on this area, not on a whole part", "caution"))
     return tuple(doubts)
+
+
+_NUMBER = re.compile(r"\d[\d.]*")
+
+
+def _kind(doubt: Doubt) -> str:
+    """The text without its numbers."""
+    return _NUMBER.sub("", doubt.text)
+
+
+def _joined(upper: Doubt, lower: Doubt) -> str:
+    """The text of two doubts of a kind, with both numbers where they differ."""
+    others = iter(_NUMBER.findall(lower.text))
+
+    def number(own: re.Match[str]) -> str:
+        other = next(others)
+        return own[0] if own[0] == other else f"{own[0]} and {other}"
+
+    return _NUMBER.sub(number, upper.text)
 
 
 def doubts_of_scan(

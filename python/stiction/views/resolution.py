@@ -12,7 +12,7 @@ from stiction.mechanics.resolution import TYPICAL_HARDNESSES
 from stiction.mechanics.spectral_resolution import spectral_resolution
 from stiction.studies.resolution import Seen, seen
 from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.spectral_pairs import spectrum_of
+from stiction.surfaces.pairing import spectrum_of
 from stiction.views.digits import finite, percent, quoted, with_unit
 from stiction.views.point import modulus_of, points, pressure_of, rules_of, value_of
 

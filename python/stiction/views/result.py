@@ -233,7 +233,7 @@ class Result:
         """Write the interactive page of the result, which needs nothing but a browser, and return its path."""
         from stiction.views.report import save_report
 
-        save_report([self.source], Path(path), names=[self.path.resolve().name if self.path else "result"])
+        save_report(self.source, Path(path), name=self.path.resolve().name if self.path else "result")
         return Path(path)
 
     # ---- How it shows itself -----------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from stiction.studies.member_values import PER_AREA
 from stiction.studies.resolution import seen
 from stiction.views.answer import ORIGIN, Answer, Doubt, answers, bracket_text, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
-from stiction.views.doubts import OF_ASPERITIES, doubted
+from stiction.views.doubts import OF_ASPERITIES, WIDE_INTERVAL, doubted
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import (
     CELLS,
@@ -126,7 +126,7 @@ def result_text(
     over, onset : xarray.Dataset, optional
         What `resolution_at` and `onset_beside` give.
     most : int, optional
-        Doubts that are said of one answer, the first ones, beside all faults; the others are counted.
+        Lines that doubts may take, beside the first one and all faults; the others are counted.
     """
     whole = answer_text(at, study, verbose=verbose, beside=beside, most=most)
     return whole + beside_text(at, study, verbose=verbose, over=over, onset=onset)
@@ -165,8 +165,11 @@ def beside_text(
         if verbose:
             first = at.isel({name: 0 for name in CELLS if name in at.dims})
             parts.append(resolution_text(first, study, at if over is None and is_over else over))
-        if onset is not None:
-            parts.append(onset_block(onset) if verbose else fitted(onset_text(onset)))
+        if onset is not None and verbose:
+            said = f"{onset_text(onset)} {onset_note(onset)}"
+            parts.append(f"{fitted(said)}\n{aligned(onset_rows(onset))}")
+        elif onset is not None:
+            parts.append(fitted(onset_text(onset)))
     return "".join(f"\n{part}\n" if verbose else f"{part}\n" for part in parts if part)
 
 
@@ -234,11 +237,13 @@ def parts_text(one: Answer) -> str:
 
 
 def budget_text(one: Answer) -> str:
-    """What to measure next, and what it would leave; empty where nothing decides."""
+    """What to measure next, and what it would leave; empty where nothing printed decides, or a fault comes first."""
     most = one.most
-    if most is None:
+    if most is None or any(fault.text != WIDE_INTERVAL for fault in one.faults):
         return ""
     now, then = (from_to(low, high) for low, high in ((one.lower, one.upper), (most.lower, most.upper)))
+    if now == then:
+        return ""
     digits = "" if " to " in then else " in all these digits"
     return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}{digits}"
 
@@ -253,10 +258,11 @@ _MEASURES = {
 def test_text(one: Answer) -> str:
     """Where the next test would lie, and what positions alone leave open."""
     first = one.rules[0]
-    if not math.isfinite(first.next_test[0]):
+    if not math.isfinite(first.next_test[0]) or first.next_test == (first.lower, first.upper):
         return ""
     what = "positions" if one.scans == (1, 1) else "scans and positions"
-    alone = f"; {what} alone: {from_to(*first.positions)}" if first.positions != (first.lower, first.upper) else ""
+    own = math.isfinite(first.positions[0]) and first.positions != (first.lower, first.upper)
+    alone = f"; {what} alone: {from_to(*first.positions)}" if own else ""
     return f"One test, one way: {from_to(*first.next_test)} (95 %){alone}."
 
 
@@ -273,10 +279,11 @@ def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
     if len({(one.verdict, one.doubts) for one in found}) == 1:
         one, doubts = found[0], found[0].doubts
         faults = sum(doubt.severity == "fault" for doubt in doubts)
-        said = doubts if most is None else doubts[: max(most, faults + 1)]
+        lines = [_doubt(doubt) for doubt in doubts]
+        said = lines if most is None else lines[: max(_within(lines, most), faults, 1)]
         what = f"; {words}" if len(found) == 1 and (words := budget_text(one)) else ""
         rest = [f"  {len(doubts) - len(said)} more: see the page, at or --json"] if len(doubts) > len(said) else []
-        return "\n".join([fitted(f"{one.verdict}{what}", hang="  "), *(_doubt(doubt) for doubt in said), *rest])
+        return "\n".join([fitted(f"{one.verdict}{what}", hang="  "), *said, *rest])
     # Doubts of one kind have one cure, and differ in their numbers.
     kinds: dict[tuple[str, str], list[Doubt]] = {}
     for doubt in (doubt for one in found for doubt in one.doubts):
@@ -285,9 +292,14 @@ def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
         _doubt(same[0], f" ({len(same)} of {len(found)})")
         for same in sorted(kinds.values(), key=lambda same: same[0].severity != "fault")
     ]
-    shown = most or MOST_DOUBTS
+    shown = MOST_DOUBTS if most is None else max(_within(lines, most), 1)
     rest = [f"  {len(lines) - shown} more: see the page, at or --json"] if len(lines) > shown else []
     return "\n".join(["Doubts, in the first answer that has each:", *lines[:shown], *rest])
+
+
+def _within(texts: Sequence[str], lines: int) -> int:
+    """How many of the texts, from the first, are on so many lines."""
+    return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
 MOST_DOUBTS = 6  # most doubts that are printed of several answers; JSON and CSV have all
@@ -325,10 +337,12 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     loads = list(points(one))
     fraction = "contact_area_fraction" in one and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
+    in_words = len(loads) == 1 and study.is_measured and not verbose
     for name in (*_SHOWN, *(_MORE if verbose else ())):
         hidden = {
+            "mean_pressure": in_words,  # load over area, both of which it has
             "contact_area": fraction and not verbose, "contact_area_fraction": not fraction,
-            **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or getattr(study.surfaces, "gap", None))),
+            **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
             **dict.fromkeys(("pull_off_pressure", *PER_AREA), not fraction),
         }.get(name, False)  # fmt: skip
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
@@ -339,8 +353,8 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
             rows += _row(name, words, [point[name].sel(fraction_below=below, method="nearest") for point in loads])
     if verbose and "rms_gradient" in one:
         rows += _row("rms_gradient", QUANTITIES["rms_gradient"].short, [point["rms_gradient"] for point in loads])
-    if len(loads) == 1 and study.is_measured and not verbose:
-        words = "; ".join(f"{name} {value} {unit}".rstrip() for name, unit, value in rows)
+    if in_words:
+        words = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return fitted(f"{words[:1].upper()}{words[1:]}.")
     heads = ["mean [95 %]", *(load_text(point, study) for point in loads)]
     return aligned([heads, *([f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows)])
@@ -356,6 +370,8 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
     else:
         is_fraction = name == "contact_area_fraction" or "share" in name or name.startswith("fraction")
         factor, shown = (100.0, "%") if is_fraction else _SCALES.get(unit, (1.0, ""))
+        if unit == "MPa/mm" and max(map(_largest, tables)) >= 1e4:
+            factor, shown = 1e-3, "GPa/mm"
     cells = [_cell(table, factor) for table in tables]
     if all(cell == "none" for cell in cells):
         return []
@@ -384,8 +400,8 @@ def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
     table = point["friction_by_axis"]
     rules = [rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values)]
     lay = lay_text(table.sel(sliding=rules[0]) if "sliding" in table.dims else table)
-    if lay.startswith("No") and not verbose:
-        return ""
+    if not verbose:
+        return fitted(lay) if lay.startswith("Grooves") else ""
     rows = [["μ_s along an axis", *(RULE_TITLES[rule] for rule in rules)]]
     for axis in point["axis"].values:
         along = table.sel(axis=axis)
@@ -441,12 +457,6 @@ def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | Non
     return "\n\n".join(parts)
 
 
-def onset_block(onset: xarray.Dataset) -> str:
-    """How the pair begins to slide: a sentence, and a table."""
-    said = f"{onset_text(onset)} {onset_note(onset)}"
-    return fitted(said) + "\n" + aligned(onset_rows(onset))
-
-
 def history_text(at: xarray.Dataset, study: Study) -> str:
     """What was pressed, and how."""
     lines = []
@@ -480,17 +490,14 @@ def overview_text(at: xarray.Dataset, study: Study) -> str:
             cells = [_overview_cell(own.isel({across: i})) for i in range(at.sizes[across])]
             marked = marked or any(cell.endswith("*") for cell in cells)
             rows.append([f"  {with_unit(float(load), 'mN')}", *cells])
-        tables.append(_titled(rows))
+        tables.append(
+            f"{fitted(rows[0][0])}\n{aligned([['', *rows[0][1:]], *rows[1:]])}"
+        )  # a title is longer than columns
     if marked:
         tables.append(
             fitted("* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing")
         )
     return "\n".join(tables)
-
-
-def _titled(rows: list[list[str]]) -> str:
-    """A title above the columns: it is longer than they are wide."""
-    return fitted(rows[0][0]) + "\n" + aligned([["", *rows[0][1:]], *rows[1:]])
 
 
 def _column(name: str, value: Any) -> str:

@@ -55,10 +55,7 @@ def read_excel(data: bytes) -> Channels:
 
 
 def _refuse_bombs(data: bytes) -> None:
-    """Refuse an archive that unpacks to more than a text may have, whatever its directory says.
-
-    Bytes alone do not bound the memory: an empty cell is four of them, and an object for each.
-    """
+    """Refuse an archive of more text, or more XML tags, than memory holds, whatever its directory says."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         left, tags = MOST_TEXT_BYTES, 0
         for name in archive.namelist():

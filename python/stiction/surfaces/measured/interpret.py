@@ -67,10 +67,9 @@ def read_options(
         if each is not None and (isinstance(each, bool) or not isinstance(each, (str, int))):
             raise ValueError(f"{name} must be a name or a number from 0 on, got {each!r}")
     columns = None if columns is None else tuple(columns)
-    return ReadOptions(
-        *_units(unit), (_length_option("spacing", pair[0]), _length_option("spacing", pair[1])), missing, channel,
-        columns, outliers, None if crop is None else tuple(_place("crop", each) for each in crop),
-    )  # fmt: skip
+    dy, dx = (None if each is None else _length("spacing", each) for each in pair)
+    crop = None if crop is None else tuple(float(_length("crop", each, zero=True)) for each in crop)
+    return ReadOptions(*_units(unit), (dy, dx), missing, channel, columns, outliers, crop)
 
 
 def _without_unit_axis(raw: Raw) -> Raw:
@@ -147,24 +146,15 @@ def _units(unit: Any) -> tuple[str | None, str | None]:
     return pair
 
 
-def _length_option(name: str, text: Any) -> Quantity | None:
-    if text is None:
-        return None
+def _length(name: str, text: Any, *, zero: bool = False) -> Quantity:
+    """A length, or a position, which may be `zero` or below."""
     try:
-        length = quantity(text, "length")
+        length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
         raise ValueError(f"{name} {error}") from None
-    if not length > 0:
+    if not (zero or length > 0):
         raise ValueError(f"{name} must be above 0, got {text!r}")
     return length
-
-
-def _place(name: str, text: Any) -> float:
-    """A position, µm, which may be 0."""
-    try:
-        return float(quantity(text.strip() if isinstance(text, str) else text, "length"))
-    except ValueError as error:
-        raise ValueError(f"{name} {error}") from None
 
 
 def _unit(what: str, of_file: str | None, of_caller: str | None) -> str:

@@ -154,11 +154,6 @@ def read_surface(
     -------
     Surface
 
-    Raises
-    ------
-    FormatError, ValueError
-        As `read_profile`.
-
     Examples
     --------
     >>> import pathlib
@@ -196,11 +191,6 @@ def read_measurement(
     Returns
     -------
     Profile or Surface
-
-    Raises
-    ------
-    FormatError, ValueError
-        As `read_profile`.
 
     Examples
     --------

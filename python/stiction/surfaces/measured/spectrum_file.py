@@ -138,7 +138,8 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         raise FormatError(f"{named(path)}: is no spectrum: it has no column {error.args[0]!r}") from None
     except ValueError:
         raise FormatError(f"{named(path)}: is no spectrum: it has something else than numbers") from None
-    if q.size < 2 or not (q > 0).all() or not np.isfinite(q).all() or not _rise_equally(np.log(q)):
+    steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
+    if not steps.size or not (steps > 0).all() or np.ptp(steps) > _EQUAL * steps.mean() + 1e-12:
         raise FormatError(f"{named(path)}: is no spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
     if not (density > 0).all() or not np.isfinite(density).all():
         raise FormatError(f"{named(path)}: is no spectrum: {DENSITY!r} must be above 0")
@@ -147,8 +148,3 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,
         reasons=tuple(match["reason"] for match in scans), names=tuple(names),
     )  # fmt: skip
-
-
-def _rise_equally(logarithms: Any) -> bool:
-    steps = np.diff(logarithms)
-    return bool((steps > 0).all() and np.ptp(steps) <= _EQUAL * steps.mean() + 1e-12)

@@ -16,35 +16,10 @@ from stiction.surfaces.measured.raw import FormatError, Stated, Table, length_un
 _NUMBER = r"([+-]?)([0-9]{{0,40}})(?:{point}([0-9]{{0,40}}))?(?:[eE]([+-]?[0-9]{{1,3}}))?"
 _MISSING = re.compile(r"|nan|\*{1,20}|-{2,20}", re.IGNORECASE)
 _COMMENT = ("#", "%", "//", "!")
-_OTHER_UNITS = frozenset(
-    {
-        "V",
-        "mV",
-        "s",
-        "ms",
-        "deg",
-        "°",
-        "rad",
-        "K",
-        "kN",
-        "N",
-        "mN",
-        "uN",
-        "µN",
-        "nN",
-        "Pa",
-        "kPa",
-        "MPa",
-        "Hz",
-        "in",
-        "inch",
-        "mil",
-        "pt",
-        "px",
-        "pixel",
-        "pixels",
-    }
-)
+_OTHER_UNITS = {
+    "V", "mV", "s", "ms", "deg", "°", "rad", "K", "kN", "N", "mN", "uN", "µN", "nN", "Pa", "kPa", "MPa", "Hz", "in",
+    "inch", "mil", "pt", "px", "pixel", "pixels",
+}  # fmt: skip
 _BRACKETS = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
 _VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 _STATED = re.compile(
@@ -111,7 +86,9 @@ def read_text(data: bytes) -> Table:
         raise FormatError(f"has {count} lines; at most {MOST_LINES} can be read as text: save it as .npy")
     lines = text.split("\n")
     longest = max(lines, key=len)
-    if (cells := _most_cells(longest)) > MOST_CELLS:
+    # Not more than it has in any dialect.
+    cells = 1 + max(longest.count(";"), longest.count("|"), sum(longest.count(each) for each in "\t ,"))
+    if cells > MOST_CELLS:
         raise FormatError(
             f"has a line of up to {cells} cells; at most {MOST_CELLS} can be read: write one number a line, or .npy"
         )
@@ -124,11 +101,6 @@ def read_lines(lines: list[str]) -> Table:
     if dialect.point == ",":
         _refuse_thousands(lines, dialect)
     return _interpreted(_numbers(lines, dialect), lines, dialect)
-
-
-def _most_cells(line: str) -> int:
-    """Not more than it has in any dialect."""
-    return 1 + max(line.count(";"), line.count("|"), sum(line.count(character) for character in "\t ,"))
 
 
 def _decoded(data: bytes) -> str:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -46,17 +46,9 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     """
     if not isinstance(profile, Profile):
         raise ValueError(f"profile must be a Profile, got {type(profile).__name__}")
-    with _new_file(path) as partial:
-        if Path(path).suffix.lower() == ".npy":
-            with partial.open("wb") as binary:
-                write_npy(binary, with_gaps(profile), (profile.spacing,), profile.history)
-            return
-        with partial.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(f"# spacing: {profile.spacing!r} um\n")
-            file.writelines(_history(profile))
-            file.write("x (um),z (um)\n")
-            pairs = zip(profile.x.tolist(), with_gaps(profile).tolist(), strict=True)
-            file.writelines(f"{x!r},{z!r}\n" for x, z in pairs)
+    pairs = zip(profile.x.tolist(), with_gaps(profile).tolist(), strict=True)
+    rows = itertools.chain(["x (um),z (um)\n"], (f"{x!r},{z!r}\n" for x, z in pairs))
+    _write(profile, path, [f"# spacing: {profile.spacing!r} um\n"], rows)
 
 
 def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
@@ -85,39 +77,32 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     """
     if not isinstance(surface, Surface):
         raise ValueError(f"surface must be a Surface, got {type(surface).__name__}")
-    with _new_file(path) as partial:
-        if Path(path).suffix.lower() == ".npy":
+    columns = surface.heights.shape[1]
+    if Path(path).suffix.lower() == ".csv" and columns < FEWEST_COLUMNS:
+        raise FormatError(
+            f"{path}: cannot be written: a matrix in .csv needs at least {FEWEST_COLUMNS} columns, and the surface "
+            f"has {columns}; choose .npy"
+        )
+    head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]
+    rows = (",".join(map(repr, row)) + "\n" for row in with_gaps(surface).tolist())
+    _write(surface, path, head, itertools.chain(["# heights (um)\n"], rows))
+
+
+def _write(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
+    """Write a body as its name says: as text, its history between head and rows, or as arrays."""
+    path = Path(path)
+    if path.suffix.lower() not in (".csv", ".npy"):
+        raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
+    with new_file(path, FormatError) as partial:
+        if path.suffix.lower() == ".npy":
             with partial.open("wb") as binary:
-                write_npy(binary, with_gaps(surface), surface.spacing, surface.history)
+                write_npy(binary, with_gaps(body), body.spacings, body.history)
             return
-        columns = surface.heights.shape[1]
-        if columns < FEWEST_COLUMNS:
-            raise FormatError(
-                f"{path}: cannot be written: a matrix in .csv needs at least {FEWEST_COLUMNS} columns, and the surface "
-                f"has {columns}; choose .npy"
-            )
+        history = [f"# history: {' '.join(step.split())}\n" for step in body.history]
         with partial.open("w", encoding="utf-8", newline="\n") as file:
-            for axis, spacing in zip("yx", surface.spacing, strict=True):
-                file.write(f"# spacing along {axis}: {spacing!r} um\n")
-            file.writelines(_history(surface))
-            file.write("# heights (um)\n")
-            file.writelines(",".join(map(repr, row)) + "\n" for row in with_gaps(surface).tolist())
+            file.writelines(itertools.chain(head, history, rows))
 
 
 def with_gaps(body: Profile | Surface) -> Floats:
     """Heights, NaN where points are missing."""
     return body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)
-
-
-def _history(body: Profile | Surface) -> list[str]:
-    return [f"# history: {' '.join(step.split())}\n" for step in body.history]
-
-
-@contextmanager
-def _new_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """`new_file` of a name that says what is in it."""
-    path = Path(path)
-    if path.suffix.lower() not in (".csv", ".npy"):
-        raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
-    with new_file(path, FormatError) as partial:
-        yield partial

@@ -84,11 +84,7 @@ def _read(archive: zipfile.ZipFile) -> Raw:
 
 
 class _Main:
-    """The texts of main.xml by their paths below the root, and the points that it lists.
-
-    The parser refuses a document type, and so all entities, in whatever encoding it is. It stops as soon as there is
-    more than the points that were announced can need.
-    """
+    """The texts of main.xml by their paths below the root, and the points that it lists; no document type, no bombs."""
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self.texts: dict[str, str] = {}

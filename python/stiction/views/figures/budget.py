@@ -1,10 +1,10 @@
-"""What holds a pair, what is not known of it, and what would be left if one input were."""
+"""What holds a pair, what would be left of its interval if an input were known, and how it grows under load."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from stiction.views.digits import quoted
+from stiction.views.digits import duration, quoted
 from stiction.views.style import AREA, FRICTION, LEANING, MILLIMETRE, OPPOSING, WIDTH, label
 
 if TYPE_CHECKING:
@@ -46,4 +46,27 @@ def budget_figure(answer: Answer, *, title: str = "") -> Figure:
     axes.set_xlabel(label("friction_coefficient"))
     axes.set_title(f"{title}\n{quoted(answer.value, answer.lower, answer.upper)}".strip())
     figure.legend(loc="outside lower center", ncols=2)
+    return figure
+
+
+def waiting_figure(answer: Answer, *, title: str = "") -> Figure:
+    """The coefficient over the logarithm of the time under load, with its 95 % interval; 80 mm wide."""
+    from matplotlib.figure import Figure
+
+    first = answer.rules[0]
+    rows = [(1.0, first.value, first.lower, first.upper)]
+    rows += [(each.seconds, each.value, each.lower, each.upper) for each in answer.waited if each.seconds != 1]
+    seconds, values, lower, upper = zip(*sorted(rows), strict=True)
+    figure = Figure(figsize=(WIDTH, 60 * MILLIMETRE), layout="constrained")
+    axes = figure.subplots()
+    axes.fill_between(seconds, lower, upper, color=FRICTION, alpha=0.25, linewidth=0, label="95 %, all that is known")
+    axes.plot(seconds, values, "o-", color=FRICTION)
+    axes.set_xscale("log")
+    axes.set_xticks(seconds, [duration(each) for each in seconds])
+    axes.minorticks_off()
+    axes.set_xlabel("time under load before it is sheared")
+    axes.set_ylabel(label("friction_coefficient"))
+    axes.set_ylim(bottom=0)
+    axes.set_title(title)
+    axes.legend(loc="lower right")
     return figure

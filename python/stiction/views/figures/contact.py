@@ -57,7 +57,7 @@ def contact_figure(
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 90 * MILLIMETRE), layout="constrained")
         whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
-        _bodies(whole, x, *bodies)
+        draw_bodies(whole, x, *bodies)
         whole.plot(touching.centre[:, 0], scale * touching.centre[:, 2], "o", color=FORCE, markersize=2, mew=0)
         whole.set_xlim(x[0], x[-1])
         whole.set_title(_words(touching, approach, load, offset, title), loc="left", fontsize=6, pad=3)
@@ -68,7 +68,7 @@ def contact_figure(
             middle = float(touching.centre[largest, 0])
             inside = np.abs(x - middle) <= half
             large.set_title("where most of the load is", loc="left", fontsize=6, pad=3)  # that there is room
-            _bodies(large, x[inside], *(body[inside] for body in bodies))
+            draw_bodies(large, x[inside], *(body[inside] for body in bodies))
             large.set_xlim(x[inside][0], x[inside][-1])
             whole.axvspan(middle - half, middle + half, color="0.5", alpha=0.25, linewidth=0)
             shown = np.abs(touching.centre[:, 0] - middle) <= half
@@ -102,7 +102,8 @@ def _words(touching: Contacts, approach: float, load: float | None, offset: floa
     return "\n".join(line for line in (title, first, ", ".join(second)) if line)
 
 
-def _bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
+def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
+    """Two lines as the bodies that they bound."""
     top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
     margin = 0.08 * (top - bottom or 1.0)
     axes.fill_between(x, upper, top + margin, color=UPPER, linewidth=0)
@@ -111,7 +112,7 @@ def _bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
     for side, height, align in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        axes.text(0.01, height, side, transform=axes.transAxes, fontsize=6, color="0.25", va=align)
+        axes.text(0.01, height, side, transform=axes.transAxes, fontsize=6, color="#333333", va=align)
 
 
 def _force_handles(has_friction: bool) -> list[Any]:
@@ -197,10 +198,7 @@ def contacts_figure(
     slope = picture["contact_slope_x"].values * np.cos(radians) + picture["contact_slope_y"].values * np.sin(radians)
     x, y = picture["contact_x"].values, picture["contact_y"].values
     sizes = np.maximum(_LARGEST * force / force.max(initial=1e-300), 3.0)
-    for which, colour, marker, words in (
-        (slope > 0, OPPOSING, "D", "oppose the motion"),
-        (~(slope > 0), LEANING, "o", "do not"),
-    ):
+    for which, colour, marker, words in ((slope > 0, OPPOSING, "D", "climb"), (~(slope > 0), LEANING, "o", "do not")):
         percent = 100 * force[which].sum() / (force.sum() or 1.0)
         text = f"{int(which.sum())} {words}, with {percent:.0f} % of the load"
         style: dict[str, Any] = {"facecolors": "none", "marker": marker}

@@ -107,7 +107,8 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     from matplotlib.figure import Figure
 
     study = study_of(dataset)
-    strengths = [study.friction.tau0[index] for index in _chosen_strengths(len(study.friction.tau0))]
+    strengths = list(study.friction.tau0)
+    strengths = strengths if len(strengths) <= MOST_STRENGTHS else [strengths[0], strengths[-1]]
     load = _common_load(dataset)
     loads = [*reached_loads(dataset), load]
     maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0)
@@ -141,7 +142,10 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
                 letter(ax, column)
             dimension_axis(ax, dataset, last=last)
             if amplitudes.size > 1:
-                _corner(ax, f"$a$ = {1000 * amplitude:g} nm")
+                ax.text(
+                    0.96, 0.96, f"$a$ = {1000 * amplitude:g} nm", transform=ax.transAxes, fontsize=6, ha="right",
+                    va="top", bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
+                )  # fmt: skip
         ax = axes_at(127, row, 40)
         _friction_curves(ax, curves.isel(amplitude=row), [each.text for each in strengths], mu0)
         if row == amplitudes.size // 2:
@@ -159,23 +163,12 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     return figure
 
 
-def _chosen_strengths(count: int) -> list[int]:
-    """Indices of the shear strengths that are drawn, of `count`."""
-    return list(range(count)) if count <= MOST_STRENGTHS else [0, count - 1]
-
-
 def _common_load(dataset: xarray.Dataset) -> float:
     """The highest power of ten (mN) that nine of ten ensembles reach, or their highest load if that is out of range."""
     elastic = means(dataset, ["normal_elastic"])["normal_elastic"].max(study_of(dataset).step).values
     lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
     return float(power if power >= lowest else max(common, lowest))
-
-
-def _corner(axes: Axes, text: str) -> None:
-    box = {"facecolor": "white", "linewidth": 0, "pad": 0.8}
-    corner = axes.text(0.96, 0.96, text, transform=axes.transAxes, fontsize=6, bbox=box)
-    corner.set(horizontalalignment="right", verticalalignment="top")
 
 
 def dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
@@ -230,19 +223,14 @@ def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: 
 
     axes = figure.add_axes(place, label="<colorbar>")
     bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
-    ticks = _ticks(norm)
+    ticks = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # no closer than their labels are long
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
     axes.xaxis.set_ticks_position("top")
     axes.xaxis.set_label_position("top")
     axes.tick_params(length=2, pad=1)
     bar.set_label(rf"{label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
-
-
-def _ticks(norm: Any) -> list[float]:
-    """Some of the round numbers on a scale of equal ratios, no closer than their labels are long."""
-    inside = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
-    return inside[:: max(1, -(-len(inside) // 8))]
 
 
 def _norm(maps: xarray.Dataset) -> Any:

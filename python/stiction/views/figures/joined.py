@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._checks import Floats
 from stiction._drawing import few_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
@@ -80,7 +79,8 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     for index, (name, limit) in enumerate(_hardnesses().items()):
         if not elastic[0] < limit < elastic[-1]:
             continue
-        start, colour = _crossing(found.wavelength, elastic, limit), SCANS[index % len(SCANS)]
+        start = np.exp(np.interp(math.log(limit), np.log(elastic), np.log(found.wavelength)))
+        colour = SCANS[index % len(SCANS)]
         axes.plot([start, joined.shortest], [limit, limit], color=colour, linewidth=0.8)
         axes.annotate(
             f"{name} yields", (joined.shortest, limit), (0, -1), textcoords="offset points", ha="right", va="top",
@@ -98,8 +98,3 @@ def _hardnesses() -> dict[str, float]:
         young, ratio = float(body.young_modulus), float(body.poisson_ratio)
         found[name] = float(body.hardness or 0.0) / float(effective_modulus(young, ratio, young, ratio))
     return found
-
-
-def _crossing(lengths: Floats, values: Floats, limit: float) -> float:
-    """The longest wave down to which values, which rise towards short ones, reach a limit."""
-    return float(np.exp(np.interp(math.log(limit), np.log(values), np.log(lengths))))

@@ -82,7 +82,7 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     positive = cut_off[cut_off > 0].min(initial=2.0)
     shown = np.where(cut_off > 0, cut_off, limits.get("shortest") or positive / FINER_THAN_FIRST)
     figure = _against(points, "cut_off", shown, title, limits)
-    figure.axes[1].set_xlabel(label("cut_off") + (", left: none" if (cut_off == 0).any() else ""))
+    figure.axes[1].set_xlabel(label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
 
@@ -167,11 +167,8 @@ def _against(
     if lower.get_yscale() == "log" and high < 30 * low:
         _plain_log(lower.yaxis)
     figure.suptitle(_head(points, title), fontsize=6)
-    where = figure if limits else upper
-    where.legend(
-        *upper.get_legend_handles_labels(), title="bands: 95 %", loc="outside lower center" if limits else "best",
-        ncols=2 if limits else 1,
-    )  # fmt: skip
+    handles = upper.get_legend_handles_labels()
+    figure.legend(*handles, title="bands: 95 % over members", loc="outside lower center", ncols=2)
     return figure
 
 

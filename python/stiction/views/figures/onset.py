@@ -216,12 +216,6 @@ PARTS = (0.25, 0.5, 0.75)
 COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from light loads to heavy ones
 
 
-def onset_loads(dataset: xarray.Dataset) -> Floats:
-    """Three loads (mN) that most ensembles reach, in one digit."""
-    ends = np.log(reached_loads(dataset, 2))
-    return np.unique([float(f"{np.exp(ends[0] + part * (ends[1] - ends[0])):.0e}") for part in PARTS])
-
-
 def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     """Creep, what slips at half of the sliding load, and stiffness over fractal dimension; a row for each amplitude.
 
@@ -233,7 +227,8 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     assert isinstance(study.contact, Asperities)
     asked = study.contact.onset
     assert asked is not None
-    loads = onset_loads(dataset)
+    ends = np.log(reached_loads(dataset, 2))
+    loads = np.unique([float(f"{np.exp(ends[0] + part * (ends[1] - ends[0])):.0e}") for part in PARTS])
     at = at_load(dataset, loads, mu0=asked.mu0, tau0=float(asked.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = headlines(dataset, study)

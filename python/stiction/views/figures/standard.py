@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from stiction.surfaces.profile import Profile
 from stiction.views.answer import Answer, answers, headlines
 from stiction.views.asked import at_asked_loads
 from stiction.views.figures.adhesion import adhesion_figure
+from stiction.views.figures.budget import budget_figure, waiting_figure
 from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import positions_figure, sizes_figure
@@ -109,7 +111,7 @@ def hardness_of(study: Study) -> float | None:
 def title_of(study: Study) -> str:
     """Whose figure it is: the names of the two files."""
     upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
-    return f"gap {upper}" if getattr(study.surfaces, "gap", None) else f"{upper} on {lower}"
+    return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
 
 
 def words_of(study: Study) -> str:
@@ -130,16 +132,12 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
             case "friction":
                 for suffix, one in motions(dataset):
                     for mu0 in study.friction.mu0:
-                        yield f"friction_mu0_{mu0:.12g}{suffix}", _later(friction_figure, one, mu0)
+                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(friction_figure, one, mu0)
             case "area":
                 for suffix, one in motions(dataset):
-                    yield f"area{suffix}", _later(area_figure, one)
+                    yield f"area{suffix}", partial(area_figure, one)
             case "onset":  # all contacts rub, and one direction is kept
-                yield "onset", _later(dimension_onset_figure, next(motions(dataset))[1])
-
-
-def _later(figure: Callable[..., Figure], *arguments: Any, **more: Any) -> Callable[[], Figure]:
-    return lambda: figure(*arguments, **more)
+                yield "onset", partial(dimension_onset_figure, next(motions(dataset))[1])
 
 
 # ---- Measured --------------------------------------------------------------------------------------------------------
@@ -172,29 +170,29 @@ def _of_measured(
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         of = "" if number == 1 else f"-{number}"
         own = read.points.isel(mu0=m, tau0=t)
-        yield f"friction{of}", _later(load_figure, own, asked, title=read.title)
+        yield f"friction{of}", partial(load_figure, own, asked, title=read.title)
         if points.sizes.get("direction", 1) >= FEWEST_DIRECTIONS:
-            yield f"compass{of}", _later(compass_figure, read.at(first, m, t), title=read.title)
-        yield f"positions{of}", _later(_positions, result, read, first, m, t)
+            yield f"compass{of}", partial(compass_figure, read.at(first, m, t), title=read.title)
+        yield f"positions{of}", partial(drawn_positions, result, read.at(first, m, t), title=read.title)
         if over is not None:
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
-            yield f"cut_off{of}", _later(_cut_off, at, study, title=read.title)
+            yield f"cut_off{of}", partial(_cut_off, at, study, title=read.title)
     if study.is_areal:
-        yield "closure", _later(closure_figure, points.isel(cut_off=0).sel(load=slice(max(asked))), title=read.title)
-    yield "budget", _later(_budget, result, study, title=read.title)
+        yield "closure", partial(closure_figure, points.isel(cut_off=0).sel(load=slice(max(asked))), title=read.title)
+    yield "budget", lambda: budget_figure(_headline(result, study), title=read.title)
     if study.friction.wait:
-        yield "waiting", _later(_waiting, result, study, title=read.title)
+        yield "waiting", lambda: waiting_figure(_headline(result, study), title=read.title)
     if onset is not None:
-        yield "onset", _later(onset_figure, onset, title=read.title)
+        yield "onset", partial(onset_figure, onset, title=read.title)
         if has_slip_map(onset):
-            yield "slip", _later(slip_figure, onset, title=read.title)
+            yield "slip", partial(slip_figure, onset, title=read.title)
     if study.contact.adheres and (ways := once(result, coming_and_going)) is not None:
-        yield "adhesion", _later(adhesion_figure, ways, title=read.title)
+        yield "adhesion", partial(adhesion_figure, ways, title=read.title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
-        yield "sizes", _later(_sizes, result, read, hardness)
+        yield "sizes", partial(_sizes, result, read, hardness)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
-        yield "contacts", _later(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
+        yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
     elif not (study.is_areal or study.by_half_space):
         yield from _of_profiles(result, study, read)
 
@@ -208,27 +206,16 @@ def once(result: Any, read: Callable[[Any], Any]) -> Any:
     return result.once(read) if isinstance(result, Stored) else read(result)
 
 
-def _budget(result: Any, study: Study, *, title: str) -> Figure:
-    from stiction.views.figures.budget import budget_figure
-
-    return budget_figure(_headline(result, study), title=title)
-
-
-def _waiting(result: Any, study: Study, *, title: str) -> Figure:
-    from stiction.views.figures.waiting import waiting_figure
-
-    return waiting_figure(_headline(result, study), title=title)
-
-
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(at, title=title, limits=limits(at, study))
 
 
-def _positions(result: Any, read: _Read, load: float, mu0: int, tau0: int) -> Figure:
-    at = read.at(load, mu0, tau0)
-    members = member_values(result, [load], mu0=[float(at["mu0"])], tau0=[float(at["tau0"])])
+def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:
+    """Friction of each member of a result, of which this is one point of `at_load`."""
+    material: dict[str, Any] = {name: [float(at[name])] for name in ("mu0", "tau0")}
+    members = member_values(result, [float(at["load"])], **material)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
-    return positions_figure(values.transpose("repetition", "direction", ...), at, title=read.title)
+    return positions_figure(values.transpose("repetition", "direction", ...), at, title=title)
 
 
 def _sizes(result: Any, read: _Read, hardness: float | None) -> Figure:
@@ -247,9 +234,9 @@ def _of_profiles(result: Any, study: Study, read: _Read) -> Iterator[tuple[str, 
         return
     member = bodies_of(study).member(int(dataset["repetition"][carrying[0]]), wavelength)
     upper, lower = member.pair
-    assert isinstance(upper, Profile)
+    assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
     at = read.at(load, 0, 0)
-    yield "contact", _later(
+    yield "contact", partial(
         contact_figure, upper, lower, float(dataset["approach"].values[carrying[0]]), mu0=float(at["mu0"]),
         tau0=float(at["tau0"]), load=load, offset=member.x, title=read.title,
         model=contact.model(contact.rules()[0]),

@@ -96,29 +96,6 @@ function choice(id, names, value, changed) {
   list.addEventListener("change", () => changed(Number(list.value)));
 }
 
-const NARROWEST = 1.01; // of a range: the loads in it are told apart by five digits
-
-/** Two numbers, the lower and the higher end of a range; returns what sets them without saying so. */
-function range(id, taken) {
-  const [low, high, wrong] = ["low", "high", "wrong"].map((part) => byId(`${id}-${part}`));
-  const setWrong = (isWrong) => {
-    wrong.hidden = !isWrong;
-    for (const each of [low, high]) each.setCustomValidity(isWrong ? wrong.textContent : "");
-  };
-  for (const end of [low, high]) {
-    end.addEventListener("input", () => {
-      const ends = [Number(low.value), Number(high.value)];
-      const ordered = ends[0] > 0 && ends[1] >= NARROWEST * ends[0] && ends.every(Number.isFinite);
-      setWrong(!ordered);
-      if (ordered) taken(ends);
-    });
-  }
-  return (ends) => {
-    [low.value, high.value] = ends.map((end) => (end < 1e-3 ? end.toExponential() : end));
-    setWrong(false);
-  };
-}
-
 // ---- Files ----------------------------------------------------------------------------------------------------------
 
 function save(name, blob) {
@@ -134,7 +111,7 @@ function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
   const title = () => `${document.title.split(" – ")[0]}: ${called}`;
   const words = () => [byId("parameters").textContent, place.parentNode.querySelector(".caption")?.textContent ?? ""].join(" ");
   const name = `${document.title.split(" – ")[0].replaceAll(/[^\w-]+/g, "_")}_${place.id}`;
-  const redrawn = () => redraw(place.dataset.drawing ?? place.id);
+  const redrawn = () => redraw(place.id);
   const button = (text, label, action) => {
     const made = element("button", {type: "button", "aria-label": `${label}: ${called}`, title: label}, text);
     made.addEventListener("click", action);
@@ -191,17 +168,8 @@ async function inflated(id) {
 
 const unpacked = async (id, leading) => doubles(await inflated(id), leading);
 
-/** What is packed and opened by those alone who want it. */
-function unfold(id) {
-  const details = byId(id).closest("details");
-  details.addEventListener("toggle", async () => {
-    if (byId(`packed-${id}`)) byId(id).textContent = new TextDecoder().decode(await inflated(id));
-  });
-}
-
 function start(begin) {
   const isOld = typeof DecompressionStream === "undefined";
-  if (!isOld) unfold("licence");
   for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());
   if (isOld) say("This page needs a browser of 2023 or later.");
   else begin().then(() => byId("main").setAttribute("aria-busy", "false"))

@@ -16,10 +16,10 @@ from stiction.studies.study import Study, study_names
 from stiction.views.digits import with_unit
 from stiction.views.doubts import checks_of_ensemble
 from stiction.views.figures.ensemble import FRACTION_LIMIT
-from stiction.views.point import rules_of
-from stiction.views.report.page import BYTES, CELLS, PageResult, ReportError, counted, motions_of, packed, way
+from stiction.views.point import rules_of, way_text
+from stiction.views.report.page import AXES, BYTES, PageResult, ReportError, counted, motions_of, packed
 from stiction.views.report.pictures import dimension_panel, profiles_panel
-from stiction.views.report.sums import PAGE_RATIOS, sums_of_ensemble
+from stiction.views.report.sums import CELLS, PAGE_RATIOS, sums_of_ensemble
 
 if TYPE_CHECKING:
     import xarray
@@ -45,14 +45,14 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
         raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
     rules, angles = motions_of(study)
     motions = len(rules) * len(angles)
-    values = motions * math.prod(head.sizes[dim] for dim in (*_CELLS, step))
+    values = motions * math.prod(head.sizes[dim] for dim in (*CELLS, step))
     if values > MOST_MEANS:
         raise ReportError(
             f"the result has {values} pairs times {'approaches' if step == 'approach' else 'loads'}, more than "
             f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
         )
     has_sums = there > 1 and values * there * PER_MEMBER <= MOST_SUMS
-    found = sums_of_ensemble(result, list(_CELLS), step, motions, has_sums=has_sums)
+    found = sums_of_ensemble(result, step, motions, has_sums=has_sums)
     if not (members := found.members):
         raise ReportError("no member of the result has a solution at every load")
     means = found.plain_means()
@@ -85,9 +85,6 @@ def _pictures(
     return "".join(panels)
 
 
-_CELLS = ("fractal_dimension", "amplitude")
-
-
 def _facts_of(
     head: xarray.Dataset, means: dict[str, NDArray[Any]], study: Study, result: xarray.Dataset | Stored
 ) -> dict[str, Any]:
@@ -99,7 +96,7 @@ def _facts_of(
     return {
         "reading": "mean",
         "interval": "jackknife",
-        "cell": CELLS["fractal_dimension"] | {"title": f"{CELLS['fractal_dimension']['title']}{convention}"},
+        "cell": AXES["fractal_dimension"] | {"title": f"{AXES['fractal_dimension']['title']}{convention}"},
         "dimensions": head["fractal_dimension"].values.tolist(),
         "convention": convention,
         "amplitudes": head["amplitude"].values.tolist(),
@@ -107,14 +104,14 @@ def _facts_of(
         "steps": head[study.step].values.tolist(),
         "rules": rules,
         "directions": angles,
-        "ways": [{"words": f"to {way(angle)}", "directions": [d]} for d, angle in enumerate(angles)],
+        "ways": [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)],
         "validity": _validity(means),
         "checks": checks_of_ensemble(study),
         "quotedRule": rules_of(study)[0],
         "touched": counts.any(axis=2).tolist(),
         "touchedAtLast": counts[:, :, -1].tolist(),
         "loads": _loads(result) if counts.any() else [],
-        "quantities": [], "answers": [], "asked": [], "gap": None, "picture": None, "spectra": None,
+        "quantities": [], "answers": [], "asked": [], "gap": None,
     }  # fmt: skip
 
 
@@ -165,7 +162,7 @@ def _head(study: Study) -> list[str]:
     return [
         f"{surfaces.case[0].upper()}{surfaces.case[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
         f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts that rub: "
-        f"{' and '.join(rules)}; motion to {', '.join(map(way, angles))}."
+        f"{' and '.join(rules)}; motion {', '.join(map(way_text, angles))}."
     ]
 
 

@@ -1,4 +1,4 @@
-"""What a page knows of a result of measured bodies: their members' sums at every load, the answers, and the picture."""
+"""What a page knows of a result of measured bodies: their members' sums at every load, and the answers."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.quantities import HELD, QUANTITIES
+from stiction.mechanics.friction import SIX
+from stiction.mechanics.quantities import DIRECTED, HELD, QUANTITIES
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import coming_and_going
+from stiction.studies.maps import MOTIONS
 from stiction.studies.member_values import PER_AREA
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
-from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import Surface
 from stiction.views.answer import answers, slopes_text
 from stiction.views.asked import at_asked_loads
 from stiction.views.digits import with_unit
@@ -27,23 +27,20 @@ from stiction.views.doubts import Doubt, limit_of
 from stiction.views.figures.standard import hardness_of, once, picture_of, title_of, words_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import adhesion_text, over_text, rules_of, value_of
+from stiction.views.point import adhesion_text, materials_text, over_text, rules_of, value_of, way_text
 from stiction.views.point import points as points_of
 from stiction.views.report.page import (
-    CELLS,
+    AXES,
     MOST_TEXT,
     PageResult,
     ReportError,
     counted,
-    deflated,
     escaped,
     listed,
     motions_of,
     packed,
-    way,
 )
-from stiction.views.report.pictures import adhesion_panel, onset_panels
-from stiction.views.report.sums import PAGE_RATIOS, sums_of_members
+from stiction.views.report.pictures import adhesion_panel, onset_panels, positions_panel, touching_panel
 from stiction.views.resolution import waves_text
 from stiction.views.text import budget_text, waited_text
 
@@ -52,46 +49,39 @@ if TYPE_CHECKING:
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 
-_OF_LOAD = {
-    "contact_area_fraction": "contact_area", "contact_area": "contact_area", "contact_count": "contact_count",
-    "contact_load": "contact_load",
-    "mean_pressure": "contact_area", "normal_stiffness": "normal_stiffness", **PER_AREA, "approach": "approach",
-    "closure": "closure", "closure_stiffness": "closure_stiffness",
-    "share_on_largest": "share_on_largest", "share_at_edge": "share_at_edge",
-    "fraction_on_small": "fraction_on_small", "load_share_at_hardness": "load_share_at_hardness",
-    "share_beyond_hertz": "", "share_below_grid": "", "share_overlapping": "",
-}  # fmt: skip
-"""Quantities that the page has at each load beside friction, and the variable of each, or none where it is a ratio."""
+_OF_LOAD = (
+    "contact_area_fraction", "contact_area", "contact_count", "contact_load", "mean_pressure", "normal_stiffness",
+    *PER_AREA, "approach", "closure", "closure_stiffness", "share_on_largest", "share_at_edge", "fraction_on_small",
+    "load_share_at_hardness", "share_beyond_hertz", "share_below_grid", "share_overlapping",
+)  # fmt: skip
+"""Quantities that the page has at each load beside friction."""
 
 _UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that have no prefixes
 
 
 def page_of_measured(
-    result: xarray.Dataset | Stored, study: Study, name: str, picture: xarray.Dataset | None, *, with_picture: bool
+    result: xarray.Dataset | Stored, study: Study, name: str, picture: xarray.Dataset | None
 ) -> PageResult:
     """What a page says of a result of measured bodies, called by a name, or by those of its files where this is empty.
 
-    A picture is what `contact_picture` returns; `with_picture`, of a result that has the page for itself, that beside a
-    stored result is taken where none is given. Raises a `ReportError` if the result is too large.
+    A picture is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the
+    result is too large.
     """
     dataset = result.dataset() if isinstance(result, Stored) else result
     step = study.step
-    quantities = _quantities(dataset)
-    plain = list(
-        dict.fromkeys(["normal_elastic", *(part for each in quantities for part in (each["of"], *each["over"]))])
-    )
-    found = sums_of_members(dataset, ["cut_off"], step, plain)
-    if found.sums.size > MOST_VALUES:
-        raise ReportError(f"the result has {found.sums.size} numbers, more than the {MOST_VALUES} that a page can hold")
+    sums = _sums(dataset, step)
+    if sums.size > MOST_VALUES:
+        raise ReportError(f"the result has {sums.size} numbers, more than the {MOST_VALUES} that a page can hold")
     files = title_of(study)
-    name = (f"{files} ({name})" if with_picture else name) if name else files
-    facts = found.facts | _facts_of(dataset, result, study) | {"name": name, "quantities": quantities}
-    numbers = {"means": packed(found.means, 8), "sums": packed(found.sums, 8)}
-    picture = picture_of(result) if picture is None and with_picture else picture
-    if picture is not None:
-        more, packs = pictured(picture)
-        facts |= more
-        numbers |= packs
+    name = f"{files} ({name})" if name else files
+    facts = _facts_of(dataset, result, study)
+    facts |= {
+        "quantities": _quantities(result, facts),
+        "name": name, "variables": {"plain": [], "directed": []},
+        "perRepetition": {"plain": ["normal_elastic"], "directed": _DIRECTED},
+    }  # fmt: skip
+    numbers = {"means": packed([], 8), "sums": packed(sums, 8)}
+    picture = picture_of(result) if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.once(onset_beside) if isinstance(result, Stored) else None
     version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
@@ -101,9 +91,25 @@ def page_of_measured(
         study=study, name=name, head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
         facts=facts, numbers=numbers, version=str(version), there=members, details=details,
-        pictures=("" if onset is None else onset_panels(onset, words_of(study)))
+        touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
+        pictures=(positions_panel(result, facts["asked"][0], words_of(study)) if members > 1 else "")
+        + ("" if onset is None else onset_panels(onset, words_of(study)))
         + adhesion_panel(once(result, coming_and_going), words_of(study)),
     )  # fmt: skip
+
+
+_DIRECTED = [name for name in SIX if name in DIRECTED]
+
+
+def _sums(dataset: xarray.Dataset, step: str) -> Floats:
+    """Sums of every member (variable, cut-off, member, step): the elastic load, and those of each motion one by one."""
+    motions = [dim for dim in MOTIONS if dim in dataset.dims]
+    dims = ("cut_off", "repetition", step)
+    columns = [dataset["normal_elastic"].transpose(*dims).values]
+    by_motion = [dataset[name].transpose(*motions, *dims).values for name in _DIRECTED]
+    for place in np.ndindex(*(dataset.sizes[dim] for dim in motions)):
+        columns += [values[place] for values in by_motion]
+    return np.stack(columns).astype(np.float64)
 
 
 def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: Study) -> dict[str, Any]:
@@ -112,19 +118,18 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
     loads = dataset[study.step].values.tolist()
     asked = [float(load) for load in of_friction.load]
     rules, angles = motions_of(study)
-    ways = [{"words": f"to {way(angle)}", "directions": [d]} for d, angle in enumerate(angles)]
+    ways = [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
         ways.insert(0, {"words": over_text(angles), "directions": list(range(len(angles)))})
     return {
         "reading": "elastic", "interval": "sample" if surfaces.is_areal else "neighbours", "hasIntervals": True,
-        "cell": CELLS["cut_off"], "dimensions": dataset["cut_off"].values.tolist(), "convention": "",
+        "cell": AXES["cut_off"], "dimensions": dataset["cut_off"].values.tolist(), "convention": "",
         "amplitudes": [1.0], "measure": "", "repetitions": int(dataset.sizes["repetition"]), "steps": loads,
         "loads": [loads[0], loads[-1]], "rules": rules, "directions": angles, "ways": ways, "validity": {},
         "modulus": float(dataset["effective_modulus"]), "area": float(dataset["nominal_area"]),
         "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
-        "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset), "picture": None,
-        "spectra": None,
+        "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset),
     }  # fmt: skip
 
 
@@ -153,7 +158,9 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     how = "the elastic half-space" if study.by_half_space else "asperities"
     limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
     modulus = with_unit(facts["modulus"], "GPa")
-    return [f"{surfaces.pressed} of {facts['area']:.4g} µm², pressed by {how}; E* = {modulus}{limited}."]
+    made_of = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
+    size = f"{facts['area']:.4g} µm²" if study.is_areal else f"{facts['area']:.4g} µm, 1 µm wide"
+    return [f"{made_of}{surfaces.pressed} of {size}, pressed by {how}; E* = {modulus}{limited}."]
 
 
 def _history(side: str, history: str, study: Study) -> str:
@@ -175,20 +182,20 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _quantities(dataset: xarray.Dataset) -> list[dict[str, Any]]:
+def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[dict[str, Any]]:
+    """Words, limits, and means with their ends over kind of members, cut-off and load."""
+    kinds: list[Any] = ["shifts", "surrogates"] if len(facts["kinds"]) > 1 else [None]
+    tables = [at_load(result, facts["steps"], mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
     found = []
-    for name, variable in _OF_LOAD.items():
-        of, over = (variable, ()) if variable else PAGE_RATIOS[name]
-        if not {of, *over} <= set(dataset.data_vars) or not np.isfinite(dataset[of].values).any():
-            continue
-        if name == "load_share_at_hardness" and not dataset[of].values.any():
+    for name in (name for name in _OF_LOAD if name in tables[0]):
+        means = [table[name].transpose("cut_off", "load", "statistic").values for table in tables]
+        if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
             continue
         quantity = QUANTITIES[name]
         unit = "%" if "share" in name or "fraction" in name else _UNITS.get(quantity.unit, quantity.unit)
         words = quantity.short[0].upper() + quantity.short[1:]
-        found.append(
-            {"name": name, "words": words, "of": of, "over": list(over), "unit": unit, "limit": limit_of(name)}
-        )
+        limit, values = limit_of(name), [listed(each) for each in means]
+        found.append({"name": name, "words": words, "unit": unit, "limit": limit, "means": values})
     return found
 
 
@@ -229,92 +236,3 @@ def _gap(dataset: xarray.Dataset) -> dict[str, Any] | None:
         "slope": listed(slope.transpose("direction", "cut_off", "repetition").values),
         "kappa": float(signature(gentle_friction).parameters["kappa"].default),
     }
-
-
-# ---- Heights, spectra and contacts ----------------------------------------------------------------------------------
-
-
-MOST_PIXELS = 256  # rows or columns of the heights that are drawn
-MOST_CONTACTS = 2000  # contacts that are drawn: those with the largest forces
-CONTACT_BYTES = 4  # leading bytes of a double that are kept of what is only drawn
-MOST_POINTS = 700  # of a line as it is drawn
-AROUND = 5  # contacts near the strongest that are magnified with it, where they are not far
-CLOSEST = 60  # points of a line on both sides of the strongest contact that are magnified, at least
-
-COLUMNS = ("x", "y", "force", "patch_area", "slope_x", "slope_y", "at_edge")
-"""Variables of each contact, without the prefix `contact_`."""
-
-FEWEST_WAVES = 16  # rows and columns from which on a map has a spectrum
-
-
-def pictured(picture: xarray.Dataset) -> tuple[dict[str, Any], dict[str, str]]:
-    """Facts and packed numbers of a picture as `contact_picture` makes it."""
-    table = np.stack([picture[f"contact_{name}"].values for name in COLUMNS]).astype(np.float64)
-    order = np.argsort(-table[2], kind="stable")
-    drawn = order[:MOST_CONTACTS]
-    facts = {
-        "load": float(picture.attrs["load_mN"]), "member": int(picture.attrs["member"]),
-        "moved": listed([float(picture.attrs[name]) for name in ("x", "y")]),
-        "contacts": {"columns": list(COLUMNS), "count": int(drawn.size), "all": int(table.shape[1])},
-    }  # fmt: skip
-    packs = {"contacts": packed(table[:, drawn], CONTACT_BYTES)}
-    if "gap" in picture:
-        return {"picture": facts | {"lines": _lines(picture, table[:, drawn])}}, packs
-    dy, dx = (float(np.diff(picture[name].values[:2])[0]) for name in ("height_y", "height_x"))
-    bodies = [picture[f"{side}_height"].transpose("height_y", "height_x").values for side in ("lower", "upper")]
-    levels, ends, extent = grey(bodies[0], (dy, dx))
-    ranks = np.append(0, np.empty(order.size, np.int64))
-    ranks[1 + order] = 1 + np.arange(order.size)
-    place = ranks[picture["patch"].transpose("height_y", "height_x").values]
-    packs |= {"lower": deflated(levels.tobytes()), "patches": deflated(_thinned(place).astype("<u2").tobytes())}
-    spectra = []
-    for side, body in zip(("lower", "upper"), bodies, strict=True):
-        if np.ptp(body) > 0 and min(body.shape) >= FEWEST_WAVES:
-            radial = surface_spectrum(Surface(body, spacing=(dy, dx))).radial()
-            spectra.append(
-                {"name": f"{side} body", "waveNumber": listed(radial.wave_number), "density": listed(radial.density)}
-            )
-    rows, columns = levels.shape
-    facts |= {"rows": rows, "columns": columns, "range": ends, "extent": extent}
-    return {"picture": facts, "spectra": spectra or None}, packs
-
-
-def _thinned(ranks: NDArray[Any]) -> NDArray[Any]:
-    """Ranks of contacts from 1 on over as many pixels as heights have, the strongest of each, and 0 for none."""
-    every, most = -(-max(ranks.shape) // MOST_PIXELS), np.iinfo(np.uint16).max
-    ranks = np.where((ranks == 0) | (ranks > MOST_CONTACTS), most, ranks)
-    ranks = np.pad(ranks, [(0, -size % every) for size in ranks.shape], constant_values=most)
-    rows, columns = (size // every for size in ranks.shape)
-    found = ranks.reshape(rows, every, columns, every).min(axis=(1, 3))
-    return np.asarray(np.where(found == most, 0, found))
-
-
-def _lines(picture: xarray.Dataset, table: Floats) -> dict[str, Any]:
-    """Two lines in contact, in few points whole and in more about the strongest contact: x, lower and upper heights."""
-    x, lower = picture["height_x"].values, picture["lower_height"].values
-    gap = picture["gap"].values
-    there = np.isfinite(gap)  # over holes it is drawn straight
-    upper = lower + np.interp(x, x[there], gap[there]).clip(0)
-    inside = np.flatnonzero(table[6] == 0)
-    apart = np.sort(np.abs(table[0] - table[0][inside[0] if inside.size else 0]))
-    middle = float(table[0][inside[0] if inside.size else 0])
-    widest = 4 * float(table[3].max())  # of lines 1 µm thick an area is a length
-    half = np.clip(1.3 * apart[min(AROUND, apart.size - 1)], max(CLOSEST * (x[1] - x[0]), widest), x[-1] / 7)
-    start = float(np.clip(middle - half, 0, max(x[-1] - 2 * half, 0)))
-    ends = np.searchsorted(x, [start, start + 2 * half])
-
-    def part(which: slice) -> list[Any]:
-        size = x[which].size
-        at = np.unique(np.linspace(0, size - 1, min(size, MOST_POINTS)).round().astype(int))
-        return [np.round(each[which][at], 5).tolist() for each in (x, lower, upper)]
-
-    return {"whole": part(slice(None)), "close": part(slice(*ends))}
-
-
-def grey(heights: Floats, spacing: tuple[float, float]) -> tuple[NDArray[np.uint8], list[float], list[float]]:
-    """Heights (µm) as bytes between the lowest and the highest, of few pixels; both ends; and the lengths they fill."""
-    every = -(-max(heights.shape) // MOST_PIXELS)
-    thin = heights[::every, ::every]
-    low, high = float(thin.min()), float(thin.max())
-    levels = np.rint(255 * (thin - low) / ((high - low) or 1)).astype(np.uint8)
-    return levels, [low, high], [count * every * step for count, step in zip(thin.shape, spacing, strict=True)]

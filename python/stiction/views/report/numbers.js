@@ -367,8 +367,8 @@ function beginning(map, widths = null) {
 }
 
 /** Range of colours: the highest few per cent share one, or friction at the highest D would take them all. */
-function colourRange({colourQuantiles}, maps) {
-  const values = maps.flatMap((map) => map.value.flat()).filter((value) => value > 0).sort((x, y) => x - y);
+function colourRange({colourQuantiles}, map) {
+  const values = map.value.flat().filter((value) => value > 0).sort((x, y) => x - y);
   if (!values.length) return [0.1, 1];
   const [lowest, highest] = colourQuantiles.map((share) => values[Math.round(share * (values.length - 1))]);
   const low = Number(lowest.toPrecision(2));
@@ -422,37 +422,29 @@ function tickText(value) {
 /** Index of the step that is a load, or -1. */
 const stepOf = ({steps}, load) => steps.findIndex((step) => Math.abs(step - load) <= 1e-9 * load);
 
-/** A quantity, "friction" or one of facts.quantities, of each member at a step; NaN where there is none. */
-function memberValues({facts, motions, chosen, members}, quantity, d, a, step, mu0, tau0) {
-  const index = (member) => (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
-  if (quantity === "friction") {
-    const names = [...OF_NORMAL, ...OF_TANGENTIAL];
-    return members.map((member) => chosen.reduce((sum, motion) =>
-      sum + coefficientOf(names.map((name) => motions[motion].sums[name][index(member)]), mu0, tau0), 0) / chosen.length);
-  }
-  const {name, of, over} = facts.quantities.find((each) => each.name === quantity);
-  const {sums} = motions[0];
-  return members.map((member) => {
-    const at = (part) => sums[part][index(member)];
-    const value = over.length ? at(of) / over.reduce((sum, part) => sum + at(part), 0) : at(of);
-    if (name === "contact_area_fraction") return value / facts.area;
-    if (name.endsWith("_per_area")) return 1000 * value / facts.area;
-    return name === "mean_pressure" ? at("contact_load" in sums ? "contact_load" : "normal_elastic") / value : value;
-  });
+/** The friction coefficient of each member at a step, over the chosen motions; NaN where there is none. */
+function frictionOfMembers({facts, motions, chosen, members}, d, a, step, mu0, tau0) {
+  const names = [...OF_NORMAL, ...OF_TANGENTIAL];
+  return members.map((member) => chosen.reduce((sum, motion) => {
+    const at = (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
+    return sum + coefficientOf(names.map((name) => motions[motion].sums[name][at]), mu0, tau0);
+  }, 0) / chosen.length);
 }
 
-/** Mean of a quantity over the members at a load, with its interval. */
+/** Mean of friction over the members at a load with its interval, or of one of facts.quantities as it was handed over. */
 function meanOfMembers(result, quantity, d, a, load, mu0, tau0) {
-  const {facts} = result;
+  const {facts, kind} = result;
   const step = stepOf(facts, load);
-  const values = step < 0 ? [] : memberValues(result, quantity, d, a, step, mu0, tau0);
+  const said = {load, validity: null, trusted: true};
+  if (step < 0) return {...said, status: "not-reached", value: NaN, lower: NaN, upper: NaN};
+  if (quantity !== "friction") {
+    const [value, lower, upper] = facts.quantities.find(({name}) => name === quantity).means[kind][d][step].map((each) => each ?? NaN);
+    return {...said, status: Number.isFinite(value) ? "ok" : "not-solved", value, lower, upper};
+  }
+  const values = frictionOfMembers(result, d, a, step, mu0, tau0);
   const [value, lower, upper] = intervalOf(result, values);
   const answered = values.filter(Number.isFinite).length;
-  const most = quantity.includes("share") || quantity.startsWith("fraction") ? 1 : Infinity;
-  return {
-    load, status: answered ? "ok" : step < 0 ? "not-reached" : statusOfMembers(result, d, a, step, mu0, tau0), value: Math.min(value, most), lower: Math.min(lower, most), upper: Math.min(upper, most),
-    validity: null, trusted: true, answered, all: values.length,
-  };
+  return {...said, status: answered ? "ok" : statusOfMembers(result, d, a, step, mu0, tau0), value, lower, upper, answered, all: values.length};
 }
 
 /** Why no member has an answer. */
@@ -643,7 +635,7 @@ function percent(fraction) {
 // Of each unit the least value that is written in it, its factor to core units, and its name.
 const PREFIXES = {
   mN: [[1e6, 1e6, "kN"], [1e3, 1e3, "N"], [0.01, 1, "mN"], [1e-5, 1e-3, "µN"], [0, 1e-6, "nN"]],
-  GPa: [[1, 1, "GPa"], [1e-3, 1e-3, "MPa"], [0, 1e-6, "kPa"]],
+  GPa: [[1, 1, "GPa"], [1e-3, 1e-3, "MPa"], [1e-6, 1e-6, "kPa"], [0, 1e-9, "Pa"]],
   um: [[1e3, 1e3, "mm"], [1, 1, "µm"], [0, 1e-3, "nm"]],
 };
 

@@ -12,11 +12,17 @@ import matplotlib as mpl
 
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
+from stiction.studies.store import Stored
 from stiction.studies.study import Study
-from stiction.views.digits import with_unit
+from stiction.views.asked import at_asked_loads
+from stiction.views.digits import percent, with_unit
 from stiction.views.figures.adhesion import adhesion_figure
 from stiction.views.figures.contact import contact_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
+from stiction.views.figures.standard import drawn_positions
+from stiction.views.figures.touching import climbing, touching_figure
+from stiction.views.point import way_text
+from stiction.views.report.page import counted
 from stiction.views.style import STYLE
 
 if TYPE_CHECKING:
@@ -46,6 +52,12 @@ _ADHESION = (
     "Load against approach and true area of a typical pair, pressed together and drawn apart.",
     "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
 )
+_POSITIONS = (
+    "Single positions",
+    "Friction coefficient of each pair in each direction.",
+    "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
+)
+_TOUCHING = ("Where they touch", "The two bodies with their true contacts.")
 _PROFILES = (
     "Two of the profiles in contact",
     "Two profiles, and the contact that carries most with the forces on the upper body.",
@@ -71,6 +83,29 @@ def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
     return "" if ways is None else _panel(_ADHESION, lambda: adhesion_figure(ways, title=title))
 
 
+def touching_panel(picture: xarray.Dataset, direction: float) -> str:
+    """A panel of what `contact_picture` gives, for a motion in a direction (degrees), as markup."""
+    force, cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
+    climbs = int(climbing(picture, direction).sum())
+    said = (
+        f"The position whose true area is nearest to the mean: {counted(force.size, 'contact')} at "
+        f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {way_text(direction)}, {climbs} of them "
+        f"{'has' if climbs == 1 else 'have'} to climb."
+    )
+    if cut.any():
+        said += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."
+    moved = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
+    stands = "line stands as it is pressed" if "gap" in picture else f"map is moved by {moved} µm"
+    caption = f"{said} The upper {stands}."
+    return _panel((*_TOUCHING, caption), lambda: touching_figure(picture, direction=direction))
+
+
+def positions_panel(result: xarray.Dataset | Stored, load: float, title: str) -> str:
+    """A panel of friction in single positions at a load (mN), as markup."""
+    at = at_asked_loads(result).isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
+    return _panel(_POSITIONS, lambda: drawn_positions(result, at, title=title))
+
+
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
     """Panels of the curve and of the map, as markup; the map is of areas."""
     panels = [_panel(_CURVE, lambda: onset_figure(onset, title=title))]
@@ -87,7 +122,7 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
 def _panel(words: tuple[str, str, str], draw: Callable[[], Figure], *, wide: bool = False) -> str:
     name, seen, caption = words
     with mpl.rc_context(STYLE):
-        picture = _inline(draw(), seen)
+        picture = inline(draw(), seen)
     kind = "panel wide" if wide else "panel"
     below = f'<p class="caption">{caption}</p>'
     return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{below}</section>'
@@ -96,11 +131,15 @@ def _panel(words: tuple[str, str, str], draw: Callable[[], Figure], *, wide: boo
 MOST_VERTICES = 1000  # of what is drawn by lines; what has more is drawn by points
 RASTER = 200  # points an inch
 
-_COLOURS = {"#000000": "var(--ink)", "#ffffff": "var(--paper)", "#262626": "var(--ink)", "#404040": "var(--ink)"}
+_COLOURS = {
+    **dict.fromkeys(("#000000", "#262626", "#404040", "#444444"), "var(--ink)"), "#ffffff": "var(--paper)",
+    "#c6d9e7": "var(--upper)", "#e3d5bb": "var(--lower)",
+    **{dark: f"var(--light, {dark})" for dark in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")},
+}  # fmt: skip
 """Colours of figures that a page takes from its style, so that they are dark on dark screens."""
 
 
-def _inline(figure: Figure, seen: str) -> str:
+def inline(figure: Figure, seen: str) -> str:
     """A figure as SVG that is part of the page, with a text for screen readers."""
     for axes in figure.axes:
         drawn: list[Any] = [*axes.collections, *axes.lines]

@@ -109,14 +109,12 @@ function lookAt({low, high, isLog}, {low: from, high: to}, times, about, move = 
   return size >= whole * (1 - 1e-9) ? null : [off(begin), off(begin + size)];
 }
 
-/** Look at axes of a plot closer, or all of them; `along` says which. */
-function look(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0, along = "xy"}) {
+/** Look at the axes of a plot closer, or move along them. */
+function look(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0}) {
   if (!place.axes?.X) return;
   const {wholeX, wholeY} = place.axes;
-  const view = {...place.view}; // what is drawn is older, where several events come before a frame
-  if (along.includes("x")) view.x = lookAt(wholeX, viewed(wholeX, view.x), times, x, moveX);
-  if (along.includes("y")) view.y = lookAt(wholeY, viewed(wholeY, view.y), times, y, moveY);
-  place.view = view;
+  const {view} = place; // what is drawn is older, where several events come before a frame
+  place.view = {x: lookAt(wholeX, viewed(wholeX, view?.x), times, x, moveX), y: lookAt(wholeY, viewed(wholeY, view?.y), times, y, moveY)};
   redrawn();
 }
 
@@ -205,7 +203,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
   place.addEventListener("wheel", (event) => {
     if (!isNear(event) || !isInside(at(event))) return;
     event.preventDefault();
-    look(place, redrawn, {times: Math.exp(-event.deltaY / 300), ...parts(at(event)), along: event.shiftKey ? "x" : event.altKey ? "y" : "xy"});
+    look(place, redrawn, {times: Math.exp(-event.deltaY / 300), ...parts(at(event))});
   }, {passive: false});
   place.addEventListener("keydown", (event) => {
     const times = {"+": 1.5, "=": 1.5, "-": 1 / 1.5}[event.key];
@@ -243,19 +241,19 @@ function tipOfNearest(place, here) {
 // Sixteenths of plasma, which is in the public domain.
 const PLASMA = ["0d0887", "310597", "4c02a1", "6600a7", "7e03a8", "9511a1", "aa2395", "bc3587", "cc4778", "da5a6a",
   "e66c5c", "f0804e", "f89540", "fdac33", "fdc527", "f8df25", "f0f921"];
-const GREYS = ["202428", "f4f5f6"];
 
-/** A colour, [red, green, blue], at a share of a scale. */
-function colourAt(scale, share) {
-  const place = Math.min(Math.max(share, 0), 1) * (scale.length - 1);
-  const [i, part] = [Math.min(Math.floor(place), scale.length - 2), place - Math.min(Math.floor(place), scale.length - 2)];
+/** A colour of plasma, [red, green, blue], at a share of it. */
+function colourAt(share) {
+  const place = share * (PLASMA.length - 1);
+  const i = Math.min(Math.floor(place), PLASMA.length - 2);
+  const part = place - i;
   const bytes = (hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
-  const [one, other] = [bytes(scale[i]), bytes(scale[i + 1])];
+  const [one, other] = [bytes(PLASMA[i]), bytes(PLASMA[i + 1])];
   return one.map((byte, k) => Math.round(byte + part * (other[k] - byte)));
 }
 
 const LEVELS = 96;
-const LEVEL_COLOURS = Array.from({length: LEVELS}, (_, i) => `rgb(${colourAt(PLASMA, i / (LEVELS - 1))})`);
+const LEVEL_COLOURS = Array.from({length: LEVELS}, (_, i) => `rgb(${colourAt(i / (LEVELS - 1))})`);
 
 // ---- The map ---------------------------------------------------------------------------------------------------------
 
@@ -411,10 +409,10 @@ function drawLegend({picture, box, unit}, rows) {
   }));
 }
 
-/** Series {points of {x, value, lower, upper, trusted}, colour, name, dash} with bands over an axis, one x of them ringed,
- * and level lines {value, name, colour}. The points that are known are marked if there are few. What is pointed at is said
- * by `said(point, name)`. Returns the range of values that is drawn. */
-function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScatter = false, said}) {
+/** Series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, one x of them ringed, and
+ * level lines {value, name, colour}. The points that are known are marked if there are few. Returns the range of values
+ * that is drawn. */
+function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   const all = series.flatMap(({points}) => points);
   const isUsed = (place.isLog ?? isLog) && all.some(({value}) => value > 0);
   const [low, high] = rangeOf([...all, ...levels.map((each) => ({...each, lower: NaN, upper: NaN}))], isUsed);
@@ -435,16 +433,13 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = [], isScat
   for (const {value, colour} of levels)
     inside.append(shape("path", {d: path([[box.left, Y(value)], [box.right, Y(value)]]), "stroke-width": 1.5,
       "stroke-dasharray": "7 4", style: `fill: none; stroke: ${colour}`}));
-  place.hits = [];
-  for (const {points, colour, name, dash} of series) {
+  for (const {points, colour} of series) {
     const stroke = (d, more) => shape("path", {d, "stroke-width": 2.2, style: `fill: none; stroke: ${colour}`, ...more});
     for (const run of runs(points, isDrawn)) {
-      if (!isScatter) inside.append(stroke(path(run.map((p) => at(p, p.value))), {"stroke-dasharray": "2 4"}));
-      for (const solid of isScatter ? [] : runs(run, ({trusted}) => trusted))
-        inside.append(stroke(path(solid.map((p) => at(p, p.value))), {"stroke-dasharray": dash ?? "none"}));
-      if (isScatter || points.length <= 30) inside.append(...run.map((p) => at(p, p.value)).map(([cx, cy]) =>
+      inside.append(stroke(path(run.map((p) => at(p, p.value))), {"stroke-dasharray": "2 4"}));
+      for (const solid of runs(run, ({trusted}) => trusted)) inside.append(stroke(path(solid.map((p) => at(p, p.value)))));
+      if (points.length <= 30) inside.append(...run.map((p) => at(p, p.value)).map(([cx, cy]) =>
         shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`})));
-      place.hits.push(...run.map((p) => ({x: at(p, p.value)[0], y: at(p, p.value)[1], words: said?.(p, name) ?? shown(p.value, 3)})));
     }
     const here = points.find((point) => point.x === picked && isDrawn(point));
     if (here) inside.append(...ringed(...at(here, here.value), 0.35 * unit));
@@ -511,118 +506,6 @@ function drawCompass(place, directions, series, picked, said) {
   place.hits = hits;
   place.axes = {centre: [x, y], radius, most};
   place.drawn = {series: series.map((each) => ({...each, points: each.points.map((p, d) => ({...p, x: directions[d]}))}))};
-}
-
-const CLIMBING = {name: "has to climb", colour: "#d55e00"};
-const LEANING = {name: "does not", colour: "#0072b2"};
-const CUT = {name: "cut by the edge", colour: "#e00030"};
-const kindsOf = (contacts) => (contacts.length ? [CLIMBING, LEANING, ...(contacts.some(({at_edge: isCut}) => isCut) ? [CUT] : [])] : []);
-const kindOf = ({opposes}) => (opposes ? CLIMBING : LEANING);
-
-/** A picture of rows and columns of colours from the first row at the bottom on, over all of the axes; none is clear. */
-function pixels({X, Y, wholeX, wholeY, inside}, rows, columns, colour) {
-  const canvas = element("canvas", {width: columns, height: rows});
-  const image = new ImageData(columns, rows);
-  for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
-    const found = colour((rows - 1 - row) * columns + column);
-    if (found) image.data.set([...found, 255], 4 * (row * columns + column));
-  }
-  canvas.getContext("2d").putImageData(image, 0, 0);
-  const [left, right, bottom, top] = [X(wholeX.low), X(wholeX.high), Y(wholeY.low), Y(wholeY.high)];
-  inside.append(shape("image", {x: left, y: top, width: right - left, height: bottom - top, href: canvas.toDataURL("image/png"),
-    preserveAspectRatio: "none", style: "image-rendering: pixelated"}));
-}
-
-/** The line around the patches of a map that are chosen, by the number of each pixel. */
-function outline({X, Y, wholeX, wholeY}, rows, columns, numbers, isChosen) {
-  const [x, y] = [(column) => X((wholeX.high * column) / columns).toFixed(1), (row) => Y((wholeY.high * row) / rows).toFixed(1)];
-  const found = [];
-  for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
-    const own = numbers[row * columns + column];
-    if (!own || !isChosen(own - 1)) continue;
-    const isOther = (r, c) => r < 0 || c < 0 || r >= rows || c >= columns || numbers[r * columns + c] !== own;
-    for (const dc of [0, 1]) if (isOther(row, column + (dc || -1))) found.push(`M${x(column + dc)} ${y(row)}V${y(row + 1)}`);
-    for (const dr of [0, 1]) if (isOther(row + (dr || -1), column)) found.push(`M${x(column)} ${y(row + dr)}H${x(column + 1)}`);
-  }
-  return found.join("");
-}
-
-/** Heights {bytes, rows, columns, extent, range, patches} from the first row at the bottom on, with the patches of contacts
- * {x, y, force, opposes, at_edge} by their numbers, and what is said of each. */
-function drawContacts(place, {bytes, rows, columns, extent: [alongY, alongX], range: [lowest, highest], patches}, contacts, said) {
-  const unit = rem();
-  const wide = Math.max(place.clientWidth, 8 * unit) - 5.4 * unit;
-  place.style.height = `${Math.min((wide * alongY) / alongX, 32 * unit) + 6.2 * unit}px`;
-  const names = legendRows(place, kindsOf(contacts));
-  const drawn = axes(place, {low: 0, high: alongX, title: "_x_ (µm)"}, {low: 0, high: alongY, title: "_y_ (µm)"}, names.length ? 0.4 + 1.25 * names.length : 2.4);
-  const {X, Y, frame, inside, picture} = drawn;
-  pixels(drawn, rows, columns, (at) => colourAt(GREYS, bytes[at] / 255));
-  place.hits = contacts.map((each) => ({x: X(each.x), y: Y(each.y), words: said(each)}));
-  if (patches) {
-    const colours = contacts.map((each) => [1, 3, 5].map((at) => parseInt(kindOf(each).colour.slice(at, at + 2), 16)));
-    pixels(drawn, rows, columns, (at) => colours[patches[at] - 1]);
-    inside.append(shape("path", {d: outline(drawn, rows, columns, patches, (number) => contacts[number]?.at_edge), "stroke-width": 2.5,
-      style: `fill: none; stroke: ${CUT.colour}`}));
-    drawLegend(drawn, names);
-    return;
-  }
-  const stops = GREYS.map((hex, i) => shape("stop", {offset: i / (GREYS.length - 1), "stop-color": `#${hex}`}));
-  const bar = {...frame, y: 0.5 * unit, height: 0.7 * unit};
-  const [from, to] = [1000 * lowest, 1000 * highest];
-  const at = scaleOf({low: from, high: to}, bar.x, bar.x + bar.width);
-  picture.append(shape("linearGradient", {id: `${place.id}-heights`}, ...stops),
-    shape("rect", {...bar, fill: `url(#${place.id}-heights)`, style: "stroke: var(--muted)"}),
-    ...ticksOf(from, to, false, 5).map(({value, text}) => shape("text", {x: at(value), y: bar.y + bar.height + 1.05 * unit, "text-anchor": "middle"}, text)),
-    rich("_z_ (nm)", {x: bar.x - 0.4 * unit, y: bar.y + 0.6 * unit, "text-anchor": "end"}));
-}
-
-/** Two lines [x, lower, upper] (µm) in contact, whole and close, with contacts {x, patch_area, opposes, at_edge}. */
-function drawLines(place, {whole, close}, contacts, said) {
-  const unit = rem();
-  place.style.height = `${28 * unit}px`;
-  const names = legendRows(place, kindsOf(contacts));
-  const strip = 6.5;
-  const [x, lower] = close;
-  const [low, high] = [Math.min(...lower), Math.max(...lower)];
-  const room = high - low || 1e-3;
-  const drawn = axes(place, {low: x[0], high: x.at(-1), title: "_x_ (µm), magnified"}, {low: 1000 * (low - 0.1 * room), high: 1000 * (high + 0.6 * room), title: "height (nm)"},
-    strip + 1.25 * names.length);
-  const {X, Y, box, inside, picture} = drawn;
-  drawLegend(drawn, names);
-  const bodies = (into, [at, below, above], sx, sy, top, bottom) => {
-    const line = (heights) => at.map((each, i) => [sx(each), Math.min(Math.max(sy(1000 * heights[i]), top - 5), bottom + 5)]);
-    for (const [heights, edge, colour] of [[above, top - 5, "--upper"], [below, bottom + 5, "--lower"]]) {
-      const points = line(heights);
-      into.append(shape("path", {d: `${path([[points[0][0], edge], ...points, [points.at(-1)[0], edge]])}z`, "stroke-width": 0.8, style: `fill: var(${colour}); stroke: var(--muted)`}));
-    }
-  };
-  bodies(inside, close, X, Y, box.top, box.bottom);
-  const overview = {left: box.left, right: box.right, top: 0.5 * unit, bottom: (strip - 1) * unit};
-  const [least, most] = [Math.min(...whole[1]), Math.max(...whole[2])];
-  const [ox, oy] = [scaleOf({low: whole[0][0], high: whole[0].at(-1)}, overview.left, overview.right), scaleOf({low: 1000 * least, high: 1000 * most}, overview.bottom, overview.top)];
-  const clip = `${place.id}-whole`;
-  const frame = {x: overview.left, y: overview.top, width: overview.right - overview.left, height: overview.bottom - overview.top};
-  const over = shape("g", {"clip-path": `url(#${clip})`});
-  bodies(over, whole, ox, oy, overview.top, overview.bottom);
-  const lineOf = ([at, heights], from, to) => {
-    const found = at.flatMap((each, i) => (each > from && each < to ? [[each, heights[i]]] : []));
-    const height = (where) => heights[nearest(at, where)];
-    return [[from, height(from)], ...found, [to, height(to)]];
-  };
-  place.hits = [];
-  for (const each of contacts) {
-    const [from, to] = [each.x - each.patch_area / 2, each.x + each.patch_area / 2]; // lines are 1 µm thick
-    over.append(shape("circle", {cx: ox(each.x), cy: oy(1000 * whole[1][nearest(whole[0], each.x)]), r: 3, style: `fill: ${(each.at_edge ? CUT : kindOf(each)).colour}`}));
-    if (to < x[0] || from > x.at(-1)) continue;
-    const d = path(lineOf(close, from, to).map(([at, height]) => [X(at), Y(1000 * height)]));
-    for (const [colour, width] of [...(each.at_edge ? [[CUT.colour, 10]] : []), [kindOf(each).colour, 6]])
-      inside.append(shape("path", {d, "stroke-width": width, "stroke-linecap": "round", style: `fill: none; stroke: ${colour}`}));
-    place.hits.push({x: X(each.x), y: Y(1000 * close[1][nearest(close[0], each.x)]), words: said(each)});
-  }
-  picture.append(shape("defs", {}, shape("clipPath", {id: clip}, shape("rect", frame))), over,
-    shape("rect", {...frame, style: "fill: none; stroke: var(--muted)"}),
-    shape("rect", {x: ox(x[0]), y: overview.top, width: Math.max(ox(x.at(-1)) - ox(x[0]), 2), height: frame.height, "stroke-width": 2, style: "fill: none; stroke: var(--ring)"}),
-    shape("text", {x: box.left - 0.5 * unit, y: overview.top + 0.55 * frame.height, "text-anchor": "end"}, "whole"));
 }
 
 // ---- Files ----------------------------------------------------------------------------------------------------------

@@ -1,11 +1,9 @@
-// The page of a result, or of two side by side: its state, its controls, and its words.
+// The page of a result: its state, its controls, and its words.
 
 // ---- State ----------------------------------------------------------------------------------------------------------
 
 const middle = (list) => list[Math.floor(list.length / 2)];
-const results = facts.results.map((own) => ({facts: {...facts, ...own}, motions: []}));
-const first = results[0].facts; // its dimensions, amplitudes and motions are picked from, and the other's nearest are shown
-const isMeasured = first.reading === "elastic";
+const isMeasured = facts.reading === "elastic";
 const state = {
   mu0: isMeasured ? facts.mu0[0] : middle(facts.mu0),
   tau0: facts.tau0[0], // MPa
@@ -14,65 +12,47 @@ const state = {
   kind: 0,
   amplitude: 0,
   // Of two readings of a scan the one whose interval covers both.
-  dimension: isMeasured ? Math.max(0, first.dimensions.indexOf(first.answers.find(({covered}) => !covered)?.at.cut_off))
-    : Math.floor(first.dimensions.length / 2),
+  dimension: isMeasured ? Math.max(0, facts.dimensions.indexOf(facts.answers.find(({covered}) => !covered)?.at.cut_off))
+    : Math.floor(facts.dimensions.length / 2),
   load: 0,
-  range: null,
   quantity: "friction",
-  colours: [0.1, 1],
-  isLocked: false,
   pointed: null, // (dimension, load) under the pointer
 };
-let heights = null;
-let patches = null;
-let contactColumns = null;
-let loads = [];
-let allLoads = [];
-let maps = [];
+const loads = isMeasured ? facts.steps : facts.loads.length ? geometric(...facts.loads, facts.loadSteps) : [];
+let motions = [];
+let mapped = null;
+let colours = [0.1, 1];
 const tau0 = () => state.tau0 / 1000; // GPa
-const COLOURS = ["var(--accent)", "var(--second)"]; // of results
 const RULE_COLOURS = {all: "var(--all)", opposing: "var(--opposing)"};
 
-const FRICTION = ["maps", "readout", "over", "friction", "area", "stiffness", "unloading", "compass", "positions"];
-const hasBothRules = () => results.length === 1 && first.rules.length > 1;
+const FRICTION = ["map", "readout", "over", "friction", "area", "stiffness", "unloading", "compass"];
+const hasBothRules = facts.rules.length > 1;
 
-/** Index of a result's rule and way that are nearest to what is picked. */
-function motionOf(own, rule) {
-  const way = first.ways[state.way];
-  const same = own.ways.find(({words}) => words === way.words) ?? own.ways[0];
-  const r = Math.max(0, own.rules.indexOf(rule));
-  return {r, directions: same.directions, chosen: same.directions.map((d) => r * own.directions.length + d)};
-}
-
-/** A result by a sliding rule, in the picked direction, and where in it what is picked lies. */
-function picked(r, rule = first.rules[state.rule], isPointed = true) {
-  const {facts: own, motions} = results[r];
-  const {chosen, directions} = motionOf(own, rule);
-  const dimension = first.dimensions[(isPointed ? state.pointed?.[0] : null) ?? state.dimension];
-  const {members} = own.kinds[Math.min(state.kind, own.kinds.length - 1)];
+/** The result by a sliding rule, in the picked direction, and where in it what is picked lies. */
+function picked(rule = facts.rules[state.rule], isPointed = true) {
+  const {directions} = facts.ways[state.way];
+  const chosen = directions.map((d) => facts.rules.indexOf(rule) * facts.directions.length + d);
   return {
-    result: {facts: own, ...motions[chosen[0]], motions, chosen, members}, directions,
-    d: nearest(own.dimensions, dimension), a: nearest(own.amplitudes, first.amplitudes[state.amplitude]),
+    result: {facts, ...motions[chosen[0]], motions, chosen, kind: state.kind, members: facts.kinds[state.kind].members}, directions,
+    d: (isPointed ? state.pointed?.[0] : null) ?? state.dimension, a: state.amplitude,
   };
 }
 
-/** What is drawn as one curve: each rule of a single result, or each of two results by the picked rule. */
-const curves = () => (hasBothRules()
-  ? first.rules.map((rule) => ({r: 0, rule, colour: RULE_COLOURS[rule], name: ruleName(rule)}))
-  : results.map(({facts: own}, r) => ({r, rule: first.rules[state.rule], colour: results.length > 1 ? COLOURS[r] : RULE_COLOURS[first.rules[state.rule]],
-    name: results.length > 1 ? own.name : "", dash: r ? "7 4" : undefined})));
+/** What is drawn as one curve each. */
+const curves = () => (hasBothRules ? facts.rules : [facts.rules[state.rule]])
+  .map((rule) => ({rule, colour: RULE_COLOURS[rule], name: hasBothRules ? ruleName(rule) : ""}));
 
 // ---- Words ----------------------------------------------------------------------------------------------------------
 
 const ruleName = (rule) => (rule === "all" ? "all contacts rub" : "only climbing contacts rub");
 const dimensionName = (value) => (isMeasured ? (value > 0 ? `cut-off ${withUnit(value, "um")}` : "no cut-off") : `D = ${value.toFixed(3)}`);
-const loadName = (l) => withUnit(loads[l], "mN") + (first.area ? ` (${withUnit(loads[l] / first.area, "GPa")})` : "");
+const loadName = (l) => withUnit(loads[l], "mN") + (facts.area ? ` (${withUnit(loads[l] / facts.area, "GPa")})` : "");
 const lengthName = (value) => withUnit(value, "um");
 const materialName = () => `μ0 = ${state.mu0}, τ0 = ${state.tau0} MPa`;
-const dimensionIfAny = () => (first.dimensions.length > 1 || !isMeasured ? [dimensionName(first.dimensions[state.dimension])] : []);
-const amplitudeIfAny = () => (isMeasured ? [] : [`amplitude ${lengthName(first.amplitudes[state.amplitude])}`]);
-const wayName = () => `the upper body moves ${first.ways[state.way].words}`;
-const motionWords = () => (first.ways[state.way].directions.length > 1 ? first.ways[state.way].words : wayName());
+const dimensionIfAny = () => (facts.dimensions.length > 1 || !isMeasured ? [dimensionName(facts.dimensions[state.dimension])] : []);
+const amplitudeIfAny = () => (isMeasured ? [] : [`amplitude ${lengthName(facts.amplitudes[state.amplitude])}`]);
+const wayName = () => `the upper body moves ${facts.ways[state.way].words}`;
+const motionWords = () => (facts.ways[state.way].directions.length > 1 ? facts.ways[state.way].words : wayName());
 const counted = (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`;
 
 function sayParameters() {
@@ -85,29 +65,28 @@ function sayParameters() {
 function showReadout() {
   sayParameters();
   const load = loads[state.pointed?.[1] ?? state.load];
-  const dimension = first.dimensions[state.pointed?.[0] ?? state.dimension];
-  const where = [...(isMeasured && first.dimensions.length < 2 ? [] : [dimensionName(dimension)]), loadName(state.pointed?.[1] ?? state.load), motionWords()];
+  const dimension = facts.dimensions[state.pointed?.[0] ?? state.dimension];
+  const where = [...(isMeasured && facts.dimensions.length < 2 ? [] : [dimensionName(dimension)]), loadName(state.pointed?.[1] ?? state.load), motionWords()];
   const answers = [element("p", {class: "hint"}, `${state.pointed ? "Under the pointer" : "At"}: ${where.join(", ")}`)];
   const points = curves().map((curve) => {
-    const {result, d, a, directions} = picked(curve.r, curve.rule);
+    const {result, d, a, directions} = picked(curve.rule);
     return {...curve, result, d, a, at: readOff(result, "friction", d, a, [load], state.mu0, tau0())[0],
       alone: slopesAlone(result, d, directions, curve.rule, state.mu0, tau0())};
   });
   const judged = judgement(points, load, dimension);
-  for (const [i, {at, colour, name, rule, alone}] of points.entries()) {
-    const words = results.length > 1 ? name : facts.ruleWords[rule];
-    answers.push(element("p", {class: i && results.length < 2 ? "of other" : "of", style: `color: ${colour}`}, words), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone, knownOf(judged, rule)));
+  for (const [i, {at, colour, rule, alone}] of points.entries()) {
+    answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleWords[rule]), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone, knownOf(judged, rule)));
     if (judged.said?.parts && rule === "all" && knownOf(judged, rule)) answers.push(barOf(judged.said, at.value), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
   }
+  if (points.length > 1 && isMeasured)
+    answers.push(element("p", {class: "hint"}, "Where μ0 was measured on smooth faces, all contacts rub; which rule holds elsewhere is not known."));
   const [{at}] = points;
   const [lower, upper] = knownOf(judged, points[0].rule) ?? [at.lower, at.upper];
   Object.assign(byId("readout").dataset, {dimension, load, mu0: state.mu0, tau0: tau0(), status: at.status, value: at.value, lower, upper});
   byId("answer").replaceChildren(...answers);
   byId("judgement").replaceChildren(...judged.elements);
   byId("sentence").replaceChildren(...judged.more);
-  byId("figures").replaceChildren(...points.filter(({r}, i) => i === points.findIndex((each) => each.r === r)).flatMap(
-    (point) => [...(results.length > 1 ? [element("p", {class: "of", style: `color: ${point.colour}`}, point.name)] : []),
-      figuresOf(point, load)]));
+  byId("figures").replaceChildren(figuresOf(points[0], load));
 }
 
 /** Ends of the interval of everything known, where the library has said them; two members have none. */
@@ -155,8 +134,8 @@ function answerOf(at, rule, alone, known) {
 
 function whyNoInterval() {
   if (isMeasured) return "too few members have an answer, or all are equal";
-  if (first.repetitions === 1) return "there is one repetition";
-  if (!first.hasIntervals) return "there are too many repetitions for a page; the library has it";
+  if (facts.repetitions === 1) return "there is one repetition";
+  if (!facts.hasIntervals) return "there are too many repetitions for a page; the library has it";
   return "fewer than two repetitions carry load";
 }
 
@@ -164,21 +143,20 @@ function whyNoInterval() {
 function judgement(points, load, dimension) {
   const saying = (elements, saysSlopes = false, said = null) => ({elements, saysSlopes, said,
     more: said ? [element("p", {class: "sentence"}, said.sentence), ...(saysSlopes ? [element("p", {class: "hint"}, said.slopes)] : [])] : []});
-  if (results.length > 1) return saying([]);
   if (!isMeasured) {
-    const {result, d, a, at} = points.find(({rule}) => rule === first.quotedRule) ?? points[0];
-    if (!first.hasIntervals && first.repetitions > 1)
+    const {result, d, a, at} = points.find(({rule}) => rule === facts.quotedRule) ?? points[0];
+    if (!facts.hasIntervals && facts.repetitions > 1)
       return saying([element("p", {class: "hint"}, "There are too many repetitions for intervals on a page; `stiction at` has them and the verdict.")]);
     const area = readOff(result, "area", d, a, [load], state.mu0, tau0())[0].value;
-    const doubts = doubtsOfEnsemble({...facts, ...first}, at, area);
+    const doubts = doubtsOfEnsemble(facts, at, area);
     return saying(saidVerdict(verdictOf(facts, doubts), doubts));
   }
   const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other), 1e-300);
-  const said = first.answers.find(({at}) => isNear(at.load, load) && isNear(at.mu0, state.mu0) && isNear(at.tau0, tau0()) &&
+  const said = facts.answers.find(({at}) => isNear(at.load, load) && isNear(at.mu0, state.mu0) && isNear(at.tau0, tau0()) &&
     (at.cut_off === undefined || isNear(at.cut_off, dimension)));
-  const isAllRound = first.ways[state.way].directions.length === first.directions.length;
+  const isAllRound = facts.ways[state.way].directions.length === facts.directions.length;
   if (said) return saying(saidVerdict(said.verdict, said.doubts), isAllRound && said.slopes !== "", isAllRound ? said : null);
-  const near = first.answers.reduce((best, each) => {
+  const near = facts.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / load)) + (at.cut_off !== undefined && !isNear(at.cut_off, dimension) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
   }, null);
@@ -203,10 +181,9 @@ function figuresOf({result, d, a, at}, load) {
   const list = element("dl", {});
   const row = (words, value, text, isBeyond = false) => list.append(element("dt", {}, words),
     element("dd", isBeyond ? {class: "beyond"} : {}, isBeyond ? "⚠ " : "", data(value, text)));
-  const {facts: own} = result;
   if (at.status !== "ok") list.append(element("dt", {}, "Status"), element("dd", {class: "status"}, at.status));
   if (isMeasured) {
-    for (const {name, words, unit, limit} of own.quantities) {
+    for (const {name, words, unit, limit} of facts.quantities) {
       const of = readOff(result, name, d, a, [load], state.mu0, tau0())[0];
       if (Number.isFinite(of.value)) row(words, of.value, intervalWithUnit(of.value, of.lower, of.upper, unit), limit !== null && of.value > limit);
     }
@@ -214,12 +191,12 @@ function figuresOf({result, d, a, at}, load) {
     return list;
   }
   if (at.status === "ok") for (const [quantity, words, unit] of [["area", "True contact area", "µm²"], ["stiffness", "Normal stiffness", "mN/µm"]]) {
-    if (quantity === "stiffness" && !own.hasStiffness) continue;
+    if (quantity === "stiffness" && !facts.hasStiffness) continue;
     const of = readOff(result, quantity, d, a, [load], state.mu0, tau0())[0];
     row(words, of.value, `${quoted(of.value, of.lower, of.upper)}\u00a0${unit}`);
   }
   for (const [name, value] of Object.entries(at.validity ?? {})) {
-    const {words, limit, isShare} = own.validity[name];
+    const {words, limit, isShare} = facts.validity[name];
     row(words, value, isShare && Number.isFinite(value) ? `${(100 * value).toFixed(0)} %` : shown(value, 2), value > limit);
   }
   return list;
@@ -229,24 +206,15 @@ function figuresOf({result, d, a, at}, load) {
 
 const TITLES = {friction: "_μ_~s~", width: "±", area: "_A_ (µm²)", stiffness: "mN/µm"};
 
-function showMaps() {
-  const entries = new Map();
-  maps = results.map((_, r) => {
-    const {result, a} = picked(r);
-    return mapOf(result, state.quantity, a, loads, state.mu0, tau0());
+function showMap() {
+  const {result, a, d} = picked(undefined, false);
+  mapped = mapOf(result, state.quantity, a, loads, state.mu0, tau0());
+  const legend = drawMap(byId("map"), {
+    facts, map: mapped, loads, colours, picked: [d, state.load],
+    ticks: state.quantity === "friction" ? facts.ticks : null, title: TITLES[state.quantity],
   });
-  results.forEach(({facts: own}, r) => {
-    const {d} = picked(r, undefined, false);
-    const legend = drawMap(byId(`map-${r}`), {
-      facts: own, map: maps[r], loads, colours: state.colours, picked: [d, state.load],
-      ticks: state.quantity === "friction" ? facts.ticks : null, title: TITLES[state.quantity],
-    });
-    for (const [picture, words] of legend) entries.set(words, picture);
-  });
-  byId("legend").replaceChildren(...[...entries].map(([words, picture]) => element("li", {}, picture, words)));
+  byId("legend").replaceChildren(...legend.map(([picture, words]) => element("li", {}, picture, words)));
 }
-
-const fitColours = () => colourRange(facts, maps);
 
 // ---- Curves ---------------------------------------------------------------------------------------------------------
 
@@ -261,49 +229,47 @@ const QUANTITY = {
   unloading: {title: "normal stiffness over area (GPa/mm)", isLog: true, of: "unloading_stiffness_per_area", factor: 1},
 };
 
-const hasQuantity = ({facts: own}, id) => id === "friction" || (isMeasured
-  ? own.quantities.some(({name}) => name === QUANTITY[id].of) : id !== "stiffness" || own.hasStiffness);
+const hasQuantity = (id) => (isMeasured ? facts.quantities.some(({name}) => name === QUANTITY[id].of) : id !== "stiffness" || facts.hasStiffness);
 
-/** One curve for each of `curves`; of what has nothing to do with friction, one for each result. */
+/** One curve for each of `curves`; one of what has nothing to do with friction. */
 function seriesOf(id, points) {
-  const isFree = isMeasured && id !== "friction";
-  return curves().filter(({r}, i, all) => hasQuantity(results[r], id) && !(isFree && all.findIndex((each) => each.r === r) < i))
-    .map((curve) => ({...curve, name: isFree && results.length < 2 ? "" : curve.name, colour: isFree && results.length < 2 ? "var(--area)" : curve.colour,
-      points: points(curve).map((point) => ({...point, value: QUANTITY[id].factor * point.value, lower: QUANTITY[id].factor * point.lower,
-        upper: QUANTITY[id].factor * point.upper}))}));
+  const {factor} = QUANTITY[id];
+  const drawn = isMeasured && id !== "friction" ? [{...curves()[0], name: "", colour: "var(--area)"}] : curves();
+  return drawn.map((curve) => ({...curve, points: points(curve.rule).map((point) => (
+    {...point, value: factor * point.value, lower: factor * point.lower, upper: factor * point.upper}))}));
 }
 
 function showCurve(id) {
-  const series = seriesOf(id, ({r, rule}) => {
-    const {result, d, a} = picked(r, rule, false);
+  const series = seriesOf(id, (rule) => {
+    const {result, d, a} = picked(rule, false);
     return readOff(result, QUANTITY[id].of, d, a, loads, state.mu0, tau0()).map((point) => ({...point, x: point.load}));
   });
-  const levels = id === "friction" && isMeasured && results.length === 1 ? series.map(({r, rule, colour}) => {
-    const {result, d, directions} = picked(r, rule, false);
+  const levels = id === "friction" && isMeasured ? series.map(({rule, colour}) => {
+    const {result, d, directions} = picked(rule, false);
     return {value: slopesAlone(result, d, directions, rule, state.mu0, tau0()), colour, name: `by slope alone, ${rule}`};
   }).filter(({value}) => Number.isFinite(value)) : [];
   const room = isMeasured ? 1.15 : 1;
-  const x = {low: loads[0] / room, high: loads.at(-1) * room, isLog: true, title: `normal load _F_~N~ (mN)${isMeasured ? `; 1 mN is ${shown(1000 / first.area)} MPa` : ""}`};
+  const x = {low: loads[0] / room, high: loads.at(-1) * room, isLog: true, title: `normal load _F_~N~ (mN)${isMeasured ? `; 1 mN is ${shown(1000 / facts.area)} MPa` : ""}`};
   const drawn = drawCurves(byId(id), series, x, {...QUANTITY[id], picked: loads[state.load], levels});
   byId(`${id}-caption`).textContent = curveCaption(series, [...dimensionIfAny(), ...amplitudeIfAny()], drawn, "load");
 }
 
 function showOver() {
   const load = loads[state.load];
-  const series = seriesOf("friction", ({r, rule}) => {
-    const {result, a} = picked(r, rule, false);
+  const series = seriesOf("friction", (rule) => {
+    const {result, a} = picked(rule, false);
     return overDimensions(result, "friction", a, load, state.mu0, tau0()).map((point) => ({...point, x: point.dimension}));
   });
-  const ends = isMeasured ? [first.dimensions[0], first.dimensions.at(-1)] : [edges(first.dimensions)[0], edges(first.dimensions).at(-1)];
-  const drawn = drawCurves(byId("over"), series, {low: ends[0], high: ends[1], title: first.cell.title},
-    {...QUANTITY.friction, picked: first.dimensions[state.dimension]});
+  const ends = isMeasured ? [facts.dimensions[0], facts.dimensions.at(-1)] : [edges(facts.dimensions)[0], edges(facts.dimensions).at(-1)];
+  const drawn = drawCurves(byId("over"), series, {low: ends[0], high: ends[1], title: facts.cell.title},
+    {...QUANTITY.friction, picked: facts.dimensions[state.dimension]});
   byId("over-caption").textContent = curveCaption(series, [loadName(state.load), ...amplitudeIfAny()], drawn, isMeasured ? "cut-off" : "dimension");
 }
 
 function curveCaption(series, where, [low, high], of) {
   const points = series.flatMap((each) => each.points);
   const ok = points.filter((point) => point.status === "ok");
-  const words = [`At ${[...where, materialName()].join(", ")}; ${motionWords()}${results.length > 1 || !hasBothRules() ? `, ${ruleName(first.rules[state.rule])}` : ""}.`];
+  const words = [`At ${[...where, materialName()].join(", ")}; ${motionWords()}${hasBothRules ? "" : `, ${ruleName(facts.rules[0])}`}.`];
   if (ok.length && ok.every((point) => Number.isFinite(point.lower))) {
     words.push(`Shaded: ${PERCENT} interval.`);
     const cut = [];
@@ -323,72 +289,17 @@ function curveCaption(series, where, [low, high], of) {
 
 // ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
-const isByOffset = () => first.interval === "neighbours" && new Set(first.lines).size === 1 && first.repetitions > 1;
-
-function showPositions() {
-  const step = stepOf(first, loads[state.load]);
-  const series = curves().map((curve) => {
-    const {result, d, a} = picked(curve.r, curve.rule, false);
-    const each = result.chosen.map((motion) => memberValues({...result, chosen: [motion]}, "friction", d, a, step, state.mu0, tau0()));
-    const values = each.flat();
-    const found = isByOffset() ? each.flatMap((one) => one.map((value, i) => ({x: first.offsets[0][result.members[i]], value})))
-      : values.filter(Number.isFinite).sort((one, other) => one - other).map((value, i) => ({x: i + 1, value}));
-    return {...curve, points: found.map((point) => ({...point, lower: NaN, upper: NaN, trusted: false}))};
-  });
-  const levels = curves().map((curve) => {
-    const {result, d, a} = picked(curve.r, curve.rule, false);
-    return {value: meanOfMembers(result, "friction", d, a, loads[state.load], state.mu0, tau0()).value, colour: curve.colour, name: ""};
-  }).filter(({value}) => Number.isFinite(value));
-  const xs = series.flatMap(({points}) => points.map(({x}) => x));
-  const [low, high] = xs.length ? [Math.min(...xs), Math.max(...xs)] : [0, 1];
-  const room = isByOffset() ? 0.02 * (high - low || 1) : 0.5;
-  drawCurves(byId("positions"), series, {low: low - room, high: high + room, title: isByOffset() ? "offset of the upper body (µm)" : "members and directions, in order"},
-    {...QUANTITY.friction, isScatter: true, levels, said: ({x, value}, name) => `${shown(value, 3)}${isByOffset() ? ` at ${shown(x, 3)} µm` : ""}${name ? `, ${name}` : ""}`});
-  byId("positions-caption").textContent = `Each point is one ${isByOffset() ? "position" : "pair of pieces"} in one direction, at ${loadName(state.load)}, ${materialName()}; ${motionWords()}. Dashed: the mean.`;
-}
-
 function showCompass() {
   const series = curves().map((curve) => {
-    const {result, d, a} = picked(curve.r, curve.rule, false);
-    const {r} = motionOf(result.facts, curve.rule);
-    return {...curve, points: first.directions.map((_, way) => readOff({...result, ...result.motions[r * first.directions.length + way],
-      chosen: [r * first.directions.length + way]}, "friction", d, a, [loads[state.load]], state.mu0, tau0())[0])};
+    const {result, d, a} = picked(curve.rule, false);
+    const first = facts.rules.indexOf(curve.rule) * facts.directions.length;
+    return {...curve, points: facts.directions.map((_, way) => readOff({...result, ...motions[first + way], chosen: [first + way]}, "friction", d, a, [loads[state.load]], state.mu0, tau0())[0])};
   });
-  const {directions} = first.ways[state.way];
-  drawCompass(byId("compass"), first.directions, series, directions.length === 1 ? directions[0] : null,
+  const {directions} = facts.ways[state.way];
+  drawCompass(byId("compass"), facts.directions, series, directions.length === 1 ? directions[0] : null,
     ({value, lower, upper}, angle, name) => `${angle}°: ${quoted(value, lower, upper)}${name ? `, ${name}` : ""}`);
   byId("compass-caption").textContent = `At ${[loadName(state.load), ...dimensionIfAny(), materialName()].join(", ")}. Angle: motion of the upper body. ` +
     `Shaded: ${PERCENT} intervals. Click, or use the arrow keys, to pick a direction; double-click for the mean over all.`;
-}
-
-function showContacts() {
-  const {contacts: {columns, count, all}, load, moved, lines} = first.picture;
-  const contacts = Array.from({length: count}, (_, i) => Object.fromEntries(columns.map((name, c) => [name, contactColumns[c * count + i]])));
-  const way = first.ways[state.way].directions;
-  const degrees = first.directions[way.length === 1 ? way[0] : 0];
-  const angle = (degrees * Math.PI) / 180;
-  for (const each of contacts) each.opposes = each.slope_x * Math.cos(angle) + each.slope_y * Math.sin(angle) > 0;
-  const said = ({force, patch_area: area, opposes, at_edge: isCut}) =>
-    `${withUnit(force, "mN")} on ${shown(area, 3)} µm²${opposes ? ", has to climb" : ""}${isCut ? ", cut by the edge" : ""}`;
-  if (lines) drawLines(byId("contacts"), lines, contacts, said);
-  else drawContacts(byId("contacts"), {...first.picture, bytes: heights, patches}, contacts, said);
-  const climbing = contacts.filter(({opposes}) => opposes).length;
-  const total = contacts.reduce((sum, {force}) => sum + force, 0);
-  const cut = contacts.reduce((sum, {force, at_edge: isCut}) => sum + (isCut ? force : 0), 0);
-  byId("contacts-caption").textContent = `The position whose true area is nearest to the mean${first.dimensions.length > 1 ? `, ${dimensionName(first.dimensions[0])}` : ""}: ${counted(all, "contact")} at ${withUnit(load, "mN")}; ` +
-    `pushed ${lines ? first.ways.find(({directions}) => directions.length === 1 && first.directions[directions[0]] === degrees).words : `at ${degrees}°`}, ${climbing} of them ${climbing === 1 ? "has" : "have"} to climb.` +
-    (cut ? ` The edge cuts contacts with ${percent(cut / total)} of the load.` : "") +
-    (lines ? " The upper line stands as it is pressed." : ` The upper map is moved by ${shown(moved[0], 3)} and ${shown(moved[1], 3)} µm.`) +
-    (all > count ? ` The ${all - count} weakest are not drawn.` : "");
-  byId("contacts").drawn = {contacts};
-}
-
-function showSpectra() {
-  const series = first.spectra.map(({name, waveNumber, density}, s) => ({colour: COLOURS[s], name, dash: s ? "7 4" : undefined,
-    points: waveNumber.map((x, i) => ({x, value: density[i], lower: NaN, upper: NaN, trusted: true}))}));
-  const all = first.spectra.flatMap(({waveNumber}) => waveNumber);
-  drawCurves(byId("spectra"), series, {low: Math.min(...all), high: Math.max(...all), isLog: true, title: "wave number _q_ (1/µm)"},
-    {title: "density (µm⁴)", isLog: true, said: ({x, value}, name) => `${shown(value, 3)} µm⁴ at wavelength ${withUnit((2 * Math.PI) / x, "um")}, ${name}`});
 }
 
 // ---- Tables ---------------------------------------------------------------------------------------------------------
@@ -399,25 +310,16 @@ function curveRows(id, head) {
   const names = ["result", head, ["area", "stiffness", "unloading"].includes(id) ? QUANTITY[id].title.replaceAll(/[_~]/g, "") : "mu_s", "lower", "upper", "status",
     "mu0", "tau0 (MPa)"];
   return () => [names, ...byId(id).drawn.series.flatMap(({name, points}) => points.map(({x, value, lower, upper, status}) =>
-    [name || first.name, x, value, lower, upper, status ?? "", ...material()]))];
+    [name || facts.name, x, value, lower, upper, status ?? "", ...material()]))];
 }
 
-function mapRows(r) {
-  const {dimensions} = results[r].facts;
-  return [["fractal dimension", "load (mN)", state.quantity, "status", "within validity", "mu0", "tau0 (MPa)"],
-    ...loads.flatMap((load, l) => dimensions.map((dimension, d) => [dimension, load, maps[r].value[l][d] ?? NaN,
-      maps[r].status[l][d], maps[r].trusted[l][d] ?? "", ...material()]))];
-}
-
-function contactRows() {
-  const names = first.picture.contacts.columns;
-  return [[...names, "opposes"], ...byId("contacts").drawn.contacts.map((each) => [...names.map((name) => each[name]), each.opposes])];
-}
+const mapRows = () => [["fractal dimension", "load (mN)", state.quantity, "status", "within validity", "mu0", "tau0 (MPa)"],
+  ...loads.flatMap((load, l) => facts.dimensions.map((dimension, d) => [dimension, load, mapped.value[l][d] ?? NaN,
+    mapped.status[l][d], mapped.trusted[l][d] ?? "", ...material()]))];
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
 let sliders = {}; // of load and dimension
-let setLoads = () => {};
 
 function sayIfStrong() {
   const isStrong = state.tau0 > facts.tau0Sane;
@@ -441,7 +343,7 @@ function goTo({load, mu0, tau0: strength, cut_off: cutOff}) {
     byId(`${id}-number`).value = value;
     byId(`${id}-number`).dispatchEvent(new Event("input"));
   }
-  pick(cutOff === undefined ? state.dimension : nearest(first.dimensions, cutOff), nearest(loads, load));
+  pick(cutOff === undefined ? state.dimension : nearest(facts.dimensions, cutOff), nearest(loads, load));
 }
 
 function connect() {
@@ -449,8 +351,8 @@ function connect() {
   const whole = (text, count, otherwise) => Math.floor(numberOf(text, 0, count - 1, otherwise));
   state.mu0 = numberOf(said.mu0, 0, 1e3, state.mu0);
   state.tau0 = numberOf(said.tau0, 0, 1e9, state.tau0);
-  for (const [key, count] of [["rule", first.rules.length], ["way", first.ways.length], ["amplitude", first.amplitudes.length],
-    ["kind", first.kinds.length]]) state[key] = whole(said[key], count, state[key]);
+  for (const [key, count] of [["rule", facts.rules.length], ["way", facts.ways.length], ["amplitude", facts.amplitudes.length],
+    ["kind", facts.kinds.length]]) state[key] = whole(said[key], count, state[key]);
   const changed = () => {
     sayIfStrong();
     redraw(...FRICTION);
@@ -460,97 +362,46 @@ function connect() {
   amount("tau0", {value: state.tau0, most: facts.tau0Most, step: Number((facts.tau0Most / 200).toPrecision(1)), unit: " MPa",
     changed: (value) => { state.tau0 = value; changed(); }});
   sayIfStrong();
-  const set = (key, ...places) => (value) => {
+  const set = (key) => (value) => {
     state[key] = value;
-    redraw(...(places.length ? places : [...FRICTION, "contacts"]));
+    redraw(...FRICTION);
   };
-  choice("rule", hasBothRules() && !drawings.maps ? [] : first.rules.map(ruleName), state.rule, set("rule"));
-  choice("way", first.ways.map(({words}) => words), state.way, set("way"));
-  choice("kind", first.kinds.map(({words}) => words), state.kind, set("kind"));
-  byId("amplitude-label").textContent = `Amplitude (${first.measure === "height" ? "total height" : first.measure})`;
-  choice("amplitude", first.amplitudes.map(lengthName), state.amplitude, set("amplitude"));
-  byId("dimension-label").textContent = isMeasured ? "Cut-off wavelength" : `Fractal dimension D${first.convention}`;
-  byId("dimension-control").hidden = first.dimensions.length < 2;
+  choice("rule", hasBothRules && !drawings.map ? [] : facts.rules.map(ruleName), state.rule, set("rule"));
+  choice("way", facts.ways.map(({words}) => words), state.way, set("way"));
+  choice("kind", facts.kinds.map(({words}) => words), state.kind, set("kind"));
+  byId("amplitude-label").textContent = `Amplitude (${facts.measure === "height" ? "total height" : facts.measure})`;
+  choice("amplitude", facts.amplitudes.map(lengthName), state.amplitude, set("amplitude"));
+  byId("dimension-label").textContent = isMeasured ? "Cut-off wavelength" : `Fractal dimension D${facts.convention}`;
+  byId("dimension-control").hidden = facts.dimensions.length < 2;
   const d = Number(said.d ?? NaN);
-  if (Number.isFinite(d)) state.dimension = nearest(first.dimensions, d);
-  const dimension = index("dimension", {value: state.dimension, count: first.dimensions.length,
-    name: (at) => dimensionName(first.dimensions[at]), changed: (at) => { state.dimension = at; redraw(...FRICTION); }});
+  if (Number.isFinite(d)) state.dimension = nearest(facts.dimensions, d);
+  const dimension = index("dimension", {value: state.dimension, count: facts.dimensions.length,
+    name: (at) => dimensionName(facts.dimensions[at]), changed: (at) => { state.dimension = at; redraw(...FRICTION); }});
   dimension.show();
   sliders.dimension = dimension;
   byId("link").addEventListener("click", async () => {
     await navigator.clipboard.writeText(location.href).then(() => { byId("link").textContent = "Copied"; }, () => { byId("link").textContent = location.href; });
   });
   window.addEventListener("resize", () => redraw(...Object.keys(drawings)));
-  connectLoads(said);
-  if (!allLoads.length) return;
+  if (!loads.length) return;
+  connectLoad(said);
   connectMap(said);
   for (const id of ["friction", "area", "stiffness", "unloading", "over"]) if (drawings[id]) connectCurve(id);
-  connectOthers();
+  if (drawings.compass) connectCompass();
   atRest = () => {
-    if (drawings.maps) settleMap();
+    if (drawings.map) settleMap();
     address(addressOf());
   };
-  if (drawings.maps) beginMap(said, Number.isFinite(d));
+  if (drawings.map) beginMap(said, Number.isFinite(d));
   sayParameters();
 }
 
-function connectLoads(said) {
-  if (!allLoads.length) return;
-  const load = index("load", {value: 0, count: 1, name: (l) => loadName(l),
+function connectLoad(said) {
+  const at = numberOf(said.load, 1e-300, 1e300, isMeasured ? facts.asked[0] : NaN);
+  state.load = Number.isFinite(at) ? nearest(loads.map(Math.log), Math.log(at)) : Math.floor(loads.length / 2);
+  sliders.load = index("load", {value: state.load, count: loads.length, name: loadName,
     changed: (l) => { state.load = l; redraw(...FRICTION); }});
-  sliders.load = load;
-  const count = () => { byId("load").max = loads.length - 1; byId("load").disabled = loads.length < 2; };
-  if (isMeasured) {
-    loads = first.steps;
-    state.load = nearest(loads.map(Math.log), Math.log(numberOf(said.load, 1e-300, 1e300, first.asked[0])));
-    count();
-    load.set(state.load);
-    return;
-  }
-  const showRange = range("load", (ends) => setLoads(ends, false));
-  setLoads = (ends, isShown = true) => {
-    const now = loads[state.load];
-    state.range = ends;
-    loads = geometric(...ends, facts.loadSteps);
-    for (const [r] of results.entries()) if (byId(`map-${r}`)) byId(`map-${r}`).view = null;
-    count();
-    load.set(state.load = now === undefined ? Math.floor(loads.length / 2) : nearest(loads.map(Math.log), Math.log(now)));
-    if (isShown) showRange(ends);
-    redraw(...FRICTION);
-  };
-  const low = numberOf(said.low, 1e-300, 1e300, NaN);
-  const high = numberOf(said.high, NARROWEST * low, 1e300, NaN);
-  setLoads(Number.isFinite(high) ? [low, high] : allLoads);
-  byId("all-loads").addEventListener("click", () => setLoads(allLoads));
-  const at = numberOf(said.load, 1e-300, 1e300, NaN);
-  if (Number.isFinite(at)) load.set(state.load = nearest(loads.map(Math.log), Math.log(at)));
-}
-
-let showColours = () => {};
-
-function connectMap(said) {
-  if (!drawings.maps) return;
-  const quantities = ["friction", "width", "area", "stiffness"];
-  const lacking = results.flatMap(({facts: own}) => [...(own.hasIntervals ? [] : ["width"]), ...(own.hasStiffness ? [] : ["stiffness"])]);
-  for (const option of [...byId("quantity").options]) if (lacking.includes(option.value)) option.remove();
-  if (quantities.includes(said.show) && !lacking.includes(said.show)) state.quantity = said.show;
-  byId("quantity").value = state.quantity;
-  byId("quantity").addEventListener("change", () => {
-    state.quantity = byId("quantity").value;
-    byId("lock").checked = state.isLocked = false;
-    redraw("maps");
-  });
-  slow = (place) => place === "maps" && state.quantity === "width";
-  showColours = range("colour", (ends) => {
-    state.colours = ends;
-    byId("lock").checked = state.isLocked = true;
-    redraw("maps");
-  });
-  byId("lock").addEventListener("change", () => {
-    state.isLocked = byId("lock").checked;
-    redraw("maps");
-  });
-  results.forEach(({facts: own}, r) => connectOneMap(own, r));
+  sliders.load.show();
 }
 
 /** What arrow keys do on a plot: a step for each. */
@@ -562,17 +413,24 @@ function onArrows(place, steps, move) {
   });
 }
 
-function connectOneMap(own, r) {
-  const place = element("div", {id: `map-${r}`, class: "plot tall", role: "application", tabindex: 0, "data-drawing": "maps",
-    "aria-label": `Map over fractal dimension and load${results.length > 1 ? ` of ${own.name}` : ""}; ` +
-      "arrow keys move the picked point, whose values are said; plus and minus look closer, 0 shows all"});
-  byId("maps").append(results.length > 1 ? element("h3", {style: `color: ${COLOURS[r]}`}, own.name) : "", place);
-  toolbar(place, () => mapRows(r));
+function connectMap(said) {
+  if (!drawings.map) return;
+  const list = byId("quantity");
+  const lacking = [...(facts.hasIntervals ? [] : ["width"]), ...(facts.hasStiffness ? [] : ["stiffness"])];
+  for (const option of [...list.options]) if (lacking.includes(option.value)) option.remove();
+  if ([...list.options].some(({value}) => value === said.show)) state.quantity = said.show;
+  list.value = state.quantity;
+  list.addEventListener("change", () => {
+    state.quantity = list.value;
+    redraw("map");
+  });
+  slow = (place) => place === "map" && state.quantity === "width";
+  const place = byId("map");
+  toolbar(place, mapRows);
   const cell = (x, y) => {
-    const d = edges(own.dimensions).findLastIndex((edge) => edge <= x);
+    const d = edges(facts.dimensions).findLastIndex((edge) => edge <= x);
     const l = edges(loads.map(Math.log)).findLastIndex((edge) => edge <= Math.log(y));
-    const clamped = Math.min(Math.max(d, 0), own.dimensions.length - 1);
-    return [nearest(first.dimensions, own.dimensions[clamped]), Math.min(Math.max(l, 0), loads.length - 1)];
+    return [Math.min(Math.max(d, 0), facts.dimensions.length - 1), Math.min(Math.max(l, 0), loads.length - 1)];
   };
   const leave = () => {
     tip(place, "");
@@ -582,52 +440,47 @@ function connectOneMap(own, r) {
     point: (x, y, here) => {
       state.pointed = cell(x, y);
       redraw("readout");
-      const d = nearest(own.dimensions, first.dimensions[state.pointed[0]]);
-      const value = maps[r].value[state.pointed[1]][d];
-      tip(place, `${value === null ? maps[r].status[state.pointed[1]][d] : shown(value, 3)} at ${dimensionName(own.dimensions[d])}, ${withUnit(loads[state.pointed[1]], "mN")}`, here);
+      const [d, l] = state.pointed;
+      const value = mapped.value[l][d];
+      tip(place, `${value === null ? mapped.status[l][d] : shown(value, 3)} at ${dimensionName(facts.dimensions[d])}, ${withUnit(loads[l], "mN")}`, here);
     },
     leave,
     pick: (x, y) => pick(...cell(x, y)),
-    redrawn: () => redraw("maps"),
+    redrawn: () => redraw("map"),
   });
   onArrows(place, {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}, (step) => {
-    pick(Math.min(Math.max(state.dimension + step[0], 0), first.dimensions.length - 1),
+    pick(Math.min(Math.max(state.dimension + step[0], 0), facts.dimensions.length - 1),
       Math.min(Math.max(state.load + step[1], 0), loads.length - 1));
   });
 }
 
 /** Where the map begins: at what the address says, or at the sound cell whose interval is narrowest. */
 function beginMap(said, isAddressed) {
-  showMaps();
-  const {result, a} = picked(0);
-  const widths = first.hasIntervals ? mapOf(result, "width", a, loads, state.mu0, tau0()).value : null;
-  const [d, l] = beginning(maps[0], widths);
+  showMap();
+  const {result, a} = picked();
+  const widths = facts.hasIntervals ? mapOf(result, "width", a, loads, state.mu0, tau0()).value : null;
+  const [d, l] = beginning(mapped, widths);
   if (!isAddressed) sliders.dimension.set(state.dimension = d);
   if (said.load === undefined) sliders.load.set(state.load = l);
-  const ends = [numberOf(said.dark, 1e-300, 1e300, NaN), numberOf(said.light, 1e-300, 1e300, NaN)];
-  if (ends[1] >= NARROWEST * ends[0]) {
-    state.colours = ends;
-    byId("lock").checked = state.isLocked = true;
-  } else state.colours = fitColours();
-  showColours(state.colours);
+  colours = colourRange(facts, mapped);
+  address(addressOf());
 }
 
+/** Draw the map, at rest, in colours that fit it. */
 function settleMap() {
-  if (wanted.has("maps")) showMaps();
-  wanted.delete("maps");
-  const fitted = state.isLocked || !maps.length ? state.colours : fitColours();
-  if (String(fitted) !== String(state.colours)) {
-    state.colours = fitted;
-    showMaps();
-  }
-  if (!state.isLocked) showColours(state.colours);
+  if (wanted.has("map")) showMap();
+  wanted.delete("map");
+  const fitted = colourRange(facts, mapped);
+  if (String(fitted) === String(colours)) return;
+  colours = fitted;
+  showMap();
 }
 
 function connectCurve(id) {
   const place = byId(id);
   const over = id === "over";
-  toolbar(place, curveRows(id, over ? first.cell.name : "load (mN)"), {hasScales: true});
-  const all = () => (over ? first.dimensions : loads.map(Math.log));
+  toolbar(place, curveRows(id, over ? facts.cell.name : "load (mN)"), {hasScales: true});
+  const all = () => (over ? facts.dimensions : loads.map(Math.log));
   const take = (at) => (over ? pick(at, state.load) : pick(state.dimension, at));
   interactive(place, {
     point: (x, _, here) => {
@@ -646,27 +499,17 @@ function connectCurve(id) {
   });
 }
 
-function connectOthers() {
-  for (const [id, head] of [["positions", isByOffset() ? "offset (um)" : "member in order"], ["spectra", "wave number (1/um)"],
-    ["compass", "direction (degrees)"], ["contacts", ""]]) {
-    if (!drawings[id]) continue;
-    const [place, hasAxes] = [byId(id), id !== "compass"];
-    toolbar(place, head ? curveRows(id, head) : contactRows, {hasAxes, hasScales: id === "positions"});
-    if (hasAxes) interactive(place, {point: (_, __, here) => tipOfNearest(place, here), leave: () => tip(place, ""), redrawn: () => redraw(id)});
-  }
-  if (drawings.compass) connectCompass();
-}
-
 function connectCompass() {
   const compass = byId("compass");
-  const count = first.directions.length;
+  toolbar(compass, curveRows("compass", "direction (degrees)"), {hasAxes: false});
+  const count = facts.directions.length;
   const set = (way) => {
     state.way = byId("way").value = way;
-    redraw(...FRICTION, "contacts");
+    redraw(...FRICTION);
   };
-  const wayOf = (d) => first.ways.findIndex(({directions}) => directions.length === 1 && directions[0] === d);
+  const wayOf = (d) => facts.ways.findIndex(({directions}) => directions.length === 1 && directions[0] === d);
   onArrows(compass, {ArrowLeft: 1, ArrowUp: 1, ArrowRight: -1, ArrowDown: -1}, (step) => {
-    const now = first.ways[state.way].directions;
+    const now = facts.ways[state.way].directions;
     set(wayOf(now.length > 1 ? 0 : (now[0] + step + count) % count));
   });
   const at = (event) => {
@@ -680,37 +523,29 @@ function connectCompass() {
     const {centre} = compass.axes;
     const angle = (Math.atan2(centre[1] - y, x - centre[0]) * 180) / Math.PI;
     const apart = (one) => Math.abs(((one - angle + 540) % 360) - 180);
-    set(wayOf(first.directions.reduce((best, each, d) => (apart(each) < apart(first.directions[best]) ? d : best), 0)));
+    set(wayOf(facts.directions.reduce((best, each, d) => (apart(each) < apart(facts.directions[best]) ? d : best), 0)));
   });
-  compass.addEventListener("dblclick", () => { if (first.ways[0].directions.length > 1) set(0); });
+  compass.addEventListener("dblclick", () => { if (facts.ways[0].directions.length > 1) set(0); });
 }
 
 function addressOf() {
-  const values = {mu0: state.mu0, tau0: state.tau0, d: first.dimensions[state.dimension], load: loads[state.load]};
-  for (const [key, list] of [["rule", first.rules], ["way", first.ways], ["amplitude", first.amplitudes], ["kind", first.kinds]])
+  const values = {mu0: state.mu0, tau0: state.tau0, d: facts.dimensions[state.dimension], load: loads[state.load]};
+  for (const [key, list] of [["rule", facts.rules], ["way", facts.ways], ["amplitude", facts.amplitudes], ["kind", facts.kinds]])
     if (list.length > 1) values[key] = state[key];
-  if (state.range && String(state.range) !== String(allLoads)) [values.low, values.high] = state.range;
   if (state.quantity !== "friction") values.show = state.quantity;
-  if (state.isLocked) [values.dark, values.light] = state.colours;
   return values;
 }
 
 // ---- Beginning ------------------------------------------------------------------------------------------------------
 
 async function unpackAll() {
-  for (const [r, result] of results.entries()) {
-    const {variables, perRepetition, rules, directions, picture} = result.facts;
-    const motions = rules.length * directions.length;
-    const [means, sums] = [
-      parts(variables, motions, await unpacked(`means-${r}`, isMeasured ? 8 : facts.bytes.means)),
-      parts(perRepetition, motions, await unpacked(`sums-${r}`, isMeasured ? 8 : facts.bytes.sums)),
-    ];
-    result.motions = means.map((each, m) => ({means: each, sums: sums[m]}));
-    if (picture) {
-      contactColumns = await unpacked(`contacts-${r}`, facts.pictureBytes);
-      if (!picture.lines) [heights, patches] = [await inflated(`lower-${r}`), new Uint16Array((await inflated(`patches-${r}`)).buffer)];
-    }
-  }
+  const {variables, perRepetition, rules, directions} = facts;
+  const count = rules.length * directions.length;
+  const [means, sums] = [
+    parts(variables, count, await unpacked("means", isMeasured ? 8 : facts.bytes.means)),
+    parts(perRepetition, count, await unpacked("sums", isMeasured ? 8 : facts.bytes.sums)),
+  ];
+  motions = means.map((each, m) => ({means: each, sums: sums[m]}));
 }
 
 /** Take away what a result has nothing for. */
@@ -720,23 +555,20 @@ function hideOthers() {
     delete drawings[id];
   };
   const lacking = {
-    maps: isMeasured || !allLoads.length,
-    readout: !allLoads.length,
-    over: first.dimensions.length < 2 || !allLoads.length,
-    friction: !allLoads.length,
-    area: !allLoads.length || !results.some((result) => hasQuantity(result, "area")),
-    stiffness: !allLoads.length || !results.some((result) => hasQuantity(result, "stiffness")),
-    unloading: !isMeasured || !results.some((result) => hasQuantity(result, "unloading")),
-    compass: first.directions.length < 3 || !allLoads.length,
-    positions: !isMeasured || first.repetitions < 2,
-    contacts: !first.picture,
-    spectra: !first.spectra,
+    map: isMeasured || !loads.length,
+    readout: !loads.length,
+    over: facts.dimensions.length < 2 || !loads.length,
+    friction: !loads.length,
+    area: !loads.length || !hasQuantity("area"),
+    stiffness: !loads.length || !hasQuantity("stiffness"),
+    unloading: !isMeasured || !hasQuantity("unloading"),
+    compass: facts.directions.length < 3 || !loads.length,
   };
-  if (lacking.maps) {
+  if (lacking.map) {
     byId("map-panel").hidden = true;
-    delete drawings.maps;
+    delete drawings.map;
   }
-  byId("top").classList.toggle("alone", lacking.maps && lacking.contacts);
+  byId("top").classList.toggle("alone", lacking.map && !byId("top").querySelector(".figure"));
   if (isMeasured) {
     byId("main").classList.add("pair");
     byId("top").after(byId("controls"));
@@ -744,23 +576,20 @@ function hideOthers() {
     byId("numbers").append(byId("figures"), byId("sentence"));
   }
   byId("more").addEventListener("toggle", () => redraw(...Object.keys(drawings)));
-  for (const [id, isLacking] of Object.entries(lacking)) if (isLacking && id !== "maps") id === "readout" ? (byId("top").hidden = true, delete drawings[id]) : hide(id);
+  for (const [id, isLacking] of Object.entries(lacking)) if (isLacking && id !== "map") id === "readout" ? (byId("top").hidden = true, delete drawings[id]) : hide(id);
   byId(isMeasured ? "of-ensembles" : "of-members").hidden = true;
   byId("over-title").textContent = `Friction coefficient over ${isMeasured ? "cut-off wavelength" : "fractal dimension"}`;
 }
 
 start(async () => {
   await unpackAll();
-  const ranges = results.map(({facts: own}) => own.loads).filter((ends) => ends.length);
-  if (ranges.length) allLoads = [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
-  drawings = {maps: showMaps, readout: showReadout, over: showOver, friction: () => showCurve("friction"),
-    area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), unloading: () => showCurve("unloading"), compass: showCompass, contacts: showContacts,
-    positions: showPositions, spectra: showSpectra};
+  drawings = {map: showMap, readout: showReadout, over: showOver, friction: () => showCurve("friction"),
+    area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), unloading: () => showCurve("unloading"), compass: showCompass};
   hideOthers();
-  if (!allLoads.length) {
+  if (!loads.length) {
     say("No pair of this study touches within its approaches: there is no load, no area and no friction to show.");
     byId("controls").hidden = true;
-  } else if (results.every(({facts: own}) => own.steps.length === 1 && own.reading === "mean")) {
+  } else if (facts.steps.length === 1 && !isMeasured) {
     say("This study has one approach. Values at a load are read off between two, so there are none to show.");
   }
   connect();

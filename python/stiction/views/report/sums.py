@@ -1,9 +1,8 @@
-"""The numbers of a page: sums over contacts of every member, and their means, in the order of `numbers.js`."""
+"""The numbers of a page of generated bodies: sums of every member, and their means, in the order of `numbers.js`."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,44 +22,27 @@ AT_HARDNESS = ("load_share_at_hardness", "area_share_at_hardness")
 PAGE_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = RATIOS | {name: (name, ()) for name in AT_HARDNESS}
 """Numerator of each figure of a page, and sums that are its denominator."""
 
+CELLS = ("fractal_dimension", "amplitude")
 
-@dataclass(frozen=True, eq=False)
-class PageSums:
-    """Arrays of a page, and which variables they hold.
 
-    Attributes
-    ----------
-    means, sums : ndarray
-        Variables one after the other, those without motions first and then those of each motion: means over the
-        members (variable, cell, cell, step), and sums (variable, cell, cell, member, step), both possibly empty.
-    facts : dict
-        `variables` of the means and `perRepetition` of the sums: {"plain", "directed"} names in their order.
-    members : int
-        That have a solution at every step.
+class PageSums(NamedTuple):
+    """Means over the members, and sums of each: variables one after the other, plain ones first, then of each motion.
+
+    Means are over (variable, cell, cell, step), sums over (variable, cell, cell, member, step), both possibly empty;
+    `facts` name the variables, and `members` counts those that have a solution at every step.
     """
 
     means: NDArray[Any]
     sums: NDArray[Any]
-    facts: dict[str, Any] = field(default_factory=dict)
-    members: int = 0
+    facts: dict[str, Any]
+    members: int
 
     def plain_means(self) -> dict[str, NDArray[Any]]:
         """Means (cell, cell, step) of what has nothing to do with motions, by name."""
         return dict(zip(self.facts["variables"]["plain"], self.means, strict=False))
 
 
-def with_two_cells(dataset: xarray.Dataset, cells: list[str]) -> xarray.Dataset:
-    """A result with exactly two dimensions of cells, `first` and `second`, before its members."""
-    renamed = dataset.rename(dict(zip(cells, ("first", "second"), strict=False)))
-    return renamed if len(cells) == 2 else renamed.expand_dims("second", axis=1)
-
-
-# ---- Generated bodies ------------------------------------------------------------------------------------------------
-
-
-def sums_of_ensemble(
-    result: xarray.Dataset | Stored, cells: list[str], step: str, motions: int, *, has_sums: bool
-) -> PageSums:
+def sums_of_ensemble(result: xarray.Dataset | Stored, step: str, motions: int, *, has_sums: bool) -> PageSums:
     """Means over the members, and the sums of each if they are to be there, of pieces of which one is in memory."""
     total: Any = 0.0
     members = 0
@@ -69,11 +51,9 @@ def sums_of_ensemble(
     for piece in solved_pieces(result):
         if not piece.sizes["repetition"]:
             continue
-        steps = piece[step].values
-        ordered = with_two_cells(piece, cells)
-        directed = [dim for dim in MOTIONS if dim in ordered.dims]
-        ordered = ordered.transpose(*directed, "first", "second", "repetition", step)
-        means, sums, facts = _of_piece(ordered, steps, motions)
+        directed = [dim for dim in MOTIONS if dim in piece.dims]
+        ordered = piece.transpose(*directed, *CELLS, "repetition", step)
+        means, sums, facts = _of_piece(ordered, piece[step].values, motions)
         members += piece.sizes["repetition"]
         total = total + means * piece.sizes["repetition"]
         if has_sums:
@@ -122,29 +102,3 @@ def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArra
         sums += [of_motion(name, m) for name in directed]
     facts = {"variables": of_means, "perRepetition": of_sums, "hasStiffness": has_stiffness}
     return np.stack(averages), np.stack(sums), facts
-
-
-# ---- Measured bodies -------------------------------------------------------------------------------------------------
-
-
-def sums_of_members(dataset: xarray.Dataset, cells: list[str], step: str, plain: list[str]) -> PageSums:
-    """The sums of every member of measured bodies, and some statistics of its contacts.
-
-    Plain variables, over cells, members and loads alone, are kept.
-    """
-    data = with_two_cells(dataset, cells)
-    dims = ("first", "second", "repetition", step)
-    directed = [name for name in SIX if name in DIRECTED]
-    columns = [np.asarray(data[name].transpose(*dims).values, np.float64) for name in plain]
-    motions = [dim for dim in MOTIONS if dim in data.dims]
-    by_name = {name: data[name].transpose(*motions, *dims).values for name in directed}
-    shape = columns[0].shape
-    count = int(np.prod([data.sizes[dim] for dim in motions]))
-    flat = {name: values.reshape(count, *shape) for name, values in by_name.items()}
-    columns += [flat[name][m] for m in range(count) for name in directed]
-    facts = {
-        "variables": {"plain": [], "directed": []},
-        "perRepetition": {"plain": plain, "directed": directed},
-        "hasStiffness": False,
-    }
-    return PageSums(np.empty(0), np.stack(columns), facts)

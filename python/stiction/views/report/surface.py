@@ -2,59 +2,30 @@
 
 from __future__ import annotations
 
+from string import Template
 from typing import Any
 
 from stiction._core import __version__
-from stiction.studies.intervals import CONFIDENCE
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import HARMLESS, PAPERS_MU0, Characterisation, Row, characterisation_of
 from stiction.views.digits import percent, with_unit
-from stiction.views.figures.roughness import Panel, panels
+from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.inputs import doubts_of_scan
-from stiction.views.report.measured import grey
-from stiction.views.report.page import Page, deflated, escaped, listed, panel
+from stiction.views.report.page import Page, escaped, part
+from stiction.views.report.pictures import inline
 
 MUCH = 0.1  # fraction of the mean square slope in the shortest octave from which on a finer scan would find much more
 
 
 def surface_page(body: Profile | Surface | Characterisation, *, name: str, command: str, **options: Any) -> Page:
-    """The page of a profile or a surface.
-
-    Parameters
-    ----------
-    body : Profile, Surface or Characterisation
-        Levelled.
-    name : str
-        Title of the page.
-    command : str
-        The command that makes the same page.
-    **options
-        As for `characterisation_text`.
-
-    Raises
-    ------
-    ValueError
-        As `characterisation_text`.
-    """
+    """The page of a levelled profile or surface, with the command that makes it; options of `characterisation_text`."""
     found = characterisation_of(body, **options)
-    plots = [_plot(each) for each in panels(found)]
-    facts: dict[str, Any] = {"confidence": CONFIDENCE, "map": None, "plots": plots}
-    numbers = {}
-    titles = {"heights": "Heights"} | {plot["id"]: plot["name"] for plot in plots}
-    if isinstance(found.body, Surface):
-        levels, range_, extent = grey(found.body.heights, found.body.spacing)
-        rows, columns = levels.shape
-        facts["map"] = {"rows": rows, "columns": columns, "extent": extent, "range": range_}
-        numbers["levels"] = deflated(levels.tobytes())
-    return Page(
-        name=name, head=list(found.body.history), kind="surface", facts=facts, numbers=numbers,
-        versions=f"Characterised by stiction {__version__}",
-        words={
-            "meaning": _meaning(found), "command": escaped(command), "table": _table([*found.rows, *found.line_rows]),
-            "plots": "".join(panel(*each) for each in titles.items()),
-        },
+    main = Template(part("surface.html")).substitute(
+        meaning=_meaning(found), command=escaped(command), table=_table([*found.rows, *found.line_rows]),
+        figure=inline(characterisation_figure(found), "Heights, their distribution, and spectra"),
     )  # fmt: skip
+    return Page(name, list(found.body.history), main, f"Characterised by stiction {__version__}")
 
 
 def _meaning(found: Characterisation) -> str:
@@ -99,20 +70,3 @@ def _table(rows: list[Row]) -> str:
     return "".join(
         f"<tr>{head}{''.join(f'<td{wide[len(cells)]}>{cell}</td>' for cell in cells)}</tr>" for head, cells in lines
     )
-
-
-def _plot(curves: Panel) -> dict[str, Any]:
-    """A panel as the script of the page takes it."""
-    series = []
-    for each in curves.series:
-        columns = {"x": each.x, "value": each.value, "lower": each.lower, "upper": each.upper}
-        series.append(
-            {"name": each.name, **{name: listed(column) for name, column in columns.items() if column is not None}}
-            | ({"dash": "7 4"} if each.fitted else {})
-        )
-    ends = [float(each.x[end]) for each in curves.series for end in (0, -1)]
-    return {
-        "id": curves.id, "name": curves.name, "series": series,
-        "x": {"low": min(ends), "high": max(ends), "isLog": curves.log, "title": curves.x},
-        "y": {"isLog": curves.log, "title": curves.y},
-    }  # fmt: skip
