@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <numbers>
 #include <stdexcept>
@@ -565,7 +566,22 @@ struct ElasticKernel::Transforms {
   Plans plans;
   std::unique_ptr<const Filter<double>> displacement;
   std::unique_ptr<const Filter<float>> response;
-  std::unique_ptr<const Filter<float>> stiffened;
+  std::map<double, const Filter<float>> plates;  // by their springs; without any it is the stiffness
+
+  // E*|k|/2 on each wave, or with springs the inverse of what both are together.
+  const Filter<float>* plate(const Grid& grid, double springs) {
+    const std::lock_guard lock(mutex);
+    if (const auto known = plates.find(springs); known != plates.end()) {
+      return &known->second;
+    }
+    const Shape own = {grid.rows, grid.columns, grid.rows, grid.columns};
+    std::vector<double> factors = stiffness(own, grid, effective_modulus);
+    if (springs > 0.0) {
+      std::transform(factors.begin(), factors.end(), factors.begin(),
+                     [&](double factor) { return 1.0 / (factor + springs); });
+    }
+    return &plates.emplace(springs, Filter<float>(own, factors, plans)).first->second;
+  }
 };
 
 ElasticKernel::ElasticKernel(const Grid& grid, double effective_modulus, const Crew& crew) : grid_(grid) {
@@ -609,15 +625,15 @@ void ElasticKernel::displacement(std::span<const float> pressure, std::span<floa
 
 void ElasticKernel::stiffened(std::span<const float> residual, std::span<float> result, Workspace& workspace,
                               const Crew& crew) const {
-  {
-    const std::lock_guard lock(transforms_->mutex);
-    if (!transforms_->stiffened) {
-      const Shape shape = {grid_.rows, grid_.columns, grid_.rows, grid_.columns};
-      transforms_->stiffened = std::make_unique<const Filter<float>>(
-          shape, stiffness(shape, grid_, transforms_->effective_modulus), transforms_->plans);
-    }
+  (*transforms_->plate(grid_, 0.0))(residual, result, workspace.rooms_->scratch, crew);
+}
+
+void ElasticKernel::softened(std::span<const float> loads, double springs, std::span<float> result,
+                             Workspace& workspace, const Crew& crew) const {
+  if (!(springs > 0.0)) {
+    throw std::invalid_argument("ElasticKernel: springs must be above 0");
   }
-  (*transforms_->stiffened)(residual, result, workspace.rooms_->scratch, crew);
+  (*transforms_->plate(grid_, springs))(loads, result, workspace.rooms_->scratch, crew);
 }
 
 double even_deviation(const Grid& grid, double effective_modulus) {

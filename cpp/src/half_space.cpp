@@ -1,6 +1,7 @@
 #include "stiction/half_space.hpp"
 
 #include "multiversion.hpp"
+#include "stiction/near_inverse.hpp"
 #include "stiction/pressure_search.hpp"
 
 #include <algorithm>
@@ -22,8 +23,6 @@ constexpr std::size_t most_kept = std::size_t{1} << 20;
 constexpr double coarse_tolerance = 3e-3;
 // Ratio of loads up to which an area's pressure at one is a good start at the other.
 constexpr double near_load = 1.3;
-// Share of an area's points under pressure up to which a stencil stands for the inverse of the kernel.
-constexpr double sparse = 0.3;
 // Iterations on the finest grid, where a hundred are many, and on coarser ones, whose solutions are only starts.
 constexpr std::int64_t most_iterations = 2000;
 constexpr std::int64_t most_coarse_iterations = 100;
@@ -117,16 +116,16 @@ std::vector<double> resampled(std::vector<double> values, const Grid& from, cons
 // A search and the kernel that it asks, begun from a pressure that is brought to a mean [GPa].
 class Descent {
  public:
-  Descent(const ElasticKernel& kernel, std::vector<double> start, double mean, Values bound, Workspace& workspace,
-          const Crew& crew)
-      : kernel_(kernel),
+  Descent(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
+          Workspace& workspace, const Crew& crew)
+      : kernel_(*kernels.points),
         workspace_(workspace),
         crew_(crew),
-        search_(std::move(start), mean * static_cast<double>(kernel.grid().size()), bound, kernel.grid().line),
-        response_(kernel.grid().size()) {
-    const Values pressure = search_.pressure();
-    const auto loaded = std::count_if(pressure.begin(), pressure.end(), [](double p) { return p != 0.0; });
-    near_ = !kernel.grid().line && static_cast<double>(loaded) < sparse * static_cast<double>(pressure.size());
+        search_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line),
+        response_(kernel_.grid().size()) {
+    if (kernels.blocks) {
+      inverse_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks);
+    }
   }
 
   PressureSearch& search() { return search_; }
@@ -152,8 +151,8 @@ class Descent {
   void iterate() {
     std::span<const float> residual = search_.residual();
     if (!search_.plain()) {
-      if (near_) {
-        residual = search_.sharpened(kernel_.stencil(), static_cast<std::int64_t>(kernel_.grid().columns));
+      if (inverse_) {
+        residual = (*inverse_)(search_.free(), residual, workspace_, crew_);
       } else {
         preconditioned_.resize(response_.size());
         kernel_.stiffened(residual, preconditioned_, workspace_, crew_);
@@ -171,9 +170,9 @@ class Descent {
   const Crew& crew_;
   PressureSearch search_;
   std::vector<float> response_;
-  std::vector<float> preconditioned_;
+  std::vector<float> preconditioned_;   // of lines
+  std::optional<NearInverse> inverse_;  // of areas
   bool responded_ = false;
-  bool near_ = false;
 };
 
 // The logarithm of an approach over the one wanted, less that of what is left to the one at which all points touch.
@@ -259,16 +258,20 @@ HalfSpaceGrids::HalfSpaceGrids(const Grid& finest, double effective_modulus)
   kernels_.resize(levels_.size());
 }
 
-std::shared_ptr<const ElasticKernel> HalfSpaceGrids::kernel(std::size_t level, const Crew& crew) const {
+HalfSpaceGrids::Kernels HalfSpaceGrids::kernels(std::size_t level, const Crew& crew) const {
   const std::lock_guard lock(mutex_);
-  if (kernels_.at(level)) {
+  if (kernels_.at(level).points) {
     return kernels_[level];
   }
-  auto kernel = std::make_shared<const ElasticKernel>(levels_[level], effective_modulus_, crew);
-  if (level == 0 || levels_[level].size() <= most_kept) {
-    kernels_[level] = kernel;
+  const Grid& grid = levels_[level];
+  Kernels kernels{std::make_shared<const ElasticKernel>(grid, effective_modulus_, crew), {}};
+  if (!grid.line) {
+    kernels.blocks = std::make_shared<const ElasticKernel>(NearInverse::blocks_of(grid), effective_modulus_, crew);
   }
-  return kernel;
+  if (level == 0 || grid.size() <= most_kept) {
+    kernels_[level] = kernels;
+  }
+  return kernels;
 }
 
 double HalfSpaceGrids::even_deviation() const {
@@ -284,7 +287,7 @@ std::span<const double> HalfSpaceGrids::influence(const Crew& crew) const {
   if (size > most_kept) {
     return {};
   }
-  const auto finest = kernel(0, crew);
+  const auto finest = kernels(0, crew).points;
   const std::lock_guard lock(mutex_);
   if (influence_.empty()) {
     std::vector<double> first(size, 0.0);
@@ -327,7 +330,7 @@ double HalfSpaceSolver::displacement_of_load(const Crew& crew) const {
     std::transform(bound_.begin(), bound_.end(), load.begin(), [&](double bound) { return bound / mean; });
     std::vector<double> moved(load.size());
     Workspace workspace;
-    grids_->kernel(0, crew)->displacement(load, moved, workspace, crew);
+    grids_->kernels(0, crew).points->displacement(load, moved, workspace, crew);
     const double deviation = deviation_of(moved);
     if (!grid.periodic) {  // bounds under which all points of a flat move alike, to a tolerance
       return std::max(deviation, grids_->even_deviation());
@@ -436,12 +439,12 @@ HalfSpaceSolution HalfSpaceSolver::finest(std::vector<double> start, double mean
 HalfSpaceSolution HalfSpaceSolver::on_level(std::size_t level, std::vector<double> start, double mean_pressure,
                                             double tolerance, Workspace& workspace, const Crew& crew,
                                             const HalfSpaceProgress& progress) const {
-  const auto kernel = grids_->kernel(level, crew);
+  const auto kernels = grids_->kernels(level, crew);
   const double factor = mean_pressure / mean_of(start);
   for (double& pressure : start) {
     pressure *= factor;
   }
-  Descent descent(*kernel, std::move(start), mean_pressure, bound_, workspace, crew);
+  Descent descent(kernels, std::move(start), mean_pressure, bound_, workspace, crew);
   descent.renew(gap(level), level == 0);
   const std::int64_t most = level == 0 ? most_iterations : most_coarse_iterations;
   bool exact = true;
@@ -510,14 +513,14 @@ LinearAnswer linear_answer(const HalfSpaceGrids& grids, std::span<const bool> fr
       }
     }
   }
-  const auto kernel = grids.kernel(0, crew);
+  const auto kernels = grids.kernels(0, crew);
   std::vector<double> bound(free.size(), 0.0);
   for (const std::size_t i : points) {
     bound[i] = std::numeric_limits<double>::infinity();
   }
   const double mean = 1.0 / static_cast<double>(free.size());
   Workspace workspace;
-  Descent descent(*kernel, std::move(start), mean, bound, workspace, crew);
+  Descent descent(kernels, std::move(start), mean, bound, workspace, crew);
   descent.renew(std::vector<double>(free.size(), 0.0), true);
   for (std::int64_t i = 0; i < most_iterations; ++i) {
     const double error = descent.balance();

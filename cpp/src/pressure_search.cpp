@@ -340,38 +340,6 @@ std::span<const float> PressureSearch::residual() {
   return residual_;
 }
 
-std::span<const float> PressureSearch::sharpened(Values stencil, std::int64_t columns) {
-  const auto size = static_cast<std::int64_t>(residual_.size());
-  if (stencil.size() != 9 || line_ || columns < 1 || size % columns != 0) {
-    throw std::invalid_argument("PressureSearch: a stencil has 3 x 3 weights and is for areas of whole rows");
-  }
-  const std::int64_t rows = size / columns;
-  sharpened_.resize(residual_.size());
-  std::int64_t row = 0;
-  for (const std::int32_t point : free_) {
-    while (point >= (row + 1) * columns) {
-      ++row;
-    }
-    const std::int64_t column = point - row * columns;
-    const bool inner = row > 0 && row + 1 < rows && column > 0 && column + 1 < columns;
-    double sum = 0.0;
-    for (std::int64_t down = -1; down <= 1; ++down) {
-      for (std::int64_t right = -1; right <= 1; ++right) {
-        std::int64_t at = point + down * columns + right;
-        if (!inner) {
-          const std::int64_t there = row + down;
-          const std::int64_t across = column + right;
-          at = (there + rows) % rows * columns + (across + columns) % columns;
-        }
-        sum += stencil[static_cast<std::size_t>(3 * down + right + 4)] *
-               static_cast<double>(residual_[static_cast<std::size_t>(at)]);
-      }
-    }
-    sharpened_[static_cast<std::size_t>(point)] = static_cast<float>(sum);
-  }
-  return sharpened_;
-}
-
 void PressureSearch::collect(std::span<const float> preconditioned) {
   collected_.resize(free_.size());
   for (std::size_t k = 0; k < free_.size(); ++k) {

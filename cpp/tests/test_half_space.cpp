@@ -49,7 +49,7 @@ void check_pressed(const HalfSpaceGrids& grids, const std::vector<double>& gap, 
   const std::size_t size = gap.size();
   stiction::Workspace workspace;
   std::vector<double> moved(size);
-  grids.kernel()->displacement(found.pressure, moved, workspace);
+  grids.kernels().points->displacement(found.pressure, moved, workspace);
   double worst = 0.0;
   for (std::size_t i = 0; i < size; ++i) {
     const double open = moved[i] + gap[i] - found.approach;

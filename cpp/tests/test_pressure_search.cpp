@@ -144,22 +144,3 @@ TEST_CASE("what cannot be is refused") {
   CHECK_THROWS_AS(search.step(std::vector<float>{1.0F}, {}), std::invalid_argument);
   CHECK_THROWS_AS(search.advance(std::vector<float>{1.0F}), std::invalid_argument);
 }
-
-TEST_CASE("a stencil adds up what is around each free point, over the edges too") {
-  // All of 3 x 4 points under pressure; residuals are the mean potential less each potential.
-  std::vector<double> potential(12);
-  std::iota(potential.begin(), potential.end(), 0.0);
-  PressureSearch search(std::vector<double>(12, 1.0), 12.0, none, false);
-  search.restart(potential);
-  search.balance();
-  search.residual();
-  const std::vector<double> right_and_below{0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.0};
-  const auto sums = search.sharpened(right_and_below, 4);
-  for (std::size_t i = 0; i < 12; ++i) {
-    const auto right = static_cast<double>(i % 4 == 3 ? i - 3 : i + 1);
-    const auto below = static_cast<double>((i + 4) % 12);
-    CHECK(sums[i] == doctest::Approx((5.5 - right) + 2.0 * (5.5 - below)).epsilon(round_off));
-  }
-  CHECK_THROWS_AS(search.sharpened(right_and_below, 5), std::invalid_argument);
-  CHECK_THROWS_AS(search.sharpened(std::vector<double>(8), 4), std::invalid_argument);
-}

@@ -78,7 +78,7 @@ void bind_half_space(py::module_& module) {
               const py::gil_scoped_release release;
               const Crew crew(threads, checkpoint);
               Workspace workspace;
-              grids.kernel(0, crew)->displacement(grid(pressure), moved, workspace, crew);
+              grids.kernels(0, crew).points->displacement(grid(pressure), moved, workspace, crew);
             }
             return like(pressure, std::move(moved));
           },

@@ -67,6 +67,10 @@ class ElasticKernel {
   void stiffened(std::span<const float> residual, std::span<float> result, Workspace& workspace,
                  const Crew& crew = Crew()) const;
 
+  /// Displacements under loads of a plate of that stiffness on even springs [GPa/µm]: (E*|k|/2 + springs)⁻¹.
+  void softened(std::span<const float> loads, double springs, std::span<float> result, Workspace& workspace,
+                const Crew& crew = Crew()) const;
+
   /// E*|k|/2 of a point on the 3 x 3 points around it, row by row, made so that their sum is small: of areas.
   const std::array<double, 9>& stencil() const { return stencil_; }
 

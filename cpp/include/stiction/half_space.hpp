@@ -20,6 +20,11 @@ namespace stiction {
 /// axis, and their kernels, for as many problems as have that shape. Many threads may ask at once.
 class HalfSpaceGrids {
  public:
+  struct Kernels {
+    std::shared_ptr<const ElasticKernel> points;
+    std::shared_ptr<const ElasticKernel> blocks;  ///< of areas, see NearInverse
+  };
+
   /// Throws std::invalid_argument as ElasticKernel does.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
@@ -27,7 +32,7 @@ class HalfSpaceGrids {
   double effective_modulus() const { return effective_modulus_; }
 
   /// Made when first asked for; large ones of coarser grids are not kept.
-  std::shared_ptr<const ElasticKernel> kernel(std::size_t level = 0, const Crew& crew = Crew()) const;
+  Kernels kernels(std::size_t level = 0, const Crew& crew = Crew()) const;
 
   /// Root-mean-square deviation [µm/GPa] of displacements under an even pressure, which only a free grid has.
   double even_deviation() const;
@@ -39,7 +44,7 @@ class HalfSpaceGrids {
   std::vector<Grid> levels_;
   double effective_modulus_;
   mutable std::mutex mutex_;
-  mutable std::vector<std::shared_ptr<const ElasticKernel>> kernels_;
+  mutable std::vector<Kernels> kernels_;
   mutable std::optional<double> even_deviation_;
   mutable std::vector<double> influence_;
 };
@@ -58,9 +63,10 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The pressures of one gap at one load after the other: the least energy with a given sum, 0 <= p <= bound.
 ///
 /// Polonsky & Keer, Wear 231 (1999) 206, for projected conjugate gradients (see PressureSearch); here preconditioned by
-/// E*|k|/2 on the points that are free to move, and begun from the solution on every second point. Errors are distances
-/// that no point under pressure is open by more than, nor overlaps by more, in root-mean-square deviations of the gap,
-/// or of displacements under the load where heights say nothing or less.
+/// what resembles the inverse on the points that are free to move (E*|k|/2 on lines, NearInverse on areas), and begun
+/// from the solution on every second point. Errors are distances that no point under pressure is open by more than, nor
+/// overlaps by more, in root-mean-square deviations of the gap, or of displacements under the load where heights say
+/// nothing or less.
 class HalfSpaceSolver {
  public:
   /// `gap` [µm], 0 everywhere where it is not a contact that is sought but a traction, must outlive the solver. `bound`

@@ -42,9 +42,8 @@ class PressureSearch {
   /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
   std::span<const float> residual();
 
-  /// Of areas: the sum of each free point's residual and those around it by 3 x 3 weights, a near inverse of K that
-  /// takes no transform. Other points hold anything.
-  std::span<const float> sharpened(Values stencil, std::int64_t columns);
+  /// Free points of the last balance, rising.
+  std::span<const std::int32_t> free() const { return free_; }
 
   /// Whether the next step wants the residual itself in place of a preconditioned one: descent is then certain.
   bool plain() const { return plain_; }
@@ -100,7 +99,6 @@ class PressureSearch {
   std::vector<std::int32_t> moved_;  // where step_ may differ from 0
   std::vector<float> residual_;      // on the grid
   std::vector<float> step_;          // on the grid
-  std::vector<float> sharpened_;     // on the grid, of free points
   std::vector<double> collected_;    // preconditioned residual at free points
   std::vector<double> target_;       // pressure at free points after a whole step
   std::vector<double> most_;         // bound at free points
