@@ -14,7 +14,7 @@ from stiction.studies.calibration import EXCLUDED, LEAST_VARIATION, UNLIKELY, Fi
 from stiction.views.digits import finite, percent, with_interval, with_unit
 from stiction.views.point import RULES
 from stiction.views.rows import entry, record
-from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE
+from stiction.views.style import ALL, FORCE, FULL_WIDTH, STYLE, new_figure
 from stiction.views.text import aligned, fitted
 
 if TYPE_CHECKING:
@@ -128,10 +128,9 @@ def calibration_figure(interface: Interface) -> Figure:
     2
     """
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(FULL_WIDTH, 66 * MILLIMETRE), layout="constrained")
+        figure = new_figure(66, width=FULL_WIDTH)
         data, joint = figure.subplots(1, 2)
         _tests_panel(data, interface)
         _joint_panel(joint, interface)
@@ -170,5 +169,4 @@ def _joint_panel(axes: Axes, interface: Interface) -> None:
         xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$",
         title="both are known" if interface.separated else "only their sum is known",
     )  # fmt: skip
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
+    axes.set(xlim=(0, None), ylim=(0, None))

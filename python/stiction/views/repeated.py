@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction.surfaces.repeated import Repeated
 from stiction.views.digits import percent, with_unit
-from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE
+from stiction.views.style import FULL_WIDTH, STYLE, new_figure
 from stiction.views.text import aligned, fitted
 
 if TYPE_CHECKING:
@@ -64,9 +64,8 @@ def octaves_csv(found: Repeated) -> str:
 def repeated_figure(found: Repeated) -> Figure:
     """Noise and what is common over the wavelength, 85 mm wide."""
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(FULL_WIDTH / 2, 66 * MILLIMETRE), layout="constrained")
+        figure = new_figure(66, width=FULL_WIDTH / 2)
         found.plot(figure.subplots())
     return figure

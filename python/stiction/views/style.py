@@ -93,6 +93,13 @@ _LABELS = {
 """Labels of axes that are no quantities of results, or are drawn in another unit."""
 
 
+def new_figure(height: float, *, width: float = WIDTH, layout: Any = "constrained") -> Figure:
+    """An empty figure, its height in millimetres and its width in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height * MILLIMETRE), layout=layout)
+
+
 def label(name: str) -> str:
     """What an axis says of a quantity: its words, its symbol and its unit."""
     if name in _LABELS:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from stiction._checks import Floats
 from stiction.studies.contact_picture import IN_PULL_OFFS
 from stiction.views.digits import prefix
-from stiction.views.style import ALL, AREA, MILLIMETRE, OPPOSING, WIDTH, label
+from stiction.views.style import ALL, AREA, OPPOSING, label, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -19,13 +19,11 @@ def adhesion_figure(ways: xarray.Dataset, *, title: str = "") -> Figure:
 
     It is of what `coming_and_going` returns; the pull-off force is marked.
     """
-    from matplotlib.figure import Figure
-
     going = ways["going"].values
     load, area = ways["load"].values, ways["contact_area"].values
     near = load <= IN_PULL_OFFS[-1] * -load.min() * 1.001  # loads that are seen
     core, unit = prefix(float(abs(load[near]).max()), "mN")
-    figure = Figure(figsize=(WIDTH, 70 * MILLIMETRE), layout="constrained")
+    figure = new_figure(70)
     across = [(ways["approach"].values * 1000, "approach (nm)")] if ways["approach"].notnull().all() else []
     panels: Any = figure.subplots(1, len(across) + 1, sharey=True, squeeze=False)[0]
     nominal = float(ways.attrs["nominal_area"])
@@ -36,10 +34,8 @@ def adhesion_figure(ways: xarray.Dataset, *, title: str = "") -> Figure:
         axes.plot(x[going], load[going] / core, "--", color=OPPOSING, linewidth=1.2, label="going")
         last = int(load.argmin())
         axes.plot(x[last], load[last] / core, "v", color=AREA, markersize=5, label="pull-off force")
-        axes.set_xlim(*_wider(x[near]))
-        axes.set_xlabel(words)
-    panels[0].set_ylim(*_wider(load[near] / core))
-    panels[0].set_ylabel(f"load ({unit})")
+        axes.set(xlim=_wider(x[near]), xlabel=words)
+    panels[0].set(ylim=_wider(load[near] / core), ylabel=f"load ({unit})")
     figure.suptitle(title, fontsize=6)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stiction.views.digits import duration, quoted
-from stiction.views.style import AREA, FRICTION, LEANING, MILLIMETRE, OPPOSING, WIDTH, label
+from stiction.views.style import AREA, FRICTION, LEANING, OPPOSING, label, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,14 +21,12 @@ MOST = 5
 
 def budget_figure(answer: Answer, *, title: str = "") -> Figure:
     """A bar of what holds the bodies with the whole interval, and below it what would be left; 80 mm wide."""
-    from matplotlib.figure import Figure
-
     width = answer.upper - answer.lower
     left = [each for each in answer.budget if each.width < (1 - SHOWN) * width][:MOST]
     test = answer.rules[0].next_test
     rows = [("all that is known", answer.lower, answer.upper)]
     rows += [(f"{each.words} known", each.lower, each.upper) for each in left]
-    figure = Figure(figsize=(WIDTH, (34 + 5 * len(rows)) * MILLIMETRE), layout="constrained")
+    figure = new_figure(34 + 5 * len(rows))
     axes: Any = figure.subplots()
     start = 0.0
     words = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
@@ -51,13 +49,11 @@ def budget_figure(answer: Answer, *, title: str = "") -> Figure:
 
 def waiting_figure(answer: Answer, *, title: str = "") -> Figure:
     """The coefficient over the logarithm of the time under load, with its 95 % interval; 80 mm wide."""
-    from matplotlib.figure import Figure
-
     first = answer.rules[0]
     rows = [(1.0, first.value, first.lower, first.upper)]
     rows += [(each.seconds, each.value, each.lower, each.upper) for each in answer.waited if each.seconds != 1]
     seconds, values, lower, upper = zip(*sorted(rows), strict=True)
-    figure = Figure(figsize=(WIDTH, 60 * MILLIMETRE), layout="constrained")
+    figure = new_figure(60)
     axes = figure.subplots()
     axes.fill_between(seconds, lower, upper, color=FRICTION, alpha=0.25, linewidth=0, label="95 %, all that is known")
     axes.plot(seconds, values, "o-", color=FRICTION)

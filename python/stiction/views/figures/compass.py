@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.views.digits import with_unit
-from stiction.views.style import MILLIMETRE, RULE_WORDS, RULES, WIDTH, friction_parameters_text, label
+from stiction.views.style import RULE_WORDS, RULES, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -24,11 +24,9 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     It is of what `at_load` returns at one load and of one cell, mu0 and tau0. Between directions a smooth curve is
     drawn.
     """
-    from matplotlib.figure import Figure
-
     at = points.sortby("direction")
     degrees = np.asarray(at["direction"].values, dtype=np.float64)
-    figure = Figure(figsize=(WIDTH, 96 * MILLIMETRE), layout="constrained")
+    figure = new_figure(96)
     axes: Any = figure.add_subplot(projection="polar")
     fine = np.linspace(0, 360, 361)
     highest = 0.0

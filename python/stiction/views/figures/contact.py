@@ -17,13 +17,12 @@ from stiction.views.style import (
     FRICTION,
     LEANING,
     LOWER,
-    MILLIMETRE,
     OPPOSING,
     STYLE,
     UPPER,
-    WIDTH,
     direction_text,
     label,
+    new_figure,
 )
 
 if TYPE_CHECKING:
@@ -46,7 +45,6 @@ def contact_figure(
     one lies on a longer one it is moved by an offset (µm). Contacts are as `contacts` finds them; tau0 is in GPa.
     """
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     touching = contacts(upper, lower, approach, **contact)
     x = lower.x
@@ -55,7 +53,7 @@ def contact_figure(
     scale = 1000.0 if fine else 1.0
     bodies = scale * (upper.heights - drop), scale * lower.heights
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 90 * MILLIMETRE), layout="constrained")
+        figure = new_figure(90)
         whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
         draw_bodies(whole, x, *bodies)
         whole.plot(touching.centre[:, 0], scale * touching.centre[:, 2], "o", color=FORCE, markersize=2, mew=0)
@@ -73,8 +71,7 @@ def contact_figure(
             whole.axvspan(middle - half, middle + half, color="0.5", alpha=0.25, linewidth=0)
             shown = np.abs(touching.centre[:, 0] - middle) <= half
         for ax in (whole, large):
-            ax.set_ylabel(label("height_nm" if fine else "height"))
-            ax.set_xlabel(label("x"))
+            ax.set(ylabel=label("height_nm" if fine else "height"), xlabel=label("x"))
         resisting = np.where(touching.opposing, mu0 * touching.force + tau0 * touching.area, 0.0)
         has_friction = bool((resisting[shown] > 0).any())
         handles = _force_handles(has_friction)
@@ -186,11 +183,9 @@ def contacts_figure(
     It is of what `contact_picture` returns, for a motion of the upper body in a direction (degrees, from +x towards
     +y); a hardness (GPa) is marked on the scale of pressures.
     """
-    from matplotlib.figure import Figure
-
     force = picture["contact_force"].values
     has_pressure = "zoom_pressure" in picture and bool((picture["zoom_pressure"].values > 0).any())
-    figure = Figure(figsize=(WIDTH, (144 if has_pressure else 86) * MILLIMETRE), layout="constrained")
+    figure = new_figure(144 if has_pressure else 86)
     drawn = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = drawn[0]
     draw_heights(figure, axes, picture["lower_height"].values, box_of(picture, "height"))
@@ -233,8 +228,7 @@ def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, 
     image = axes.imshow(shown, extent=box, origin="lower", cmap="gray", vmin=low, vmax=high)
     bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
     bar.set_label("lower body, " + label("height_nm" if fine else "height"))
-    axes.set_xlabel(label("x"))
-    axes.set_ylabel(label("y"))
+    axes.set(xlabel=label("x"), ylabel=label("y"))
 
 
 def box_of(picture: xarray.Dataset, what: str) -> tuple[float, float, float, float]:
@@ -261,5 +255,4 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
         bar.ax.axhline(hardness, color="black", linewidth=1)
         bar.ax.text(0.5, 1.02, "hardness", transform=bar.ax.transAxes, fontsize=6, ha="center", va="bottom")
     axes.set_title("around the contact that carries most (framed above)", loc="left", fontsize=6, pad=3)
-    axes.set_xlabel(label("x"))
-    axes.set_ylabel(label("y"))
+    axes.set(xlabel=label("x"), ylabel=label("y"))

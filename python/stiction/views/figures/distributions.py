@@ -9,15 +9,7 @@ import numpy as np
 
 from stiction._drawing import few_ticks
 from stiction.views.digits import with_unit
-from stiction.views.style import (
-    MILLIMETRE,
-    RULE_WORDS,
-    RULES,
-    WIDTH,
-    dimension_colours,
-    friction_parameters_text,
-    label,
-)
+from stiction.views.style import RULE_WORDS, RULES, dimension_colours, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -31,9 +23,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     several offsets along one line are drawn over the offset, others in the order of their values. A test slides one
     way, so that directions are not put together.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 62 * MILLIMETRE), layout="constrained")
+    figure = new_figure(62)
     axes = figure.subplots()
     by_offset = _moves_along_a_line(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
@@ -81,9 +71,7 @@ def sizes_figure(
     Members have patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, each a thin line;
     `points` are their means, as `at_load` returns them, of one cell. A hardness (GPa) is marked.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 96 * MILLIMETRE), layout="constrained")
+    figure = new_figure(96)
     axes: Sequence[Any] = figure.subplots(2, 1)
     percent = 100 * points["fraction_below"].values
     loads = np.atleast_1d(points["load"].values)
@@ -94,9 +82,7 @@ def sizes_figure(
             mean = points[name].sel(load=load, statistic="mean").values
             ax.plot(mean, percent, color=colour, linewidth=1.2, label=with_unit(float(load), "mN"))
     for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
-        ax.set_ylim(0, 100)
-        ax.set_xlabel(label(name))
-        ax.set_xscale("log")
+        ax.set(ylim=(0, 100), xlabel=label(name), xscale="log")
         few_ticks(ax)
     axes[0].set_ylabel("contacts that are smaller (%)")
     axes[1].set_ylabel("true contact area\nat lower pressure (%)")

@@ -27,6 +27,7 @@ from stiction.views.style import (
     evenly_spread,
     friction_parameters_text,
     label,
+    new_figure,
     spread_out,
 )
 
@@ -104,8 +105,6 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     grey where the 95 % interval is wide. The curves, with their intervals, are at the highest power of ten that nine
     of ten fractal dimensions reach.
     """
-    from matplotlib.figure import Figure
-
     study = study_of(dataset)
     strengths = list(study.friction.tau0)
     strengths = strengths if len(strengths) <= MOST_STRENGTHS else [strengths[0], strengths[-1]]
@@ -120,7 +119,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     height = 42.0 if amplitudes.size == 1 else 34.0
     between = 4.0
     total = above + below + amplitudes.size * (height + between) - between
-    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+    figure = new_figure(total, width=FULL_WIDTH, layout=None)
 
     def axes_at(left: float, row: int, width: float) -> Axes:
         bottom = below + (amplitudes.size - 1 - row) * (height + between)
@@ -254,9 +253,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     panel = panel.transpose("load", "fractal_dimension")
     values, status = panel["friction_coefficient"].values, panel["status"].values
     edges = _edges(panel["fractal_dimension"].values), np.exp(_edges(np.log(panel["load"].values)))
-    axes.set_yscale("log")
-    axes.set_xlim(edges[0][0], edges[0][-1])
-    axes.set_ylim(edges[1][0], edges[1][-1])
+    axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     few_ticks(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     known = np.isfinite(values)
@@ -356,8 +353,6 @@ def _edges(centres: Floats) -> Floats:
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
     """True contact area against normal load, and their ratio, with 95 % intervals; a row for each amplitude."""
-    from matplotlib.figure import Figure
-
     study = study_of(dataset)
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
     shown = evenly_spread(dataset.sizes["fractal_dimension"], MOST_CURVES)
@@ -369,7 +364,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     height = 50.0 if amplitudes.size == 1 else 38.0
     total = above + below + amplitudes.size * (height + between) - between
     exact = study.by_half_space
-    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+    figure = new_figure(total, width=FULL_WIDTH, layout=None)
     for row, amplitude in enumerate(amplitudes):
         bottom = below + (amplitudes.size - 1 - row) * (height + between)
         pair = [figure.add_axes((left / 170, bottom / total, 70 / 170, height / total)) for left in (13, 98)]
@@ -402,8 +397,7 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
     trusted = exact | (areas["share_beyond_hertz"].values <= FRACTION_LIMIT)
     positive = area[area > 0]
     for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
-        ax.set_xscale("log")
-        ax.set_xlim(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2)
+        ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))
         if not positive.size:
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue

@@ -11,7 +11,7 @@ from stiction._drawing import few_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.spectral_resolution import KAPPA
-from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, MILLIMETRE, OPPOSING, STYLE
+from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,10 +33,9 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
     where it reaches the hardness of a material over E*, the material yields, and finer waves no longer matter.
     """
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(FULL_WIDTH, 66 * MILLIMETRE), layout="constrained")
+        figure = new_figure(66, width=FULL_WIDTH)
         spectra, slopes, pressure = figure.subplots(1, 3)
         _spectra_panel(spectra, joined)
         _slopes_panel(slopes, joined)

@@ -9,16 +9,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._drawing import few_ticks
-from stiction.views.style import (
-    AREA,
-    MILLIMETRE,
-    RULE_WORDS,
-    RULES,
-    WIDTH,
-    direction_text,
-    friction_parameters_text,
-    label,
-)
+from stiction.views.style import AREA, RULE_WORDS, RULES, direction_text, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -54,10 +45,8 @@ def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: s
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Closure and its incremental stiffness against nominal pressure, of what `at_load` returns; 80 mm wide."""
-    from matplotlib.figure import Figure
-
     stress = 1000 / float(points["nominal_area"])  # MPa/mN
-    figure = Figure(figsize=(WIDTH, 100 * MILLIMETRE), layout="constrained")
+    figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = stress * np.asarray(points["load"].values, dtype=np.float64)
         mean, low, high = (points[name].sel(statistic=each).values for each in STATISTICS)
@@ -133,9 +122,7 @@ UNSEEN = "not seen"  # what a legend says
 def _against(
     points: xarray.Dataset, along: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
 ) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 114 * MILLIMETRE), layout="constrained")
+    figure = new_figure(114)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in _rules(points):
         at = points if "sliding" not in points.dims else points.sel(sliding=rule)

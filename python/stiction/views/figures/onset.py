@@ -21,11 +21,10 @@ from stiction.views.style import (
     FORCE,
     FRICTION,
     FULL_WIDTH,
-    MILLIMETRE,
     SLIP_MAP,
-    WIDTH,
     friction_parameters_text,
     label,
+    new_figure,
 )
 
 if TYPE_CHECKING:
@@ -42,12 +41,10 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
 
     It is of what `onset_of_result` returns. Of a free half-plane, which has no displacement, only what slips is drawn.
     """
-    from matplotlib.figure import Figure
-
     curve = onset.sel(statistic="mean")
     way, load = (_from_rest(curve[name].values) for name in ("displacement", "tangential_load"))
     moves = bool(np.isfinite(way).all())
-    figure = Figure(figsize=(WIDTH, (114 if moves else 66) * MILLIMETRE), layout="constrained")
+    figure = new_figure(114 if moves else 66)
     panels = figure.subplots(2 if moves else 1, 1, squeeze=False, height_ratios=[1.25, 1] if moves else [1])[:, 0]
     if moves:
         axes = panels[0]
@@ -63,8 +60,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         axes.plot(1e3 * first[0], first[1], color=FORCE, linewidth=1.2, label="first way up")
         axes.axhline(0, color="0.7", linewidth=0.4)
         axes.axvline(0, color="0.7", linewidth=0.4)
-        axes.set_xlabel("displacement of the upper body (nm)")
-        axes.set_ylabel("tangential load $F_T$ (mN)")
+        axes.set(xlabel="displacement of the upper body (nm)", ylabel="tangential load $F_T$ (mN)")
         axes.legend(loc="lower right", title="of the sliding load")
     axes = panels[-1]
     part = np.concatenate([[0.0], onset["fraction"].values])
@@ -78,10 +74,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         if np.isfinite(low).all():
             axes.fill_between(part, low, high, color=colour, alpha=0.15, linewidth=0)
         axes.plot(part, mean, dashes, color=colour, linewidth=1, label=words)
-    axes.set_xlim(0, 1)
-    axes.set_ylim(0, 100)
-    axes.set_xlabel("tangential load over sliding load")
-    axes.set_ylabel("what slips (%)")
+    axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="tangential load over sliding load", ylabel="what slips (%)")
     axes.legend(loc="upper left")
     attributes = onset.attrs
     said = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
@@ -132,10 +125,9 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     import matplotlib as mpl
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import BoundaryNorm
-    from matplotlib.figure import Figure
 
     of_points = "slip" in onset
-    figure = Figure(figsize=(WIDTH, (144 if of_points else 86) * MILLIMETRE), layout="constrained")
+    figure = new_figure(144 if of_points else 86)
     drawn = figure.subplots(2 if of_points else 1, 1, squeeze=False)[:, 0]
     colours = mpl.colormaps[SLIP_MAP]
     levels = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
@@ -196,8 +188,7 @@ def _closer(axes: Axes, onset: xarray.Dataset, levels: BoundaryNorm) -> None:
     axes.imshow(onset["lower_height"].values[part], extent=box, origin="lower", cmap="gray", alpha=0.6)
     _points(axes, onset["slip"].values[part], box, levels)
     axes.set_title("where most touches (framed above)", loc="left", fontsize=6, pad=3)
-    axes.set_xlabel(label("x"))
-    axes.set_ylabel(label("y"))
+    axes.set(xlabel=label("x"), ylabel=label("y"))
 
 
 # ---- Over fractal dimension -----------------------------------------------------------------------------------------
@@ -221,8 +212,6 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
 
     With 95 % intervals; dotted where the model is beyond its validity.
     """
-    from matplotlib.figure import Figure
-
     study = study_of(dataset)
     assert isinstance(study.contact, Asperities)
     asked = study.contact.onset
@@ -234,7 +223,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     lines = headlines(dataset, study)
     above, below, between, height = 6.0 + HEADLINE * len(lines), 15.0, 5.0, 42.0
     total = above + below + amplitudes.size * (height + between) - between
-    figure = Figure(figsize=(FULL_WIDTH, total * MILLIMETRE))
+    figure = new_figure(total, width=FULL_WIDTH, layout=None)
     for row, amplitude in enumerate(amplitudes):
         bottom = below + (amplitudes.size - 1 - row) * (height + between)
         for number, name in enumerate(_PANELS):
@@ -272,8 +261,7 @@ def _curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
     known = at[name].sel(statistic="mean").values
     known = factor * known[np.isfinite(known) & (known > 0)]
     if in_ratios and known.size:
-        axes.set_yscale("log")
-        axes.set_ylim(known.min() / 2, known.max() * 2)
+        axes.set(yscale="log", ylim=(known.min() / 2, known.max() * 2))
     elif not in_ratios:
         axes.set_ylim(0, 50)
     axes.set_ylabel(words)

@@ -13,7 +13,7 @@ from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, characterisation_of, length_text
-from stiction.views.style import AXES, FULL_WIDTH, MILLIMETRE, STYLE, WIDTH
+from stiction.views.style import AXES, FULL_WIDTH, STYLE, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,18 +31,17 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
     The parameters are those of `characterisation_text`.
     """
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     found = characterisation_of(body, **options)
     with mpl.rc_context(STYLE):
         if isinstance(found.body, Profile):
-            figure = Figure(figsize=(WIDTH, 88 * MILLIMETRE), layout="constrained")
+            figure = new_figure(88)
             first, second = figure.subfigures(2, 1, squeeze=False, height_ratios=[1, 1.7])[:, 0]
             axes = first.subplot_mosaic([["heights", "distribution"]], width_ratios=[1.7, 1])
             axes |= second.subplot_mosaic([["spectrum"]])
             _draw_heights(axes["heights"], found.body)
         else:
-            figure = Figure(figsize=(FULL_WIDTH, 112 * MILLIMETRE), layout="constrained")
+            figure = new_figure(112, width=FULL_WIDTH)
             first, second = figure.subfigures(1, 2, squeeze=False, width_ratios=[1, 1.1])[0]
             axes = first.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
             axes |= second.subplot_mosaic([["spectrum"], ["lines"]])

@@ -10,7 +10,7 @@ from stiction.studies.members import ProfileGenerator, pair_of
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
-from stiction.views.style import MILLIMETRE, WIDTH, evenly_spread, label
+from stiction.views.style import evenly_spread, label, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,14 +22,12 @@ MOST_PROFILES = 5
 
 def profiles_figure(study: Study) -> Figure:
     """Profiles of several fractal dimensions, of the same phases: their whole length, and one length scale of it."""
-    from matplotlib.figure import Figure
-
     bodies: Any = study.surfaces
     dimensions = bodies.fractal_dimensions()
     dimensions = dimensions[evenly_spread(dimensions.size, MOST_PROFILES)]
     amplitude = float(bodies.amplitudes()[0])
     window = min(float(bodies.length_scale), float(bodies.extent))
-    figure = Figure(figsize=(WIDTH, (12 + 13 * dimensions.size) * MILLIMETRE), layout="constrained")
+    figure = new_figure(12 + 13 * dimensions.size)
     axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
     for row, dimension in enumerate(dimensions):
         _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
@@ -47,7 +45,6 @@ def profiles_figure(study: Study) -> Figure:
 
 def length_scales_figure(study: Study) -> Figure:
     """Eq. 1, unscaled, for three length scales and the same phases: profiles, and surfaces without aliases."""
-    from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
     bodies: Any = study.surfaces
@@ -55,7 +52,7 @@ def length_scales_figure(study: Study) -> Figure:
     extent = float(bodies.extent)
     pixels = int(min(AREAL_POINTS, bodies.points))
     scales = [factor * float(bodies.length_scale) for factor in LENGTH_SCALES]
-    figure = Figure(figsize=(WIDTH, 66 * MILLIMETRE), layout="constrained")
+    figure = new_figure(66)
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
     for column, scale in enumerate(scales):
         generator = replace(ProfileGenerator.of(study), length_scale=scale)
@@ -66,8 +63,7 @@ def length_scales_figure(study: Study) -> Figure:
         )  # fmt: skip
         top, bottom = axes[:, column]
         top.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
-        top.set_title(f"$L$ = {scale:.3g} µm")
-        top.set_xlim(0, extent)
+        top.set(title=f"$L$ = {scale:.3g} µm", xlim=(0, extent))
         heights = surface.heights - surface.heights.mean()
         image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_MAP)
         bar = figure.colorbar(image, ax=bottom, location="bottom", pad=0.02)

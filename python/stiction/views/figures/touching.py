@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
 from stiction.views.figures.contact import box_of, draw_bodies
-from stiction.views.style import LEANING, MILLIMETRE, OPPOSING, WIDTH, label
+from stiction.views.style import LEANING, OPPOSING, label, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -33,16 +33,15 @@ def touching_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figur
 
     It is of what `contact_picture` returns, for a motion of the upper body in a direction (degrees); 80 mm wide.
     """
-    from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
     climbs, cut = climbing(picture, direction), picture["contact_at_edge"].values > 0
     kinds = [(OPPOSING, "has to climb"), (LEANING, "does not")] + [(CUT, "cut by the edge")] * bool(cut.any())
     if "gap" in picture:
-        figure = Figure(figsize=(WIDTH, 70 * MILLIMETRE), layout="constrained")
+        figure = new_figure(70)
         _lines(figure.subplots(2, 1, height_ratios=[1, 2.5]), picture, np.where(climbs, OPPOSING, LEANING), cut)
     else:
-        figure = Figure(figsize=(WIDTH, 80 * MILLIMETRE), layout="constrained")
+        figure = new_figure(80)
         _map(figure.subplots(), picture, climbs, cut)
     figure.legend(
         handles=[Patch(color=colour, label=words) for colour, words in kinds], loc="outside upper left", ncols=3
