@@ -95,12 +95,10 @@ ADVICE = {
 
 WIDE_INTERVAL = f"its interval is wider than ±{100 * WIDE:.0f} %"
 
-OF_VALUE: Checks = (
-    (
-        Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
-        Check("missing_interval", HALF, "there is no interval", "that takes at least 8 members that differ"),
-        Check("half_width", WIDE, WIDE_INTERVAL, "more members narrow it"),
-    ),
+OF_VALUE = (
+    Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
+    Check("missing_interval", HALF, "there is no interval", "that takes at least 8 members that differ"),
+    Check("half_width", WIDE, WIDE_INTERVAL, "more members narrow it"),
 )
 
 OF_GAP = Check(
@@ -108,72 +106,52 @@ OF_GAP = Check(
     "press gaps of other places", "caution",
 )  # fmt: skip
 
+STEEP = Check(
+    "rms_gradient", 1.0, "the gap has a root-mean-square gradient of {}, too steep for any contact model here",
+    "check the units of heights and spacing, or filter the scan",
+)  # fmt: skip
+
+
+def _share(name: str, text: str, cure: str, severity: Severity = "fault", limit: float = HALF) -> Check:
+    return Check(name, limit, text, cure, severity, "percent")
+
+
 OF_ASPERITIES: Checks = (
-    (
-        Check(
-            "share_beyond_hertz", HALF, "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
-            "give less load, or press by the half-space", "fault", "percent",
-        ),
-    ),
-    (
-        Check(
-            "share_below_grid", HALF, "{} of the load is on radii below the spacing of points: a finer grid differs",
-            "take a finer grid, or filter the bodies", "fault", "percent",
-        ),
-    ),
+    [_share(
+        "share_beyond_hertz", "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
+        "give less load, or press by the half-space",
+    )],
+    [_share(
+        "share_below_grid", "{} of the load is on radii below the spacing of points: a finer grid differs",
+        "take a finer grid, or filter the bodies",
+    )],
 )  # fmt: skip
 
-_OVERLAPPING = Check(
-    "share_overlapping", HALF, "{} of the load is on ellipses that overlap, where contacts merge",
-    "press by the half-space", "fault", "percent",
-)  # fmt: skip
-
-OF_ELLIPSES: Checks = ((_OVERLAPPING, _OVERLAPPING._replace(limit=0.1, severity="caution")),)
-
-OF_SLOPES: Checks = (
-    (
-        Check(
-            "rms_gradient", 1.0,
-            "the gap has a root-mean-square gradient of {}, too steep for any contact model here",
-            "check the units of heights and spacing, or filter the scan",
-        ),
-    ),
-)  # fmt: skip
-
-OF_PULL_OFF: Checks = (
-    (
-        Check(
-            "share_without_pull_off", 0.0, "the pull-off force of {} of the members does not converge, and is left out",
-            "take half_space of one of them, which says how far it came", "caution", "percent",
-        ),
-    ),
-)  # fmt: skip
-
-AT_EDGE: Checks = (
-    (
-        Check(
-            "share_at_edge", HALF, "{} of the load is on contacts that the edge cuts",
-            "larger maps or less load have fewer", "fault", "percent",
-        ),
-    ),
-)  # fmt: skip
-
+_OVERLAPPING = _share(
+    "share_overlapping", "{} of the load is on ellipses that overlap, where contacts merge", "press by the half-space"
+)
 _FINER = "scan more finely, filter the scan, or give a hardness"
 
-OF_SIZES: Checks = (
-    (
+OF_CONTACTS: Checks = (
+    [_share(
+        "share_without_pull_off", "the pull-off force of {} of the members does not converge, and is left out",
+        "take half_space of one of them, which says how far it came", "caution", 0.0,
+    )],
+    [_share(
+        "share_at_edge", "{} of the load is on contacts that the edge cuts", "larger maps or less load have fewer"
+    )],
+    [
         Check("single_cells", HALF, "the contacts are single points of the grid", _FINER),
-        Check(
-            "fraction_on_small", HALF, "{} of the load is on contacts of at most 4 points: a finer scan differs",
-            _FINER, "caution", "percent",
+        _share(
+            "fraction_on_small", "{} of the load is on contacts of at most 4 points: a finer scan differs", _FINER,
+            "caution",
         ),
-    ),
-    (
-        Check(
-            "share_on_largest", 0.4, "one contact carries {} of the load", "larger maps or more load say more",
-            "caution", "percent",
-        ),
-    ),
+    ],
+    [_share(
+        "share_on_largest", "one contact carries {} of the load", "larger maps or more load say more", "caution", 0.4
+    )],
+    *OF_ASPERITIES,
+    [_OVERLAPPING, _OVERLAPPING._replace(limit=0.1, severity="caution")],
 )  # fmt: skip
 
 
@@ -190,19 +168,17 @@ def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str
         yield Doubt(text, "see their statuses, and try another load", "fault")
     numbers = _numbers(point, study, value)
     pressures = pressure_checks(study, modulus_of(point, study))
-    of_value = ((OF_GAP,),) if study.is_gap else OF_VALUE
-    yield from doubted((*of_value, *OF_SLOPES, *pressures), numbers)
+    yield from doubted(([OF_GAP] if study.is_gap else OF_VALUE, [STEEP], *pressures), numbers)
     yield from _of_the_strength(point, study, value)
     yield from _of_the_adhesion(point, study)
     yield from _of_the_scans(point, study)
     yield from _of_the_contacts(point, ok)
-    yield from doubted((*OF_PULL_OFF, *AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES), numbers)
+    yield from doubted(OF_CONTACTS, numbers)
 
 
 def limit_of(name: str) -> float | None:
     """The least value from which on a number is doubted whatever the bodies are; None if it is not."""
-    groups = (*AT_EDGE, *OF_SIZES, *OF_ASPERITIES, *OF_ELLIPSES)
-    return min((check.limit for group in groups for check in group if check.name == name), default=None)
+    return min((check.limit for group in OF_CONTACTS for check in group if check.name == name), default=None)
 
 
 def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
@@ -258,19 +234,15 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
     if study.is_measured:
         yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
         harder = "it holds only if the softer body is harder than {}, the mean pressure in contact"
-        return (
-            (
-                check(highest, yielded, "give the hardness of the softer body", "fault"),
-                check(high, harder, "give its hardness", "caution"),
-            ),
-        )
+        cure = "give the hardness of the softer body"
+        return ((check(highest, yielded, cure, "fault"), check(high, harder, "give its hardness", "caution")),)
     text = "the mean pressure in contact is {}, at which hardly any material is still elastic"
     return ((check(highest, text, "take lower heights or D, or a hardness", "caution"),),)
 
 
 def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
     """The checks of a point of generated bodies, as a page has them: it does what `doubted` does."""
-    groups = (*OF_VALUE, *pressure_checks(study, float(study.contact.effective_modulus)), *OF_ASPERITIES)
+    groups = (OF_VALUE, *pressure_checks(study, float(study.contact.effective_modulus)), *OF_ASPERITIES)
     return [[check._asdict() for check in group] for group in groups]
 
 
