@@ -147,6 +147,8 @@ function gradient(values, steps) {
   });
 }
 
+const sumOf = (values) => values.reduce((sum, value) => sum + value, 0);
+
 /** Sums over the repetitions of values (repetition, approach). */
 function totals(values, count) {
   const total = new Float64Array(count);
@@ -156,7 +158,7 @@ function totals(values, count) {
 
 /** Of each repetition's number, the mean of the others'. */
 function without(each) {
-  const total = each.reduce((sum, value) => sum + value, 0);
+  const total = sumOf(each);
   return each.map((value) => (total - value) / (each.length - 1));
 }
 
@@ -165,14 +167,9 @@ function slopeAround({meanNormal, meanValues, around, count}, index) {
   const first = Math.max(index - 1 - around, 0);
   const last = Math.min(index + around, count - 1) + 1;
   const [x, y] = [meanNormal.subarray(first, last), meanValues.subarray(first, last)];
-  const [middleX, middleY] = [x, y].map((values) => values.reduce((sum, value) => sum + value, 0) / values.length);
-  let squares = 0;
-  let products = 0;
-  for (let i = 0; i < x.length; i++) {
-    squares += (x[i] - middleX) ** 2;
-    products += (x[i] - middleX) * (y[i] - middleY);
-  }
-  return squares > 0 ? products / squares : 0;
+  const [middleX, middleY] = [x, y].map((values) => sumOf(values) / values.length);
+  const squares = sumOf(x.map((value) => (value - middleX) ** 2));
+  return squares > 0 ? sumOf(x.map((value, i) => (value - middleX) * (y[i] - middleY))) / squares : 0;
 }
 
 /** Ends of the interval of a mean that is read off at a load, where the mean load reaches it. */
@@ -201,15 +198,10 @@ function interval(jack, mean, load) {
 /** Half the interval of a mean from its leave-one-out values. */
 function halfWidth(values, confidence) {
   const repetitions = values.length;
-  const centre = values.reduce((total, value) => total + value, 0) / repetitions;
-  let squares = 0;
-  let fourths = 0;
-  for (const value of values) {
-    const power = (value - centre) ** 2;
-    squares += power;
-    fourths += power ** 2;
-  }
-  const kurtosis = squares > 0 ? (repetitions * fourths) / squares ** 2 : 3;
+  const centre = sumOf(values) / repetitions;
+  const each = values.map((value) => (value - centre) ** 2);
+  const squares = sumOf(each);
+  const kurtosis = squares > 0 ? (repetitions * sumOf(each.map((power) => power ** 2))) / squares ** 2 : 3;
   const freedom = Math.min(Math.max((2 * repetitions) / Math.max(kurtosis - 1, 1e-9), 1), repetitions - 1);
   return studentQuantile(0.5 + confidence / 2, freedom) * Math.sqrt(((repetitions - 1) / repetitions) * squares);
 }
@@ -422,13 +414,22 @@ function tickText(value) {
 /** Index of the step that is a load, or -1. */
 const stepOf = ({steps}, load) => steps.findIndex((step) => Math.abs(step - load) <= 1e-9 * load);
 
-/** The friction coefficient of each member at a step, over the chosen motions; NaN where there is none. */
-function frictionOfMembers({facts, motions, chosen, members}, d, a, step, mu0, tau0) {
-  const names = [...OF_NORMAL, ...OF_TANGENTIAL];
-  return members.map((member) => chosen.reduce((sum, motion) => {
+/** Normal and tangential load of each member at a step, in a motion. */
+function loadsOfMembers({facts, motions, members}, motion, d, a, step, mu0, tau0) {
+  return members.map((member) => {
     const at = (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
-    return sum + coefficientOf(names.map((name) => motions[motion].sums[name][at]), mu0, tau0);
-  }, 0) / chosen.length);
+    return [OF_NORMAL, OF_TANGENTIAL].map((names) => {
+      const [elastic, frictional, adhesive] = names.map((name) => motions[motion].sums[name][at]);
+      return elastic + mu0 * frictional + tau0 * adhesive;
+    });
+  });
+}
+
+/** The friction coefficient of each member at a step, over the chosen motions; NaN where there is none. */
+function frictionOfMembers(result, ...at) {
+  const loads = result.chosen.map((motion) => loadsOfMembers(result, motion, ...at));
+  return result.members.map((_, i) =>
+    sumOf(loads.map((own) => (own[i][0] > 0 ? own[i][1] / own[i][0] : NaN))) / loads.length);
 }
 
 /** Mean of friction over the members at a load with its interval, or of one of facts.quantities as it was handed over. */
@@ -444,18 +445,9 @@ function meanOfMembers(result, quantity, d, a, load, mu0, tau0) {
   const values = frictionOfMembers(result, d, a, step, mu0, tau0);
   const [value, lower, upper] = intervalOf(result, values);
   const answered = values.filter(Number.isFinite).length;
-  return {...said, status: answered ? "ok" : statusOfMembers(result, d, a, step, mu0, tau0), value, lower, upper, answered, all: values.length};
-}
-
-/** Why no member has an answer. */
-function statusOfMembers(result, d, a, step, mu0, tau0) {
-  const {facts, motions, chosen, members} = result;
-  const loads = members.map((member) => {
-    const at = (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
-    const [elastic, frictional, adhesive] = OF_NORMAL.map((name) => motions[chosen[0]].sums[name][at]);
-    return elastic + mu0 * frictional + tau0 * adhesive;
-  });
-  return loads.some((load) => load <= 0) ? "self-locked" : "not-solved";
+  const isLocked = () => loadsOfMembers(result, result.chosen[0], d, a, step, mu0, tau0).some(([normal]) => normal <= 0);
+  const status = answered ? "ok" : isLocked() ? "self-locked" : "not-solved";
+  return {...said, status, value, lower, upper, answered, all: values.length};
 }
 
 /** Mean and interval of values of members: of independent ones, or of neighbours along lines. */
@@ -467,8 +459,8 @@ function intervalOf({facts, members}, values) {
   let independent = known.map(({value}) => value);
   if (lines.length > 1) {
     const of = lines.map((line) => known.filter((each) => each.line === line));
-    const sums = of.map((each) => each.reduce((sum, {value}) => sum + value, 0));
-    const mean = sums.reduce((sum, value) => sum + value, 0) / known.length;
+    const sums = of.map((each) => sumOf(each.map(({value}) => value)));
+    const mean = sumOf(sums) / known.length;
     independent = sums.map((sum, i) => mean + ((sum - of[i].length * mean) * lines.length) / known.length);
   }
   const [mean, lower, upper] = ofNeighbours(independent, facts.confidence, facts.fewestNeighbours);
@@ -480,9 +472,9 @@ function intervalOf({facts, members}, values) {
 function ofSample(values, confidence, fewest) {
   const known = values.filter(Number.isFinite);
   const count = known.length;
-  const mean = known.reduce((sum, value) => sum + value, 0) / count;
+  const mean = sumOf(known) / count;
   if (count < fewest) return [mean, NaN, NaN];
-  const squares = known.reduce((sum, value) => sum + (value - mean) ** 2, 0);
+  const squares = sumOf(known.map((value) => (value - mean) ** 2));
   const half = studentQuantile(0.5 + confidence / 2, count - 1) * Math.sqrt(squares / (count - 1) / count);
   const least = known.some((value) => value < 0) ? -Infinity : 0;
   return [mean, Math.max(mean - half, least), mean + half];
@@ -493,12 +485,12 @@ const CORRELATIONS = Array.from({length: 20}, (_, i) => 0.05 * i);
 /** Mean of values in the order in which they are neighbours, and its interval; as `intervals.of_neighbours`. */
 function ofNeighbours(values, confidence, fewest) {
   const count = values.length;
-  const mean = values.reduce((sum, value) => sum + value, 0) / count;
+  const mean = sumOf(values) / count;
   if (count < fewest || values.every((value) => value === values[0])) return [mean, NaN, NaN];
-  const spread = Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / (count - 1));
+  const spread = Math.sqrt(sumOf(values.map((value) => (value - mean) ** 2)) / (count - 1));
   if (!(spread > 0)) return [mean, NaN, NaN];
   const y = values.map((value) => (value - mean) / spread);
-  const sum = y.reduce((total, value) => total + value, 0);
+  const sum = sumOf(y);
   const processes = CORRELATIONS.map((rho) => {
     const ones = (count - (count - 2) * rho) / (1 + rho);
     const centre = (y[0] + y[count - 1] + (1 - rho) * (sum - y[0] - y[count - 1])) / (1 + rho) / ones;
@@ -515,7 +507,7 @@ function ofNeighbours(values, confidence, fewest) {
   });
   const least = Math.min(...processes.map(({weight}) => weight));
   for (const each of processes) each.weight = Math.exp(-0.5 * (each.weight - least));
-  const total = processes.reduce((all, {weight}) => all + weight, 0);
+  const total = sumOf(processes.map(({weight}) => weight));
   const freedom = count - 1;
   const density = Math.exp(logGamma(count / 2) - logGamma(freedom / 2)) / Math.sqrt(Math.PI * freedom);
   const below = (t) => 1 - incompleteBeta(freedom / (freedom + t * t), freedom / 2, 0.5) / 2;
@@ -531,17 +523,11 @@ function ofNeighbours(values, confidence, fewest) {
     high += change;
     if (change <= 1e-15 * high) break;
   }
-  const power = (n) => y.reduce((all, value) => all + value ** n, 0) / count;
+  const power = (n) => sumOf(y.map((value) => value ** n)) / count;
   const bend = power(3) / power(2) ** 1.5 / 3;
   const isBent = Math.abs(bend) > 1e-9;
   const [down, up] = isBent ? [-Math.expm1(-bend * high) / bend, Math.expm1(bend * high) / bend] : [high, high];
   return [mean, Math.max(mean - spread * down, Math.min(...values)), Math.min(mean + spread * up, Math.max(...values))];
-}
-
-/** The friction coefficient of the sums of normal and tangential load: elastic, per mu0 and per tau0 of each. */
-function coefficientOf([normal, normalMu0, normalTau0, tangential, tangentialMu0, tangentialTau0], mu0, tau0) {
-  const load = normal + mu0 * normalMu0 + tau0 * normalTau0;
-  return load > 0 ? (tangential + mu0 * tangentialMu0 + tau0 * tangentialTau0) / load : NaN;
 }
 
 /** The friction coefficient by the slope of the gap alone; as `gentle_friction`. */
@@ -556,13 +542,12 @@ function gentleFriction(mu0, tau0, {gradient, slope, modulus, kappa}, sliding) {
 function slopesAlone({facts, members}, d, directions, sliding, mu0, tau0) {
   if (!facts.gap) return NaN;
   const {gradient, slope, kappa} = facts.gap;
-  const {modulus} = facts;
   const mean = (values) => {
     const known = members.map((member) => values[member]).filter(Number.isFinite);
-    return known.reduce((sum, value) => sum + value, 0) / known.length;
+    return sumOf(known) / known.length;
   };
-  return directions.reduce((sum, way) => sum + gentleFriction(mu0, tau0,
-    {gradient: mean(gradient[d]), slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus, kappa}, sliding), 0) / directions.length;
+  return sumOf(directions.map((way) => gentleFriction(mu0, tau0, {gradient: mean(gradient[d]),
+    slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus: facts.modulus, kappa}, sliding))) / directions.length;
 }
 
 /** Position in a list of the number that is nearest to another one. */

@@ -4,18 +4,22 @@
 // ---- Elements -------------------------------------------------------------------------------------------------------
 
 /** An element with attributes and children; text is never markup. */
-function element(name, attributes = {}, ...children) {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  made.append(...children);
-  return made;
-}
+const maker = (space) => (name, attributes = {}, ...children) => {
+  const one = document.createElementNS(`http://www.w3.org/${space}`, name);
+  for (const [key, value] of Object.entries(attributes)) one.setAttribute(key, value);
+  one.append(...children);
+  return one;
+};
+const [element, shape] = [maker("1999/xhtml"), maker("2000/svg")];
 
-function shape(name, attributes = {}, ...children) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  made.append(...children);
-  return made;
+/** An empty picture of a size in pixels. */
+const pictureOf = (width, height) => shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`, "font-size": 0.8125 * rem(),
+  "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)", "aria-hidden": "true"});
+
+/** Where an event is in a place, pixels. */
+function positionIn(place, {clientX, clientY}) {
+  const {left, top} = place.getBoundingClientRect();
+  return [clientX - left, clientY - top];
 }
 
 /** Words of an axis: _F_ is in italics, ~N~ below the line. */
@@ -65,8 +69,7 @@ function axes(place, wholeX, wholeY, top = 0) {
   const [width, height] = [Math.max(place.clientWidth, 8 * unit), Math.max(place.clientHeight, 8 * unit)];
   const box = {left: 4.4 * unit, right: width - unit, top: (0.6 + top) * unit, bottom: height - 3.2 * unit};
   const small = 0.8125 * unit;
-  const picture = shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`, "font-size": small,
-    "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)", "aria-hidden": "true"});
+  const picture = pictureOf(width, height);
   const [X, Y] = [scaleOf(x, box.left, box.right), scaleOf(y, box.bottom, box.top)];
   const frame = {x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top};
   const lines = shape("g", {style: "stroke: var(--muted)", fill: "none"});
@@ -127,10 +130,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
   let rectangle = null;
   let undo = null;
   const fingers = new Map();
-  const at = (event) => {
-    const {left, top} = place.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
-  };
+  const at = (event) => positionIn(place, event);
   const isInside = ([x, y]) => {
     const {box} = place.axes ?? {};
     return box && x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
@@ -264,18 +264,18 @@ const HATCHES = {
   "self-locked": ["#7a0019", ""],
 };
 
+const pattern = (id, ...shapes) => shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"}, ...shapes);
+
 function hatch(name, id) {
   const [ground, lines] = HATCHES[name];
-  return shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"},
-    shape("rect", {width: 8, height: 8, style: `fill: ${ground}`}),
+  return pattern(id, shape("rect", {width: 8, height: 8, style: `fill: ${ground}`}),
     shape("path", {d: lines, "stroke-width": 1.3, "stroke-linecap": "round", style: "stroke: var(--muted); fill: none"}));
 }
 
 /** White lines with dark edges over colours that stay what they are, on light and on dark pages: beyond the model. */
 function beyondModel(id) {
   const d = "M-2 6L2 10M0 0L8 8M6 -2L10 2";
-  return shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"},
-    shape("path", {d, "stroke-width": 2.6, style: "stroke: #000000; stroke-opacity: 0.55; fill: none"}),
+  return pattern(id, shape("path", {d, "stroke-width": 2.6, style: "stroke: #000000; stroke-opacity: 0.55; fill: none"}),
     shape("path", {d, "stroke-width": 1.3, style: "stroke: #ffffff; fill: none"}));
 }
 
@@ -467,8 +467,7 @@ function drawCompass(place, directions, series, picked, said) {
   const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];
   const [x, y, radius] = [width / 2, height / 2, Math.min(width, height) / 2 - 2.2 * unit];
   const [, most] = rangeOf(series.flatMap(({points}) => points), false);
-  const picture = shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`, "font-size": 0.8125 * unit,
-    "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)", "aria-hidden": "true"});
+  const picture = pictureOf(width, height);
   const at = (angle, value) => {
     const r = (radius * Math.min(Math.max(value, 0), most)) / most;
     return [x + r * Math.cos((angle * Math.PI) / 180), y - r * Math.sin((angle * Math.PI) / 180)];
@@ -490,8 +489,8 @@ function drawCompass(place, directions, series, picked, said) {
       "stroke-width": 2.2, "stroke-dasharray": s ? "7 4" : "none", style: `fill: none; stroke: ${colour}`}));
     directions.forEach((angle, d) => {
       if (!Number.isFinite(points[d].value)) return;
-      hits.push({x: at(angle, points[d].value)[0], y: at(angle, points[d].value)[1], words: said(points[d], angle, name)});
       const [cx, cy] = at(angle, points[d].value);
+      hits.push({x: cx, y: cy, words: said(points[d], angle, name)});
       picture.append(shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`}));
       if (d === picked) picture.append(...ringed(cx, cy, 0.35 * unit));
     });

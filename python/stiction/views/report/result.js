@@ -512,14 +512,10 @@ function connectCompass() {
     const now = facts.ways[state.way].directions;
     set(wayOf(now.length > 1 ? 0 : (now[0] + step + count) % count));
   });
-  const at = (event) => {
-    const {left, top} = compass.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
-  };
-  compass.addEventListener("pointermove", (event) => tipOfNearest(compass, at(event)));
+  compass.addEventListener("pointermove", (event) => tipOfNearest(compass, positionIn(compass, event)));
   compass.addEventListener("pointerleave", () => tip(compass, ""));
   compass.addEventListener("click", (event) => {
-    const [x, y] = at(event);
+    const [x, y] = positionIn(compass, event);
     const {centre} = compass.axes;
     const angle = (Math.atan2(centre[1] - y, x - centre[0]) * 180) / Math.PI;
     const apart = (one) => Math.abs(((one - angle + 540) % 360) - 180);
@@ -550,10 +546,6 @@ async function unpackAll() {
 
 /** Take away what a result has nothing for. */
 function hideOthers() {
-  const hide = (id) => {
-    byId(id).closest("section, .panel").hidden = true;
-    delete drawings[id];
-  };
   const lacking = {
     map: isMeasured || !loads.length,
     readout: !loads.length,
@@ -564,9 +556,9 @@ function hideOthers() {
     unloading: !isMeasured || !hasQuantity("unloading"),
     compass: facts.directions.length < 3 || !loads.length,
   };
-  if (lacking.map) {
-    byId("map-panel").hidden = true;
-    delete drawings.map;
+  for (const id of Object.keys(lacking).filter((each) => lacking[each])) {
+    byId(id === "readout" ? "top" : id).closest("section, .panel").hidden = true;
+    delete drawings[id];
   }
   byId("top").classList.toggle("alone", lacking.map && !byId("top").querySelector(".figure"));
   if (isMeasured) {
@@ -576,7 +568,6 @@ function hideOthers() {
     byId("numbers").append(byId("figures"), byId("sentence"));
   }
   byId("more").addEventListener("toggle", () => redraw(...Object.keys(drawings)));
-  for (const [id, isLacking] of Object.entries(lacking)) if (isLacking && id !== "map") id === "readout" ? (byId("top").hidden = true, delete drawings[id]) : hide(id);
   byId(isMeasured ? "of-ensembles" : "of-members").hidden = true;
   byId("over-title").textContent = `Friction coefficient over ${isMeasured ? "cut-off wavelength" : "fractal dimension"}`;
 }
