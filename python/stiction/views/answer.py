@@ -28,7 +28,9 @@ from stiction.views.doubts import WIDE as WIDE
 from stiction.views.doubts import Doubt as Doubt
 from stiction.views.point import (
     CELLS,
+    STATISTICS,
     adhesion_text,
+    by_rule,
     is_capped,
     law_of,
     load_text,
@@ -236,8 +238,7 @@ def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
 def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> Answer:
     """The answer of one point of what `at_load` gives, one cell, load, mu0 and tau0, with doubts from the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
-    own = point.sel(sliding=rules[0].rule) if "sliding" in point["status"].dims else point
-    statuses = np.unique(own["status"].values)
+    statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
     # A direction without an answer leaves the mean over all of them without one.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
@@ -259,7 +260,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
 
 
 def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
-    own = point.sel(sliding=rule) if "sliding" in point.dims else point
+    own = by_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in own else "friction_coefficient"
     value, lower, upper = (own[name].sel(statistic=each).item() for each in STATISTICS)
     ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
@@ -267,9 +268,6 @@ def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
     test = _ends_of(own, "friction_next_test") or (math.nan, math.nan)
     low, high, slopes = (value_of(own, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return RuleValue(rule, value, lower, upper, ends, test, low, high, slopes)
-
-
-STATISTICS = ("mean", "lower", "upper")
 
 
 def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
@@ -284,8 +282,7 @@ def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
     """What would be left of the interval by a rule if each input were known, the narrowest first."""
     if "friction_if_known" not in point:
         return ()
-    own = point.sel(sliding=rule) if "sliding" in point.dims else point
-    found = []
+    own, found = by_rule(point, rule), []
     for index, words in enumerate(own["input_words"].values.tolist()):
         if (ends := _ends_of(own.isel(input=index), "friction_if_known")) is not None:
             found.append(Left(words, *ends, float(own["width_if_known"][index])))
@@ -296,8 +293,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
     """The coefficient by a rule after each time under load."""
     if "friction_waited" not in point:
         return ()
-    table = point["friction_waited"]
-    table = (table.sel(sliding=rule) if "sliding" in table.dims else table).transpose("wait", "statistic")
+    table = by_rule(point["friction_waited"], rule).transpose("wait", "statistic")
     rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
     return tuple(Waited(seconds, *three) for seconds, three in rows)
 
@@ -351,8 +347,7 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
     words.append(f"τ0 = {adhesion}{_asked(point, study, 'tau0')}")
     if study.known.interface is not None and all(_is_asked(point, study, name) for name in ("mu0", "tau0")):
         words.append(_interface_words(study))
-    if made_of := materials_text(study):
-        words.append(made_of)
+    words += filter(None, [materials_text(study)])
     words.append(f"E* = {with_unit(modulus_of(point, study), 'GPa')}")
     hardness = study.contact.hardness
     if hardness is not None:

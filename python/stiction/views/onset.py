@@ -9,6 +9,7 @@ import numpy as np
 
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.views.digits import finite, percent, quoted, with_interval, with_unit
+from stiction.views.point import STATISTICS
 
 if TYPE_CHECKING:
     import xarray
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 HALF = 0.5
 AMPLITUDES = (0.5, 0.9)  # amplitudes of cycles over the sliding load
-STATISTICS = ("mean", "lower", "upper")
 
 
 def onset_text(onset: xarray.Dataset) -> str:

@@ -29,6 +29,12 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of cells of any study
+STATISTICS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % interval
+
+
+def by_rule(table: Any, rule: str) -> Any:
+    """A table of results by one sliding rule, which may be the only one."""
+    return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
@@ -102,12 +108,9 @@ def adhesion_text(point: xarray.Dataset, study: Study) -> str:
 def load_text(point: xarray.Dataset, study: Study) -> str:
     """The load of a point, and over the nominal area: "10 mN (100 MPa)"."""
     load = float(point["load"])
-    words = with_unit(load, "mN")
-    return (
-        f"{words} ({with_unit(load / float(point['nominal_area']), 'GPa')})"
-        if has_nominal_area(point, study)
-        else words
-    )
+    if not has_nominal_area(point, study):
+        return with_unit(load, "mN")
+    return f"{with_unit(load, 'mN')} ({with_unit(load / float(point['nominal_area']), 'GPa')})"
 
 
 def over_text(directions: Any) -> str:

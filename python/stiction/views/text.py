@@ -6,7 +6,7 @@ import math
 import re
 import shutil
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,8 @@ from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import (
     CELLS,
     RULES,
+    STATISTICS,
+    by_rule,
     has_nominal_area,
     is_capped,
     load_text,
@@ -139,16 +141,15 @@ def answer_text(
     found = headlines(answers(at, study, beside=beside))
     first = at.sel({name: found[0].at[name] for name in CELLS if name in at.dims})
     point = next(points(first))
-    slopes = slopes_text(found[0], point, study)
     parts = [history_text(at, study)] if verbose else []
     parts.append(f"{answers_text(found)}\n{doubts_text(found, None if verbose else most)}")
     is_known = any(math.isfinite(one.value) for one in found)
     quantities = quantities_text(first, study, verbose=verbose) if is_known else ""
-    if len(found) == 1 and not verbose:
-        parts.append("\n".join(filter(None, (_details(found[0]), quantities))))
+    details = _details(found[0]) if len(found) == 1 else ""
+    if verbose:
+        parts += [details, fitted(slopes_text(found[0], point, study)), quantities]
     else:
-        details = _details(found[0]) if len(found) == 1 else ""
-        parts += [details, fitted(slopes) if slopes and verbose else "", quantities]
+        parts.append("\n".join(filter(None, (details, quantities))))
     if is_known:
         parts += [axes_text(point, verbose=verbose), directions_text(point) if verbose else ""]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -179,16 +180,15 @@ def answers_text(found: Sequence[Answer]) -> str:
         words = (f"{_coefficient(found[0], index)}  {RULES[rule.rule]}" for index, rule in enumerate(found[0].rules))
         return "\n".join(fitted(f"{'      ' if i else 'μ_s = '}{each}", hang=" " * 8) for i, each in enumerate(words))
     varying = [name for name in found[0].at if len({one.at[name] for one in found}) > 1]
-    titles = [
-        *(_TITLES.get(name, name) for name in varying),
-        *(f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules),
-        "",
-    ]
-    rows = [titles]
+    titles = (f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules)
+    rows = [[*(_TITLES.get(name, name) for name in varying), *titles, ""]]
     for one in found:
         values = [_coefficient(one, index) for index in range(len(one.rules))]
         rows.append([*(_coordinate(name, one.at[name]) for name in varying), *values, one.verdict])
-    return aligned(rows) + "\n" + fitted(f"{_shared(found)}{found[0].note}", indent="  ")
+    inputs = [one.inputs.split(", ") for one in found]
+    same = [word for word in inputs[0] if all(word in each for each in inputs)]
+    shared = f"with {', '.join(same)}; " if same else ""
+    return aligned(rows) + "\n" + fitted(f"{shared}{found[0].note}", indent="  ")
 
 
 def _coefficient(one: Answer, index: int) -> str:
@@ -196,13 +196,6 @@ def _coefficient(one: Answer, index: int) -> str:
     if math.isfinite(rule.value):
         return quoted(rule.value, rule.lower, rule.upper)
     return "none" if one.status == friction.STATUS_OK else one.status
-
-
-def _shared(found: Sequence[Answer]) -> str:
-    """The inputs that all answers have."""
-    words = [one.inputs.split(", ") for one in found]
-    same = [word for word in words[0] if all(word in each for each in words)]
-    return f"with {', '.join(same)}; " if same else ""
 
 
 _TITLES = {"fractal_dimension": "D", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}
@@ -217,19 +210,17 @@ def _coordinate(name: str, value: float) -> str:
 
 def _details(one: Answer) -> str:
     """What holds by an answer, where tests and finer scans lie, and the inputs."""
-    lines = []
-    if one.parts is not None:
-        lines.append(parts_text(one))
-    lines += [words for words in (test_text(one), waited_text(one)) if words]
+    lines = [parts_text(one), test_text(one), waited_text(one)]
     if one.bracket is not None:
         words = bracket_text(one.bracket)
         lines.append(f"{words[0].upper()}{words[1:]}.")
-    return "\n".join(map(fitted, [*lines, f"At {one.inputs}; {one.note}."]))
+    return "\n".join(map(fitted, [*filter(None, lines), f"At {one.inputs}; {one.note}."]))
 
 
 def parts_text(one: Answer) -> str:
-    """What holds the bodies, in the digits of the coefficient."""
-    assert one.parts is not None
+    """What holds the bodies, in the digits of the coefficient; empty where it is not known."""
+    if one.parts is None:
+        return ""
     mu0, adhesion, slopes = (round(part, 3) + 0.0 for part in one.parts)
     sign = "\N{MINUS SIGN}" if slopes < 0 else "+"
     more = "" if math.isclose(mu0, one.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
@@ -373,9 +364,7 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
         if unit == "MPa/mm" and max(map(_largest, tables)) >= 1e4:
             factor, shown = 1e-3, "GPa/mm"
     cells = [_cell(table, factor) for table in tables]
-    if all(cell == "none" for cell in cells):
-        return []
-    return [[words, shown, *cells]]
+    return [] if set(cells) == {"none"} else [[words, shown, *cells]]
 
 
 def _largest(table: xarray.DataArray) -> float:
@@ -390,7 +379,7 @@ def _cell(table: xarray.DataArray, factor: float) -> str:
     if table.name == "error":
         worst = table.sel(statistic="mean").item()
         return "none" if math.isnan(worst) else significant(worst, 1)
-    return with_interval(*(factor * table.sel(statistic=each).item() for each in ("mean", "lower", "upper")))
+    return with_interval(*(factor * table.sel(statistic=each).item() for each in STATISTICS))
 
 
 def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
@@ -398,16 +387,20 @@ def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
     if "friction_by_axis" not in point or point.sizes.get("axis", 0) < 2:
         return ""
     table = point["friction_by_axis"]
-    rules = [rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values)]
-    lay = lay_text(table.sel(sliding=rules[0]) if "sliding" in table.dims else table)
+    lay = lay_text(by_rule(table, next(rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values))))
     if not verbose:
         return fitted(lay) if lay.startswith("Grooves") else ""
-    rows = [["μ_s along an axis", *(RULE_TITLES[rule] for rule in rules)]]
-    for axis in point["axis"].values:
-        along = table.sel(axis=axis)
-        own = [along.sel(sliding=rule) if "sliding" in along.dims else along for rule in rules]
-        rows.append([_axis(float(axis)), *(_cell(each, 1.0) for each in own)])
-    return aligned(rows) + "\n" + fitted(lay)
+    return _by_rules("μ_s along an axis", table, "axis", _axis) + "\n" + fitted(lay)
+
+
+def _by_rules(title: str, table: xarray.DataArray, along: str, name: Callable[[float], str]) -> str:
+    """A table of coefficients: a row for each coordinate along a dimension, a column for each sliding rule."""
+    rules = [rule for rule in RULES if rule in np.atleast_1d(table["sliding"].values)]
+    rows = [[title, *(RULE_TITLES[rule] for rule in rules)]]
+    for place in table[along].values:
+        own = table.sel({along: place})
+        rows.append([name(float(place)), *(_cell(by_rule(own, rule), 1.0) for rule in rules)])
+    return aligned(rows)
 
 
 def _axis(degrees: float) -> str:
@@ -416,7 +409,7 @@ def _axis(degrees: float) -> str:
 
 def lay_text(table: xarray.DataArray) -> str:
     """Grooves or none, from the coefficients along several axes: whether the intervals of the extremes are apart."""
-    mean, lower, upper = (table.sel(statistic=each) for each in ("mean", "lower", "upper"))
+    mean, lower, upper = (table.sel(statistic=each) for each in STATISTICS)
     if not np.isfinite(lower.values).all():
         return "Whether there are grooves is not known: the axes have no intervals."
     high, low = (int(choose(mean.values)) for choose in (np.argmax, np.argmin))
@@ -431,13 +424,7 @@ def directions_text(point: xarray.Dataset) -> str:
     """The coefficient in every direction of the upper body."""
     if "direction" not in point.dims:
         return ""
-    rules = [rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values)]
-    rows = [["μ_s, upper body", *(RULE_TITLES[rule] for rule in rules)]]
-    for direction in point["direction"].values:
-        own = point["friction_coefficient"].sel(direction=direction)
-        cells = [_cell(own.sel(sliding=rule) if "sliding" in own.dims else own, 1.0) for rule in rules]
-        rows.append([way_text(float(direction)), *cells])
-    return aligned(rows)
+    return _by_rules("μ_s, upper body", point["friction_coefficient"], "direction", way_text)
 
 
 def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | None) -> str:
@@ -459,19 +446,15 @@ def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | Non
 
 def history_text(at: xarray.Dataset, study: Study) -> str:
     """What was pressed, and how."""
-    lines = []
-    for name in ("upper", "lower"):
-        if name in at.attrs:
-            steps = str(at.attrs[name]).split("\n")
-            lines.append(fitted(f"{name:<9}{'; '.join(steps)}", hang=" " * 9))
+    steps = {name: str(at.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in at.attrs}
     mechanics = {"half-space": "the elastic half-space", "asperities": "asperities that do not feel each other"}
     model = [mechanics[study.contact.mechanics]]
     if "nominal_area" in at.coords:
         model.append(f"on a nominal area of {float(at['nominal_area']):.4g} µm²")
     if study.contact.mechanics == "asperities" and study.surfaces.kind != "surface":
         model += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
-    lines.append(fitted(f"{'model':<9}{', '.join(model)}", hang=" " * 9))
-    return "\n".join(lines)
+    steps["model"] = ", ".join(model)
+    return "\n".join(fitted(f"{name:<9}{words}", hang=" " * 9) for name, words in steps.items())
 
 
 # ---- Overview --------------------------------------------------------------------------------------------------------
@@ -484,19 +467,16 @@ def overview_text(at: xarray.Dataset, study: Study) -> str:
     tables, marked = [], False
     for place in np.ndindex(*(at.sizes[name] for name in rest)):
         part = at.isel(dict(zip(rest, place, strict=True)))
-        rows = [[_overview_title(part), *(_column(across, each) for each in at[across].values)]]
+        rows = [["", *(_column(across, each) for each in at[across].values)]]
         for load in at["load"].values:
             own = part.sel(load=load)
             cells = [_overview_cell(own.isel({across: i})) for i in range(at.sizes[across])]
             marked = marked or any(cell.endswith("*") for cell in cells)
             rows.append([f"  {with_unit(float(load), 'mN')}", *cells])
-        tables.append(
-            f"{fitted(rows[0][0])}\n{aligned([['', *rows[0][1:]], *rows[1:]])}"
-        )  # a title is longer than columns
+        tables.append(f"{fitted(_overview_title(part))}\n{aligned(rows)}")
     if marked:
-        tables.append(
-            fitted("* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing")
-        )
+        note = "* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing"
+        tables.append(fitted(note))
     return "\n".join(tables)
 
 
@@ -519,7 +499,6 @@ def _overview_cell(point: xarray.Dataset) -> str:
     if bad:
         return bad[0]
     name = "friction_all_round" if "friction_all_round" in point else "friction_coefficient"
-    beyond = doubted(
-        OF_ASPERITIES, {name: value_of(point, name) for name in ("share_beyond_hertz", "share_below_grid")}
-    )
+    numbers = {name: value_of(point, name) for name in ("share_beyond_hertz", "share_below_grid")}
+    beyond = doubted(OF_ASPERITIES, numbers)
     return _cell(point[name], 1.0) + "*" * any(beyond)

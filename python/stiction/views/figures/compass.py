@@ -8,6 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.views.digits import with_unit
+from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import RULE_WORDS, RULES, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
@@ -32,9 +33,9 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     highest = 0.0
     rules = [rule for rule in RULES if rule in np.atleast_1d(at["sliding"].values)]
     for rule in rules:
-        colour, own = RULES[rule], at.sel(sliding=rule) if "sliding" in at.dims else at
+        colour, own = RULES[rule], by_rule(at, rule)
         values = own["friction_coefficient"].transpose("statistic", "direction")
-        mean, low, high = (values.sel(statistic=name).values for name in ("mean", "lower", "upper"))
+        mean, low, high = (values.sel(statistic=name).values for name in STATISTICS)
         axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_WORDS[rule])
         highest = max(highest, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
@@ -55,11 +56,9 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     ways = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), ways)
     modulus = float(at["effective_modulus"]) if "effective_modulus" in at.coords else None
-    head = [
-        title, f"{label('friction_coefficient')} at {with_unit(float(at['load']), 'mN')}",
-        friction_parameters_text(float(at["mu0"]), float(at["tau0"]), modulus),
-    ]  # fmt: skip
-    figure.suptitle("\n".join(line for line in head if line), fontsize=6)
+    load = f"{label('friction_coefficient')} at {with_unit(float(at['load']), 'mN')}"
+    parameters = friction_parameters_text(float(at["mu0"]), float(at["tau0"]), modulus)
+    figure.suptitle("\n".join(filter(None, (title, load, parameters))), fontsize=6)
     figure.legend(
         *axes.get_legend_handles_labels(), loc="outside lower center", ncols=1,
         title="angle: motion of the upper body; bands: 95 %",
@@ -78,7 +77,9 @@ def _smooth(degrees: Floats, values: Floats, fine: Floats) -> Floats:
 
 def _rings(axes: Any, highest: float) -> None:
     """Rings at round numbers from 0 on, and their numbers on white between two of the spokes."""
-    step = _round_step((highest or 1.0) / RINGS)
+    least = (highest or 1.0) / RINGS
+    power = 10.0 ** np.floor(np.log10(least))
+    step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9)))
     ticks = step * np.arange(1, int(np.ceil((highest or 1.0) / step - 1e-9)) + 1)
     axes.set_ylim(0, ticks[-1])
     axes.grid(linewidth=0.3, color="0.8")
@@ -86,9 +87,3 @@ def _rings(axes: Any, highest: float) -> None:
     axes.set_rlabel_position(67.5)
     for text in axes.get_yticklabels():
         text.set(fontsize=6, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.9})
-
-
-def _round_step(least: float) -> float:
-    """The smallest of 1, 2 and 5 times a power of ten that is not below a number."""
-    power = 10.0 ** np.floor(np.log10(least))
-    return float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9)))

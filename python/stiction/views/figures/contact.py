@@ -45,6 +45,7 @@ def contact_figure(
     one lies on a longer one it is moved by an offset (µm). Contacts are as `contacts` finds them; tau0 is in GPa.
     """
     import matplotlib as mpl
+    from matplotlib.lines import Line2D
 
     touching = contacts(upper, lower, approach, **contact)
     x = lower.x
@@ -73,8 +74,10 @@ def contact_figure(
         for ax in (whole, large):
             ax.set(ylabel=label("height_nm" if fine else "height"), xlabel=label("x"))
         resisting = np.where(touching.opposing, mu0 * touching.force + tau0 * touching.area, 0.0)
-        has_friction = bool((resisting[shown] > 0).any())
-        handles = _force_handles(has_friction)
+        style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
+        handles = [Line2D([], [], color=FORCE, marker=r"$\uparrow$", label="elastic force on the upper body", **style)]
+        if (resisting[shown] > 0).any():
+            handles.append(Line2D([], [], color=FRICTION, marker=r"$\leftarrow$", label="friction", **style))
         figure.legend(
             handles=handles, title="arrows are normal and tangent to the surfaces as they are drawn",
             loc="outside lower center", ncols=len(handles),
@@ -83,10 +86,10 @@ def contact_figure(
         figure.set_layout_engine("none")
         if len(touching):
             size = _room_for_arrows(large, scale * float(touching.centre[shown, 2].max()))
-            larger = _exaggeration(large, scale)
-            large.set_title(
-                f"where most of the load is; heights drawn {larger:.2g} times larger", loc="left", fontsize=6, pad=3
-            )
+            (right, _), (_, up), (left, low) = large.transData.transform([(1.0, 0.0), (0.0, scale), (0.0, 0.0)])
+            larger = float((up - low) / (right - left))
+            words = f"where most of the load is; heights drawn {larger:.2g} times larger"
+            large.set_title(words, loc="left", fontsize=6, pad=3)
             _forces(large, touching, shown, scale, larger, resisting, size)
     return figure
 
@@ -96,7 +99,7 @@ def _words(touching: Contacts, approach: float, load: float | None, offset: floa
     first = f"{number} {'contact' if number == 1 else 'contacts'} at an approach of {1000 * approach:.4g} nm"
     second = [] if load is None else [f"$F_N$ = {with_unit(load, 'mN')}"]
     second += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
-    return "\n".join(line for line in (title, first, ", ".join(second)) if line)
+    return "\n".join(filter(None, (title, first, ", ".join(second))))
 
 
 def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
@@ -110,22 +113,6 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.set_ylim(bottom - margin, top + margin)
     for side, height, align in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
         axes.text(0.01, height, side, transform=axes.transAxes, fontsize=6, color="#333333", va=align)
-
-
-def _force_handles(has_friction: bool) -> list[Any]:
-    from matplotlib.lines import Line2D
-
-    style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
-    handles = [Line2D([], [], color=FORCE, marker=r"$\uparrow$", label="elastic force on the upper body", **style)]
-    if has_friction:
-        handles.append(Line2D([], [], color=FRICTION, marker=r"$\leftarrow$", label="friction", **style))
-    return handles
-
-
-def _exaggeration(axes: Axes, scale: float) -> float:
-    """How many times larger heights are drawn than lengths."""
-    (right, _), (_, up), (x, z) = axes.transData.transform([(1.0, 0.0), (0.0, scale), (0.0, 0.0)])
-    return float((up - z) / (right - x))
 
 
 def _room_for_arrows(axes: Axes, highest: float) -> float:
@@ -202,17 +189,12 @@ def contacts_figure(
     shift = [float(picture.attrs[name]) for name in ("x", "y")]
     along = [f"{each:.3g} µm".replace("-", "\N{MINUS SIGN}") for each in shift]
     moved = "" if np.isnan(shift).any() else f"upper body moved by {along[0]} and {along[1]}"
-    axes.set_title(
-        "\n".join(line for line in (
-            title, f"{force.size} contacts at {with_unit(float(picture.attrs['load_mN']), 'mN')}", moved,
-        ) if line), loc="left", fontsize=6, pad=3,
-    )  # fmt: skip
+    words = f"{force.size} contacts at {with_unit(float(picture.attrs['load_mN']), 'mN')}"
+    axes.set_title("\n".join(filter(None, (title, words, moved))), loc="left", fontsize=6, pad=3)
     scale_bar(axes, box_of(picture, "height"), fontsize=6)
     if has_pressure:
         _pressure_panel(figure, drawn[1], picture, hardness)
-        left, right, bottom, top = box_of(picture, "zoom")
-        axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="white", linewidth=1.6)
-        axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="black", linewidth=0.6)
+        draw_frame(axes, box_of(picture, "zoom"))
     figure.legend(
         *axes.get_legend_handles_labels(), loc="outside lower center",
         title=f"motion along {direction_text(direction)}; size of a mark: its load, not its area",
@@ -229,6 +211,13 @@ def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, 
     bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
     bar.set_label("lower body, " + label("height_nm" if fine else "height"))
     axes.set(xlabel=label("x"), ylabel=label("y"))
+
+
+def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
+    """A frame around a box of a map, which is seen on light and on dark heights."""
+    left, right, bottom, top = box
+    for colour, width in (("white", 1.6), ("black", 0.6)):
+        axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width)
 
 
 def box_of(picture: xarray.Dataset, what: str) -> tuple[float, float, float, float]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stiction._drawing import few_ticks
 from stiction.views.digits import with_unit
+from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import RULE_WORDS, RULES, dimension_colours, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
@@ -28,24 +29,22 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     by_offset = _moves_along_a_line(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
     for rule in (rule for rule in RULES if rule in np.atleast_1d(values["sliding"].values)):
-        own = values.sel(sliding=rule) if "sliding" in values.dims else values
+        own = by_rule(values, rule)
         known = own.values[np.isfinite(own.values)]
         if by_offset:
             x, y = np.repeat(values["x"].values, values.sizes["direction"]), own.values.ravel()
         else:
             x, y = np.arange(1, known.size + 1), np.sort(known)
         axes.plot(x, y, "o", color=RULES[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_WORDS[rule])
-        mean = points["friction_all_round"]
-        mean = mean.sel(sliding=rule) if "sliding" in mean.dims else mean
-        middle, low, high = (float(mean.sel(statistic=name)) for name in ("mean", "lower", "upper"))
+        mean = by_rule(points["friction_all_round"], rule)
+        middle, low, high = (float(mean.sel(statistic=name)) for name in STATISTICS)
         axes.axhspan(low, high, color=RULES[rule], alpha=0.15, linewidth=0)
         axes.axhline(middle, color=RULES[rule], linewidth=0.6)
-    axes.set_ylim(0, 1.05 * max(highest, 1e-3))
-    axes.set_ylabel(label("friction_coefficient"))
+    axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
     head = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
-    figure.suptitle(f"{title}\n{head}" if title else head, fontsize=6)
+    figure.suptitle(f"{title}\n{head}".strip(), fontsize=6)
     missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
     note = f"; {missing} members have no answer" if missing else ""
     figure.legend(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -95,6 +95,20 @@ def letter(axes: Axes, number: int) -> None:
     axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
 
 
+def rows_of_axes(
+    rows: int, height: float, above: float, below: float, *, between: float
+) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
+    """A figure 170 mm wide of rows of a height, its whole height, and what adds axes by left end, row and width; mm."""
+    total = above + below + rows * (height + between) - between
+    figure = new_figure(total, width=FULL_WIDTH, layout=None)
+
+    def axes_at(left: float, row: int, width: float) -> Axes:
+        bottom = below + (rows - 1 - row) * (height + between)
+        return figure.add_axes((left / 170, bottom / total, width / 170, height / total))
+
+    return figure, total, axes_at
+
+
 # ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
 
 
@@ -117,14 +131,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     meanings = _meanings(maps, asperities=not study.by_half_space)
     above, below = 15.0 + HEADLINE * len(lines), 16.0 + (3.0 if len(meanings) > MOST_IN_ROW else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
-    between = 4.0
-    total = above + below + amplitudes.size * (height + between) - between
-    figure = new_figure(total, width=FULL_WIDTH, layout=None)
-
-    def axes_at(left: float, row: int, width: float) -> Axes:
-        bottom = below + (amplitudes.size - 1 - row) * (height + between)
-        return figure.add_axes((left / 170, bottom / total, width / 170, height / total))
-
+    figure, total, axes_at = rows_of_axes(amplitudes.size, height, above, below, between=4.0)
     norm = _norm(maps)
     for row, amplitude in enumerate(amplitudes):
         last = row == amplitudes.size - 1
@@ -172,18 +179,12 @@ def _common_load(dataset: xarray.Dataset) -> float:
 
 def dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
     """Fractal dimension along x, with its name below the last row of panels."""
-    axes.xaxis.set_major_locator(_few_numbers())
+    axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
         axes.set_xlabel(label("fractal_dimension") + (" (classical)" if classical else ""))
     else:
         axes.tick_params(labelbottom=False)
-
-
-def _few_numbers(most: int = 4) -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(most, steps=[1, 2, 5, 10])
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
@@ -202,7 +203,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
     inside = upper[np.isfinite(upper) & trusted]
     top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(known, initial=1.0))) or 1.0
     axes.set_ylim(0, top)
-    axes.yaxis.set_major_locator(_few_numbers(6))
+    axes.locator_params("y", nbins=6, steps=[1, 2, 5, 10])
     span = float(np.ptp(dimension)) or 1.0
     axes.set_xlim(dimension[0] - 0.02 * span, dimension[-1] + 0.02 * span)
     axes.axhline(mu0, color="0.6", linewidth=0.5, linestyle="--", zorder=0)
@@ -226,7 +227,7 @@ def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: 
     ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # no closer than their labels are long
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
-    axes.xaxis.set_ticks_position("top")
+    axes.xaxis.tick_top()
     axes.xaxis.set_label_position("top")
     axes.tick_params(length=2, pad=1)
     bar.set_label(rf"{label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
@@ -360,14 +361,11 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     areas = areas.isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
     lines = headlines(dataset, study)
-    above, below, between = 4.0 + HEADLINE * len(lines), 15.0, 4.0
     height = 50.0 if amplitudes.size == 1 else 38.0
-    total = above + below + amplitudes.size * (height + between) - between
     exact = study.by_half_space
-    figure = new_figure(total, width=FULL_WIDTH, layout=None)
+    figure, total, axes_at = rows_of_axes(amplitudes.size, height, 4.0 + HEADLINE * len(lines), 15.0, between=4.0)
     for row, amplitude in enumerate(amplitudes):
-        bottom = below + (amplitudes.size - 1 - row) * (height + between)
-        pair = [figure.add_axes((left / 170, bottom / total, 70 / 170, height / total)) for left in (13, 98)]
+        pair = [axes_at(left, row, 70) for left in (13, 98)]
         _area_curves(pair, areas.isel(amplitude=row), exact=exact, apart=LINE_HEIGHT / height)
         for number, ax in enumerate(pair):
             if row == 0:

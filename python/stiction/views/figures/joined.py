@@ -38,13 +38,16 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
         figure = new_figure(66, width=FULL_WIDTH)
         spectra, slopes, pressure = figure.subplots(1, 3)
         _spectra_panel(spectra, joined)
-        _slopes_panel(slopes, joined)
+        found = joined.roughness()
+        slopes.plot(found.wavelength, found.gradient, color=ALL, linewidth=1, label="slope $h'$")
+        words = "curvature $h''$ (1/µm)"
+        slopes.plot(found.wavelength, found.curvature, "--", color=OPPOSING, linewidth=1, label=words)
+        slopes.set_title("of all waves down to this", pad=2)
+        slopes.legend(loc="upper left")
         _pressure_panel(pressure, joined)
         for axes in (spectra, slopes, pressure):
-            axes.set_xscale("log")
-            axes.set_yscale("log")
+            axes.set(xscale="log", yscale="log", xlabel="wavelength (µm)")
             axes.set_xlim(1.15 * joined.longest, joined.shortest / 1.15)
-            axes.set_xlabel("wavelength (µm)")
             few_ticks(axes)
     return figure
 
@@ -61,14 +64,6 @@ def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     axes.set_ylabel("$C^{2D}$ (µm$^4$)")
     axes.set_title("spectrum", pad=2)
     axes.legend(loc="lower left", handlelength=1.2)
-
-
-def _slopes_panel(axes: Axes, joined: JoinedSpectrum) -> None:
-    found = joined.roughness()
-    axes.plot(found.wavelength, found.gradient, color=ALL, linewidth=1, label="slope $h'$")
-    axes.plot(found.wavelength, found.curvature, "--", color=OPPOSING, linewidth=1, label="curvature $h''$ (1/µm)")
-    axes.set_title("of all waves down to this", pad=2)
-    axes.legend(loc="upper left")
 
 
 def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:

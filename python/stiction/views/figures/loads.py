@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._drawing import few_ticks
+from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import AREA, RULE_WORDS, RULES, direction_text, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
@@ -30,9 +32,8 @@ def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: s
     loads = np.asarray(points["load"].values, dtype=np.float64)
     figure = _against(points, "load", loads, title)
     upper, lower = figure.axes[:2]
-    for ax in (upper, lower):
-        for load in asked:
-            ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
+    for ax, load in itertools.product((upper, lower), asked):
+        ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
     lower.set_xlabel(label("load"))
     if "nominal_area" in points.coords:
         area = float(points["nominal_area"])
@@ -85,7 +86,7 @@ FINEST = 1 / 16  # shortest wave over the first cut-off that a continued answer 
 def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats) -> None:
     """What lies beyond the scan, under what was computed."""
     if limits.get("friction") is not None:
-        upper.axhline(limits["friction"], color=RULES["all"], linewidth=0.8, linestyle=":", label=PLASTIC)
+        upper.axhline(limits["friction"], color=RULES["all"], linewidth=0.8, linestyle=":", label="plastic limit")
         lower.axhline(100 * limits["area_fraction"], color=AREA, linewidth=0.8, linestyle=":")
     waves = np.asarray(limits.get("wavelength", ()))
     there = waves >= FINEST * x[x > 0].min()
@@ -96,27 +97,22 @@ def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats)
         if not there.any() or not np.isfinite(limits[name][there, 0]).any():
             continue
         mean, low, high = factor * limits[name][there].T
+        words = "by the Hurst exponent" if axes is upper else None
         axes.fill_between(waves[there], low, high, color=colour, alpha=0.1, linewidth=0)
-        axes.plot(waves[there], mean, "--", color=colour, linewidth=0.8, label=CONTINUED if axes is upper else None)
+        axes.plot(waves[there], mean, "--", color=colour, linewidth=0.8, label=words)
         if axes is upper:
             axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
     spectral = limits.get("spectral")
     if spectral is not None:
         spectral = spectral.isel(wavelength=spectral.wavelength <= LONGEST * x.max())
         for rule in spectral.sliding.values:
-            label = CLOSED if rule == "all" else None
+            label = "by the spectra alone" if rule == "all" else None
             values = spectral.friction_coefficient.sel(sliding=rule)
             upper.plot(spectral.wavelength, values, "-.", color=RULES[str(rule)], linewidth=0.8, label=label)
         lower.plot(spectral.wavelength, 100 * spectral.contact_area_fraction, "-.", color=AREA, linewidth=0.8)
     if limits.get("shortest"):
         for axes in (upper, lower):
-            axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label=UNSEEN)
-
-
-PLASTIC = "plastic limit"
-CONTINUED = "by the Hurst exponent"
-CLOSED = "by the spectra alone"
-UNSEEN = "not seen"  # what a legend says
+            axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label="not seen")
 
 
 def _against(
@@ -125,14 +121,15 @@ def _against(
     figure = new_figure(114)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in _rules(points):
-        at = points if "sliding" not in points.dims else points.sel(sliding=rule)
-        colour = RULES[rule]
+        at, colour = by_rule(points, rule), RULES[rule]
         mean, low, high = (at["friction_all_round"].sel(statistic=name).values for name in STATISTICS)
         upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         upper.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_WORDS[rule])
         _single_directions(upper, at, x, colour)
     _mark_incomplete(upper, points, along, x)
-    mean, low, high = (_area(points).sel(statistic=name).values for name in STATISTICS)
+    has_fraction = "contact_area_fraction" in points
+    area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
+    mean, low, high = (area.sel(statistic=name).values for name in STATISTICS)
     lower.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
     lower.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
     for ax in (upper, lower):
@@ -146,33 +143,25 @@ def _against(
         _draw_limits(upper, lower, limits, x)
         lower.set_xlim(left / 1.2, (1.2 if limits.get("spectral") is None else LONGEST) * x.max())
     upper.set_ylabel(label("friction_coefficient"))
-    lower.set_ylabel(label("contact_area_fraction" if "contact_area_fraction" in points else "contact_area"))
+    lower.set_ylabel(label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (upper, lower):
         few_ticks(ax)
     _plain_log(lower.xaxis)
     low, high = lower.get_ylim()
     if lower.get_yscale() == "log" and high < 30 * low:
         _plain_log(lower.yaxis)
-    figure.suptitle(_head(points, title), fontsize=6)
+    modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
+    parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
+    figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
     handles = upper.get_legend_handles_labels()
     figure.legend(*handles, title="bands: 95 % over members", loc="outside lower center", ncols=2)
     return figure
-
-
-STATISTICS = ("mean", "lower", "upper")
 
 
 def _rules(points: xarray.Dataset) -> list[str]:
     """The sliding rules of a result, in the order of their colours."""
     there = np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
     return [rule for rule in RULES if rule in there]
-
-
-def _area(points: xarray.Dataset) -> Any:
-    """The true contact area, over the nominal one in % where that is known."""
-    if "contact_area_fraction" in points:
-        return 100 * points["contact_area_fraction"]
-    return points["contact_area"]
 
 
 def _single_directions(axes: Axes, at: xarray.Dataset, x: Floats, colour: str) -> None:
@@ -193,16 +182,8 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, along: str, x: Floats) 
     some = (ok > 0).values & (ok < points["members"].max()).values
     if not some.any():
         return
-    first = _rules(points)[0]
-    at = points if "sliding" not in points.dims else points.sel(sliding=first)
-    mean = at["friction_all_round"].sel(statistic="mean").values
+    mean = by_rule(points["friction_all_round"], _rules(points)[0]).sel(statistic="mean").values
     axes.plot(x[some], mean[some], "x", color="0.3", markersize=4, label="some members have no answer")
-
-
-def _head(points: xarray.Dataset, title: str) -> str:
-    modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
-    parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
-    return f"{title}\n{parameters}" if title else parameters
 
 
 def _plain_log(axis: Any) -> None:

@@ -13,19 +13,19 @@ from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.study import study_of
 from stiction.views.digits import with_unit
-from stiction.views.figures.contact import box_of, draw_heights
-from stiction.views.figures.ensemble import FRACTION_LIMIT, HEADLINE, dimension_axis, head, headlines, letter
-from stiction.views.onset import AMPLITUDES
-from stiction.views.style import (
-    AREA,
-    FORCE,
-    FRICTION,
-    FULL_WIDTH,
-    SLIP_MAP,
-    friction_parameters_text,
-    label,
-    new_figure,
+from stiction.views.figures.contact import box_of, draw_frame, draw_heights
+from stiction.views.figures.ensemble import (
+    FRACTION_LIMIT,
+    HEADLINE,
+    dimension_axis,
+    head,
+    headlines,
+    letter,
+    rows_of_axes,
 )
+from stiction.views.onset import AMPLITUDES
+from stiction.views.point import STATISTICS
+from stiction.views.style import AREA, FORCE, FRICTION, SLIP_MAP, friction_parameters_text, label, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -68,19 +68,20 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         ("slipped_area", "of the true contact area", "-", AREA),
         ("slipped_load", "of the normal load", "--", FORCE),
     ):
-        mean, low, high = (
-            100 * _from_rest(onset[name].sel(statistic=each).values) for each in ("mean", "lower", "upper")
-        )
+        mean, low, high = (100 * _from_rest(onset[name].sel(statistic=each).values) for each in STATISTICS)
         if np.isfinite(low).all():
             axes.fill_between(part, low, high, color=colour, alpha=0.15, linewidth=0)
         axes.plot(part, mean, dashes, color=colour, linewidth=1, label=words)
     axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="tangential load over sliding load", ylabel="what slips (%)")
     axes.legend(loc="upper left")
-    attributes = onset.attrs
-    said = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
-    head = [title, f"{said}, $F_N$ = {with_unit(float(attributes['load_mN']), 'mN')}; bands: 95 %"]
-    figure.suptitle("\n".join(line for line in head if line), fontsize=6)
+    figure.suptitle(f"{_head(onset, title)}; bands: 95 %", fontsize=6)
     return figure
+
+
+def _head(onset: xarray.Dataset, title: str) -> str:
+    a = onset.attrs
+    parameters = friction_parameters_text(float(a["mu0"]), float(a["tau0_GPa"]))
+    return f"{title}\n{parameters}, $F_N$ = {with_unit(float(a['load_mN']), 'mN')}".strip()
 
 
 def _from_rest(values: Floats) -> Floats:
@@ -137,35 +138,24 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     if of_points:
         _points(drawn[0], onset["slip"].values, whole, levels)
         _closer(drawn[1], onset, levels)
-        left, right, bottom, top = _crop(onset)[1]
-        for colour, width in (("white", 1.6), ("black", 0.6)):
-            drawn[0].plot(
-                [left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width
-            )
+        draw_frame(drawn[0], _crop(onset)[1])
     else:
-        _marks(drawn[0], onset, levels)
+        area = onset["contact_area"].values
+        drawn[0].scatter(
+            onset["contact_x"], onset["contact_y"], s=np.maximum(_LARGEST * area / area.max(initial=1e-300), 4.0),
+            c=onset["contact_slip"], cmap=SLIP_MAP, norm=levels, edgecolors="white", linewidths=0.4,
+        )  # fmt: skip
     bar = figure.colorbar(
         ScalarMappable(levels, colours), ax=drawn[-1], location="bottom", shrink=0.8, ticks=[0, 0.2, 0.4, 0.6, 0.8, 1]
     )
     bar.set_label(f"tangential over sliding load at which a {'point slips' if of_points else 'contact slides'}")
-    attributes = onset.attrs
-    said = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
-    lines = [title, f"{said}, $F_N$ = {with_unit(float(attributes['load_mN']), 'mN')}"]
-    drawn[0].set_title("\n".join(line for line in lines if line), loc="left", fontsize=6, pad=3)
+    drawn[0].set_title(_head(onset, title), loc="left", fontsize=6, pad=3)
     return figure
 
 
 def _points(axes: Axes, slip: Floats, box: tuple[float, ...], levels: BoundaryNorm) -> None:
     kind: dict[str, Any] = {"origin": "lower", "interpolation": "nearest", "cmap": SLIP_MAP, "norm": levels}
     axes.imshow(slip, extent=(box[0], box[1], box[2], box[3]), **kind)
-
-
-def _marks(axes: Axes, onset: xarray.Dataset, levels: BoundaryNorm) -> None:
-    area = onset["contact_area"].values
-    axes.scatter(
-        onset["contact_x"], onset["contact_y"], s=np.maximum(_LARGEST * area / area.max(initial=1e-300), 4.0),
-        c=onset["contact_slip"], cmap=SLIP_MAP, norm=levels, edgecolors="white", linewidths=0.4,
-    )  # fmt: skip
 
 
 def _crop(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
@@ -176,11 +166,11 @@ def _crop(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, floa
     size = [min(max(n // AROUND_LARGEST, FEWEST_POINTS), n) for n in touching.shape]
     busy = gaussian_filter(touching.astype(np.float64), [each / 4 for each in size], mode="constant")
     middle = np.unravel_index(int(busy.argmax()), busy.shape)
-    first = [
-        int(np.clip(at - wide // 2, 0, n - wide)) for at, wide, n in zip(middle, size, touching.shape, strict=True)
-    ]
-    part = tuple(slice(begin, begin + wide) for begin, wide in zip(first, size, strict=True))
-    return (part[0], part[1]), box_of(onset.isel(slip_y=part[0], slip_x=part[1]), "slip")
+    rows, columns = (
+        slice(begin := int(np.clip(at - wide // 2, 0, n - wide)), begin + wide)
+        for at, wide, n in zip(middle, size, touching.shape, strict=True)
+    )
+    return (rows, columns), box_of(onset.isel(slip_y=rows, slip_x=columns), "slip")
 
 
 def _closer(axes: Axes, onset: xarray.Dataset, levels: BoundaryNorm) -> None:
@@ -221,13 +211,10 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     at = at_load(dataset, loads, mu0=asked.mu0, tau0=float(asked.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = headlines(dataset, study)
-    above, below, between, height = 6.0 + HEADLINE * len(lines), 15.0, 5.0, 42.0
-    total = above + below + amplitudes.size * (height + between) - between
-    figure = new_figure(total, width=FULL_WIDTH, layout=None)
+    figure, total, axes_at = rows_of_axes(amplitudes.size, 42.0, 6.0 + HEADLINE * len(lines), 15.0, between=5.0)
     for row, amplitude in enumerate(amplitudes):
-        bottom = below + (amplitudes.size - 1 - row) * (height + between)
         for number, name in enumerate(_PANELS):
-            axes = figure.add_axes(((13 + 57 * number) / 170, bottom / total, 40 / 170, height / total))
+            axes = axes_at(13 + 57 * number, row, 40)
             _curves(axes, at.isel(amplitude=row), name)
             dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
             if row == 0:
@@ -249,15 +236,13 @@ def _curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
     dimension = at["fractal_dimension"].values
     for load, colour in zip(at["load"].values, COLOURS, strict=False):
         one = at.sel(load=load)
-        mean, lower, upper = (factor * one[name].sel(statistic=each).values for each in ("mean", "lower", "upper"))
+        mean, lower, upper = (factor * one[name].sel(statistic=each).values for each in STATISTICS)
         trusted = ~(one["share_beyond_hertz"].values > FRACTION_LIMIT)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
         marker = "o" if dimension.size == 1 else None
-        axes.plot(dimension, mean, ":", color=colour, linewidth=1, marker=marker, markersize=2)
-        axes.plot(
-            dimension, np.where(trusted, mean, np.nan), color=colour, linewidth=1, marker=marker, markersize=2,
-            label=f"$F_N$ = {with_unit(load, 'mN')}",
-        )  # fmt: skip
+        style: dict[str, Any] = {"color": colour, "linewidth": 1, "marker": marker, "markersize": 2}
+        axes.plot(dimension, mean, ":", **style)
+        axes.plot(dimension, np.where(trusted, mean, np.nan), label=f"$F_N$ = {with_unit(load, 'mN')}", **style)
     known = at[name].sel(statistic="mean").values
     known = factor * known[np.isfinite(known) & (known > 0)]
     if in_ratios and known.size:

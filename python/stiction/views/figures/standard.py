@@ -201,13 +201,13 @@ def _headline(result: Any, study: Study) -> Answer:
     return headlines(answers(at_asked_loads(result), study, beside=doubts_of_study(study)))[0]
 
 
+def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
+    return cut_off_figure(at, title=title, limits=limits(at, study))
+
+
 def once(result: Any, read: Callable[[Any], Any]) -> Any:
     """What a function reads of a result, of a stored one once."""
     return result.once(read) if isinstance(result, Stored) else read(result)
-
-
-def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
-    return cut_off_figure(at, title=title, limits=limits(at, study))
 
 
 def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:
