@@ -83,28 +83,26 @@ def at(
 
 def _loads(stored: Stored, texts: list[str]) -> list[float]:
     """Loads in mN."""
-    loads = []
+    loads = set()
     for each in texts:
         amount, per_area = load_of("load", each)
-        force = amount * _nominal_area(stored, each) if per_area else float(amount)
-        loads.append(float(f"{force:.12g}"))  # as that of a pair, so that it is the same
-    return sorted(set(loads))
-
-
-def _nominal_area(stored: Stored, load: str) -> float:
-    coordinates = next(stored.pieces(["contact_count"])).coords
-    if "nominal_area" not in coordinates:
-        raise ValueError(f"--load of a study must be a force, got {load!r}")
-    return float(coordinates["nominal_area"])
+        force = float(amount)
+        if per_area:
+            coordinates = next(stored.pieces(["contact_count"])).coords
+            if "nominal_area" not in coordinates:
+                raise ValueError(f"--load of a study must be a force, got {each!r}")
+            force *= float(coordinates["nominal_area"])
+        loads.add(float(f"{force:.12g}"))  # as that of a pair, so that it is the same
+    return sorted(loads)
 
 
 def _cells(found: xarray.Dataset, fractal_dimension: float | None, amplitude: float | None) -> xarray.Dataset:
     """The nearest cells to those that were asked for."""
     asked = {"--d": ("fractal_dimension", fractal_dimension), "--amplitude": ("amplitude", amplitude)}
     for flag, (name, value) in asked.items():
-        if value is not None and name not in found.dims:
-            raise ValueError(f"{flag} is for studies of generated surfaces, got {value:g}")
         if value is not None:
+            if name not in found.dims:
+                raise ValueError(f"{flag} is for studies of generated surfaces, got {value:g}")
             found = found.sel({name: [value]}, method="nearest")
     return found.isel(amplitude=[0]) if "amplitude" in found.dims and amplitude is None else found
 

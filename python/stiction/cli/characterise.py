@@ -111,7 +111,11 @@ def characterise(
             from stiction.views.report.surface import surface_page
 
             what = ", the page alone" if len(outputs) == 1 else ""
-            surface_page(found[0], name=printable(files[0].name), command=_same_as(context, files[0])).save(path)
+            same = ["stiction", "characterise", files[0].name]  # without the folders of the file and of the output
+            for each in context.command.params:
+                if each.name not in ("files", "output", "as_json") and given(context, each.name):
+                    same += [each.opts[0], str(context.params[each.name])]
+            surface_page(found[0], name=printable(files[0].name), command=shlex.join(same)).save(path)
         else:
             from stiction.views.figures.roughness import characterisation_figure
 
@@ -185,15 +189,6 @@ def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated
         raise ValueError(f"{named(output)}: cannot be written: its name must end in {allowed}")
     several = together or len(files) > 1
     return [output] if several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
-
-
-def _same_as(context: typer.Context, file: Path) -> str:
-    """The command that makes this page: what was given, but for the folder of the file and of the output."""
-    words = ["stiction", "characterise", file.name]
-    for each in context.command.params:
-        if each.name not in ("files", "output", "as_json") and given(context, each.name):
-            words += [each.opts[0], str(context.params[each.name])]
-    return shlex.join(words)
 
 
 def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:

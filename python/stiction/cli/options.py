@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import itertools
 import sys
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -45,21 +46,15 @@ def with_options(*tables: Mapping[str, Any]) -> Callable[[Function], Function]:
         signature = inspect.signature(function, eval_str=True)
         own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
         place = sum(each.kind is each.POSITIONAL_OR_KEYWORD for each in own)
-        more = [
-            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=_usual(kind))
-            for table in tables
-            for name, kind in table.items()
-        ]
+        more = []
+        for name, kind in itertools.chain.from_iterable(table.items() for table in tables):
+            of = get_args(kind)[0]  # a switch is off, what may be None is, and others must be given
+            usual = False if of is bool else None if type(None) in get_args(of) else inspect.Parameter.empty
+            more.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=usual))
         function.__signature__ = signature.replace(parameters=[*own[:place], *more, *own[place:]])  # type: ignore[attr-defined]
         return function
 
     return added
-
-
-def _usual(kind: Any) -> Any:
-    """Default of an option: a switch is off, what may be None is, and others must be given."""
-    of = get_args(kind)[0]
-    return False if of is bool else None if type(None) in get_args(of) else inspect.Parameter.empty
 
 
 _material = partial(optional, panel="Material")

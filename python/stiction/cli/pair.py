@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -27,9 +27,6 @@ from stiction.cli.running import Part, Scheduler, Workers, check_folder, executo
 from stiction.studies.pair import LAW, SEED, SHIFTS, Pair
 from stiction.studies.store import STUDY, Stored
 from stiction.studies.study import Study
-
-if TYPE_CHECKING:
-    from stiction.views.answer import Doubt
 
 UpperFile = Annotated[Path | None, typer.Argument(
     metavar="UPPER", help="A measured profile or surface: the slider. Scans of several places: a.csv,b.csv or a folder."
@@ -177,7 +174,9 @@ def pair(
     """
     from stiction.cli.showing import said_by, show_answer, show_result, write_views
     from stiction.studies.members import about
+    from stiction.views.asked import at_asked_loads
     from stiction.views.inputs import doubts_of_inputs
+    from stiction.views.rows import record_text
 
     chosen, said = part_of(part), said_by(as_json)
     check_folder(output)
@@ -213,7 +212,9 @@ def pair(
     if chosen is not None:
         return
     if as_json:
-        checks = [record_of(other, doubts) for other in results[1:]]
+        checks = [
+            json.loads(record_text("pair", at_asked_loads(other), other.study, beside=doubts)) for other in results[1:]
+        ]
         about_them = {"check": checks} if checks else None
         show_result(results[0], command="pair", as_json=True, beside=doubts, about=about_them)
     for result in results:
@@ -230,11 +231,3 @@ def announce_first(study: Study | None, executor: Executor) -> None:
 
     if study is not None and is_watched():
         executor.submit(first_text, study).add_done_callback(told)
-
-
-def record_of(result: Stored, doubts: Sequence[Doubt]) -> Any:
-    """What JSON says of a result by the other mechanics."""
-    from stiction.views.asked import at_asked_loads
-    from stiction.views.rows import record_text
-
-    return json.loads(record_text("pair", at_asked_loads(result), result.study, beside=doubts))

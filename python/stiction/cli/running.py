@@ -72,13 +72,9 @@ def fill_folder(
     try:
         return complete(study, directory, executor, progress=True, said=said, say=say, announce=announce, **asked)
     except KeyboardInterrupt:
-        raise interrupted(_how_to_go_on(directory)) from None
-
-
-def _how_to_go_on(directory: Path) -> str:
-    try:
-        stored = open_stored(directory)
-    except StoreError:
-        return ""
-    finished, total = stored.count, stored.study.ensemble.repetitions
-    return f"; {finished} of {total} repetitions are finished and kept: the same command goes on from there"
+        words = ""
+        with contextlib.suppress(StoreError):  # nothing is there yet
+            stored = open_stored(directory)
+            kept = f"{stored.count} of {stored.study.ensemble.repetitions} repetitions are finished and kept"
+            words = f"; {kept}: the same command goes on from there"
+        raise interrupted(words) from None

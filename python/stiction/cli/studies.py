@@ -44,7 +44,10 @@ def run_command(
     from stiction.cli.showing import draw_result, show_result
 
     what, directory = _study(study)
-    what = _changed(what, changes)
+    try:
+        what = what.with_changes(changes_of(changes or []))
+    except StudyError as error:
+        raise StudyError(str(error).replace("changes: ", "--set ")) from None
     directory = directory if output is None else output
     which = part_of(part)
     with executor_of(workers, scheduler) as executor:
@@ -87,14 +90,6 @@ def _study(text: str) -> tuple[Study, Path]:
     except StudyError as error:
         near = difflib.get_close_matches(text, study_names(), n=1)
         raise StudyError(f"{error}" + (f"; did you mean {near[0]}?" if near else "")) from None
-
-
-def _changed(study: Study, assignments: list[str] | None) -> Study:
-    """A study with what `--set` changes; errors name the option."""
-    try:
-        return study.with_changes(changes_of(assignments or []))
-    except StudyError as error:
-        raise StudyError(str(error).replace("changes: ", "--set ")) from None
 
 
 def changes_of(assignments: list[str]) -> dict[str, Any]:

@@ -52,7 +52,10 @@ def table_command(
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = elasticity_of(**asked).effective_modulus
-    shortest, longest = _two_lengths(wavelengths)
+    lengths = quantities_of("wavelengths", wavelengths, "length")
+    if len(lengths) != 2:
+        raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {wavelengths!r}')
+    shortest, longest = map(float, lengths)
     materials: dict[str, Any] = {"mu0": numbers_of("mu0", mu0), "tau0": quantities_of("tau0", tau0, "pressure")}
     study = table_study(
         hurst_exponents=numbers_of("hurst", hurst), rms=quantities_of("rms", rms, "length"),
@@ -69,13 +72,6 @@ def table_command(
         (output / name).write_text(text, encoding="utf-8")
     for name in (TABLE, NUMBERS, LAWS):
         tell(f"wrote {output / name}")
-
-
-def _two_lengths(text: str) -> tuple[float, float]:
-    lengths = quantities_of("wavelengths", text, "length")
-    if len(lengths) != 2:
-        raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {text!r}')
-    return float(lengths[0]), float(lengths[1])
 
 
 def _pressure(text: str) -> float:
