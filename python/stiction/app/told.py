@@ -8,13 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from stiction.app.jobs import FAULTS, without_paths
-from stiction.studies.onset import onset_beside
 from stiction.studies.pair import Pair
-from stiction.studies.resolution import resolution_at
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.answer import answers, headlines
-from stiction.views.asked import at_asked_loads
+from stiction.views.asked import at_asked_loads, over_and_onset
 from stiction.views.first import first_result
 from stiction.views.report import report_page
 from stiction.views.result import Result, read_result
@@ -55,9 +53,8 @@ def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     answer = answer_record(headlines(answers(at, study, beside=beside))[0])
     texts = {"page.html": report_page(source, name=asked["name"])}
     if isinstance(source, Stored) and command:
-        over, onset = source.once(resolution_at), source.once(onset_beside)
         texts |= {
-            "result.json": record_text(command, at, study, beside=beside, over=over, onset=onset),
+            "result.json": record_text(command, at, study, beside=beside, **over_and_onset(source)),
             "result.csv": csv_text(at, study, beside=beside),
             "study.toml": (source.path / "study.toml").read_text("utf-8"),
         }

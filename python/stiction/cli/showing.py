@@ -43,11 +43,9 @@ def show_answer(
 
     Its files are read for doubts that are not given.
     """
-    from stiction.studies.onset import onset_beside
-    from stiction.studies.resolution import resolution_at
     from stiction.studies.store import StoreError
     from stiction.views import rows, text
-    from stiction.views.asked import at_asked_loads
+    from stiction.views.asked import at_asked_loads, over_and_onset
     from stiction.views.inputs import doubts_of_study
 
     study = stored.study
@@ -70,7 +68,7 @@ def show_answer(
         tell(said or text.overview_text(at, study))
 
     def rest() -> None:
-        besides: dict[str, Any] = {"over": stored.once(resolution_at), "onset": stored.once(onset_beside)}
+        besides = over_and_onset(stored)
         if as_json:
             tell(rows.record_text(command, at, study, beside=beside, **besides, **(about or {})))
         elif study.is_measured and (more := text.beside_text(at, study, verbose=verbose, **besides)):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from stiction._checks import Floats
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.budget import with_uncertainty
 from stiction.studies.maps import study_of_result
+from stiction.studies.onset import onset_beside
+from stiction.studies.resolution import resolution_at
 from stiction.studies.store import Stored
 
 if TYPE_CHECKING:
@@ -35,9 +38,22 @@ def asked_loads(result: xarray.Dataset | Stored) -> Floats:
     return np.unique([float(f"{load:.0e}") for load in loads])
 
 
+def once(result: Any, read: Callable[[Any], Any]) -> Any:
+    """What a function reads of a result, of a stored one once."""
+    return result.once(read) if isinstance(result, Stored) else read(result)
+
+
+def over_and_onset(result: xarray.Dataset | Stored) -> dict[str, Any]:
+    """What lies beside a stored result: `over` cut-offs its answers, and the `onset` of sliding."""
+    if not isinstance(result, Stored):
+        return {}
+    return {"over": result.once(resolution_at), "onset": result.once(onset_beside)}
+
+
 def at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
     """A result at `asked_loads`, of a stored one read once; of generated bodies the middle mu0 and the ends of tau0."""
-    return result.once(_at_asked_loads) if isinstance(result, Stored) else _at_asked_loads(result)
+    at: xarray.Dataset = once(result, _at_asked_loads)
+    return at
 
 
 def _at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:

@@ -23,15 +23,9 @@ def joined_text(joined: JoinedSpectrum) -> str:
         rows.append([name, f"{with_unit(shortest, 'um')} to {with_unit(longest, 'um')}", reason, beside])
     found = joined.roughness()
     slopes = [["waves from", "h'", "h'' (1/µm)"]]
-    waves = found.wavelength[:: max(1, found.wavelength.size // MOST_ROWS)]
-    slopes += [
-        [
-            with_unit(float(wave), "um"),
-            f"{float(found.gradient_at(wave)):.3g}",
-            f"{float(found.curvature_at(wave)):.3g}",
-        ]
-        for wave in waves
-    ]
+    for wave in found.wavelength[:: max(1, found.wavelength.size // MOST_ROWS)]:
+        numbers = (found.gradient_at(wave), found.curvature_at(wave))
+        slopes.append([with_unit(float(wave), "um"), *(f"{float(number):.3g}" for number in numbers)])
     said = ""
     if (joined.count == 0).any():
         said = "Between some scans there are waves that none has; a power law joins them.\n"

@@ -69,16 +69,14 @@ def onset_note(onset: xarray.Dataset) -> str:
 
 def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """The curve, its numbers and the parameters of models fitted to it, as JSON has them: mN, µm, GPa."""
-    numbers = {
-        name: dict(zip(STATISTICS, map(finite, _ends(onset[name])), strict=True))
-        for name in ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
-    }
+
+    def records(of: xarray.Dataset, *names: str) -> dict[str, Any]:
+        return {name: dict(zip(STATISTICS, map(finite, _ends(of[name])), strict=True)) for name in names}
+
+    numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
+    of_curve = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     curve = [
-        {"fraction": float(fraction)}
-        | {
-            name: dict(zip(STATISTICS, map(finite, _ends(onset[name].sel(fraction=fraction))), strict=True))
-            for name in ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
-        }
+        {"fraction": float(fraction), **records(onset.sel(fraction=fraction), *of_curve)}
         for fraction in onset["fraction"].values
     ]
     known = {str(name): value for name, value in onset.attrs.items()}

@@ -63,7 +63,7 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
             with_unit(cut_off, "um") if cut_off else "none off",
             quoted(value_of(point, "rms_gradient")),
             percent(value_of(point, "contact_area_fraction")),
-            _pressure(point),
+            _or_none(pressure_of(point), "GPa"),
             *(f"{float(friction.sel(sliding=rule, statistic='mean')):.3f}" for rule in rules),
         ])  # fmt: skip
     limit = plastic_limit(at, study)
@@ -74,9 +74,8 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
     return rows
 
 
-def _pressure(point: xarray.Dataset) -> str:
-    pressure = pressure_of(point)
-    return with_unit(pressure, "GPa") if math.isfinite(pressure) else "none"
+def _or_none(value: float, unit: str) -> str:
+    return with_unit(value, unit) if math.isfinite(value) else "none"
 
 
 def hardness_of(study: Study) -> float:
@@ -97,19 +96,12 @@ def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:
     """The same table as numbers: µm, GPa."""
     records = []
     for point in points(at):
-        friction = point["friction_all_round"]
-        records.append(
-            {
-                **{name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")},
-                "rms_gradient": finite(value_of(point, "rms_gradient")),
-                "contact_area_fraction": finite(value_of(point, "contact_area_fraction")),
-                "mean_pressure": finite(pressure_of(point)),
-                **{
-                    f"friction_{rule}": finite(float(friction.sel(sliding=rule, statistic="mean")))
-                    for rule in rules_of(study)
-                },
-            }
-        )
+        numbers = {name: value_of(point, name) for name in ("rms_gradient", "contact_area_fraction")}
+        numbers["mean_pressure"] = pressure_of(point)
+        for rule in rules_of(study):
+            numbers[f"friction_{rule}"] = value_of(point.sel(sliding=rule), "friction_all_round")
+        where: dict[str, Any] = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
+        records.append(where | {name: finite(value) for name, value in numbers.items()})
     return records
 
 
@@ -151,13 +143,10 @@ def yielding_rows(point: xarray.Dataset, study: Study, found: Seen) -> Rows:
         elif wave > found.shortest:
             reached = "this scan already"
         else:
-            reached = f"{with_unit(wave, 'um')} [{_end(low)}, {_end(min(high, found.shortest))}]"
+            ends = ", ".join(_or_none(end, "um") for end in (low, min(high, found.shortest)))
+            reached = f"{with_unit(wave, 'um')} [{ends}]"
         rows.append([with_unit(hardness, "GPa"), reached, f"{limit:.3f}"])
     return [["if the hardness is", "it yields at waves of", "μ_s all rub, at least"], *rows] if rows else []
-
-
-def _end(wave: float) -> str:
-    return with_unit(wave, "um") if math.isfinite(wave) else "none"
 
 
 ELASTIC = (
@@ -190,7 +179,8 @@ def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | N
     if found is not None:
         record["waves"] = waves_record(found)
         if study.by_half_space and study.contact.hardness is None:
-            record["yielding"] = [each for point in points(_scan(at)) for each in yielding_records(point, study, found)]
+            scan = at.isel(cut_off=[0]) if "cut_off" in at.dims else at
+            record["yielding"] = [each for point in points(scan) for each in yielding_records(point, study, found)]
     if over is not None:
         record["cut_offs"] = cut_off_records(over, study)
     return record
@@ -240,7 +230,3 @@ def _spectral(at: xarray.Dataset, study: Study) -> xarray.Dataset | None:
         upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(at["mu0"]),
         tau0=float(at["tau0"]), effective_modulus=modulus_of(at, study),
     )  # fmt: skip
-
-
-def _scan(at: xarray.Dataset) -> xarray.Dataset:
-    return at.isel(cut_off=[0]) if "cut_off" in at.dims else at

@@ -16,7 +16,7 @@ from stiction.studies.at_load import at_load
 from stiction.studies.maps import study_of_result
 from stiction.studies.study import Study
 from stiction.views import answer, rows, text
-from stiction.views.asked import asked_loads, at_asked_loads
+from stiction.views.asked import asked_loads, at_asked_loads, over_and_onset
 
 if TYPE_CHECKING:
     import pandas
@@ -238,17 +238,6 @@ class Result:
 
     # ---- How it shows itself -----------------------------------------------------------------------------------------
 
-    @cached_property
-    def _over_and_onset(self) -> dict[str, Any]:
-        """What lies beside a stored result: its answers over cut-offs, and the onset of sliding."""
-        from stiction.studies.onset import onset_beside
-        from stiction.studies.resolution import resolution_at
-        from stiction.studies.store import Stored
-
-        if not isinstance(self.source, Stored):
-            return {}
-        return {"over": self.source.once(resolution_at), "onset": self.source.once(onset_beside)}
-
     def __repr__(self) -> str:
         """Show what the terminal shows."""
         try:
@@ -258,18 +247,14 @@ class Result:
 
     def _text(self) -> str:
         if self.study.is_measured:
-            return text.result_text(self._asked, self.study, beside=self.beside, **self._over_and_onset)
+            return text.result_text(self._asked, self.study, beside=self.beside, **over_and_onset(self.source))
         return text.overview_text(self._asked, self.study)
 
     def _repr_html_(self) -> str:
         """Show the answer as the terminal does, with a picture."""
-        picture = ""
         names = self.figures()
-        for name in ("contacts", "friction", *names[:1]):
-            if name in names:
-                picture = picture_of(self.figure(name))
-                break
-        return f"<div>{words(repr(self))}{picture}</div>"
+        name = next((each for each in ("contacts", "friction", *names) if each in names), None)
+        return f"<div>{words(repr(self))}{picture_of(self.figure(name)) if name else ''}</div>"
 
 
 def read_result(directory: str | Path) -> Result:

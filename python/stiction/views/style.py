@@ -23,19 +23,11 @@ WIDTH = 80 * MILLIMETRE  # one column of print; nothing on a figure is smaller t
 FULL_WIDTH = 170 * MILLIMETRE  # both columns
 
 STYLE: dict[Any, Any] = {
-    "font.size": 7,
-    "axes.titlesize": 7,
+    **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
+    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize", "legend.title_fontsize"), 6),
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.5),
+    **dict.fromkeys(("xtick.minor.width", "ytick.minor.width"), 0.3),
     "axes.titley": 1.0,
-    "axes.labelsize": 7,
-    "xtick.labelsize": 6,
-    "ytick.labelsize": 6,
-    "legend.fontsize": 6,
-    "legend.title_fontsize": 6,
-    "axes.linewidth": 0.5,
-    "xtick.major.width": 0.5,
-    "ytick.major.width": 0.5,
-    "xtick.minor.width": 0.3,
-    "ytick.minor.width": 0.3,
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,

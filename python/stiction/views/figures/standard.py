@@ -15,13 +15,11 @@ from stiction.studies.at_load import at_load, member_values
 from stiction.studies.contact_picture import coming_and_going, picture_beside
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
-from stiction.studies.onset import onset_beside
-from stiction.studies.resolution import resolution_at
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.views.answer import Answer, answers, headlines
-from stiction.views.asked import at_asked_loads
+from stiction.views.asked import at_asked_loads, once, over_and_onset
 from stiction.views.figures.adhesion import adhesion_figure
 from stiction.views.figures.budget import budget_figure, waiting_figure
 from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
@@ -163,10 +161,8 @@ def _of_measured(
     read = _Read(points.isel(cut_off=0), asked, words_of(study))
     hardness = hardness_of(study)
     first = asked[0]
-    over = points if points.sizes["cut_off"] > 1 else None
-    onset = None
-    if isinstance(result, Stored):
-        over, onset = result.once(resolution_at) if over is None else over, result.once(onset_beside)
+    kept = over_and_onset(result)
+    over, onset = points if points.sizes["cut_off"] > 1 else kept.get("over"), kept.get("onset")
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         of = "" if number == 1 else f"-{number}"
         own = read.points.isel(mu0=m, tau0=t)
@@ -203,11 +199,6 @@ def _headline(result: Any, study: Study) -> Answer:
 
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(at, title=title, limits=limits(at, study))
-
-
-def once(result: Any, read: Callable[[Any], Any]) -> Any:
-    """What a function reads of a result, of a stored one once."""
-    return result.once(read) if isinstance(result, Stored) else read(result)
 
 
 def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:

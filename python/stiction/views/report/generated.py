@@ -40,7 +40,8 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
-    step, there, head = study.step, _count(result), head_of(result)
+    step, head = study.step, head_of(result)
+    there = len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
     if not there:
         raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
     rules, angles = motions_of(study)
@@ -63,10 +64,9 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
         "name": name or _name_of(study), "hasIntervals": has_intervals, "repetitions": members,
         "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
     }  # fmt: skip
-    version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
-        version=str(version), there=_count(result), pictures=_pictures(result, study, head, means),
+        there=there, pictures=_pictures(result, study, head, means),
     )  # fmt: skip
 
 
@@ -113,11 +113,6 @@ def _facts_of(
         "loads": _loads(result) if counts.any() else [],
         "quantities": [], "answers": [], "asked": [], "gap": None,
     }  # fmt: skip
-
-
-def _count(result: xarray.Dataset | Stored) -> int:
-    """Members of a result that are there."""
-    return len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
 
 
 def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:

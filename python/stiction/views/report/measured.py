@@ -21,10 +21,10 @@ from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.answer import answers, slopes_text
-from stiction.views.asked import at_asked_loads
+from stiction.views.asked import at_asked_loads, once
 from stiction.views.digits import with_unit
 from stiction.views.doubts import Doubt, limit_of
-from stiction.views.figures.standard import hardness_of, once, picture_of, title_of, words_of
+from stiction.views.figures.standard import hardness_of, picture_of, title_of, words_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import adhesion_text, materials_text, over_text, rules_of, value_of, way_text
@@ -84,13 +84,12 @@ def page_of_measured(
     picture = picture_of(result) if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.once(onset_beside) if isinstance(result, Stored) else None
-    version = result.version if isinstance(result, Stored) else dataset.attrs.get("stiction_version", "unknown")
     said = "".join(f"<p>{escaped(line)}</p>" for line in (*_beside(study, onset), *_held(result, study)))
     details = said + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
         study=study, name=name, head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
-        facts=facts, numbers=numbers, version=str(version), there=members, details=details,
+        facts=facts, numbers=numbers, there=members, details=details,
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
         pictures=(positions_panel(result, facts["asked"][0], words_of(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, words_of(study)))

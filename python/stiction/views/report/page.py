@@ -151,7 +151,6 @@ class PageResult:
     pairs: str
     facts: dict[str, Any]
     numbers: dict[str, str]
-    version: str
     there: int
     details: str = ""
     touching: str = ""

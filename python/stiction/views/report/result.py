@@ -99,6 +99,7 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
         page_of_measured(result, study, name, picture)
         if study.is_measured else page_of_generated(result, study, name)
     )  # fmt: skip
+    version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     modulus = float(study.contact.effective_modulus)
     facts = {
         "confidence": CONFIDENCE,
@@ -130,6 +131,6 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
             panels="".join(plots[name] for name in shown),
             others="".join(text for name, text in plots.items() if name not in shown),
         ),
-        versions=f"Computed by stiction {made.version}",
+        versions=f"Computed by stiction {version}",
         scripts=scripts(facts | made.facts, made.numbers),
     )  # fmt: skip
