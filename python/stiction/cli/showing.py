@@ -91,15 +91,13 @@ def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str]
     said(f"wrote {page} (open it), {' and '.join(['result.csv', *(drawing.name for drawing in drawings)])}")
 
 
-def draw_result(
-    stored: Stored, directory: Path, said: Callable[[str], None] = tell, *, formats: Sequence[str] = ("png",)
-) -> None:
+def draw_result(stored: Stored, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
     """Draw the figures of a result into a directory, and say which."""
     from stiction.views.figures import drawn
 
     announce("drawing")
     for path in drawn(stored, directory, formats=formats):
-        said(f"wrote {path}")
+        tell(f"wrote {path}")
 
 
 def said_by(as_json: bool) -> Callable[[str], None]:

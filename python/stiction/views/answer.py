@@ -213,26 +213,19 @@ def _with_both_readings(one: Answer, found: Sequence[Answer]) -> Answer:
         low, high = min(left.lower, same.lower), max(left.upper, same.upper)
         budget.append(Left(left.words, low, high, high - low))
     value = other.rules[0]
-    doubts = [
-        Doubt(
-            f"{each.text}; with them μ_s is {quoted(value.value, value.lower, value.upper)}, which the interval covers",
-            "scan the place twice, or give a --cutoff", "caution",
-        )
-        for each in other.unknown
-    ]  # fmt: skip
+    words = f"with them μ_s is {quoted(value.value, value.lower, value.upper)}, which the interval covers"
+    cure = "scan the place twice, or give a --cutoff"
+    doubts = [Doubt(f"{each.text}; {words}", cure, "caution") for each in other.unknown]
     order = tuple(sorted(budget, key=lambda left: left.width))
     return replace(one, rules=rules, budget=order, doubts=(*one.faults, *doubts, *one.doubts[len(one.faults) :]))
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
     """A value with intervals that cover those of another reading."""
-    ends = [
-        (float(np.fmin(low, other_low)), float(np.fmax(high, other_high)))
-        for (low, high), (other_low, other_high) in (
-            ((one.lower, one.upper), (other.lower, other.upper)), (one.next_test, other.next_test)
-        )
-    ]  # fmt: skip
-    return replace(one, lower=ends[0][0], upper=ends[0][1], next_test=ends[1])
+    lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
+    (low, high), (other_low, other_high) = one.next_test, other.next_test
+    next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
+    return replace(one, lower=lower, upper=upper, next_test=next_test)
 
 
 def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> Answer:

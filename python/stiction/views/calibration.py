@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_POINTS = 800
-"""Draws that are shown of a joint distribution."""
+MOST_POINTS = 800  # draws that are shown of a joint distribution
 
 
 def calibration_text(interface: Interface) -> str:
@@ -32,8 +31,7 @@ def calibration_text(interface: Interface) -> str:
     lines = [fitted(f"μ0 + τ0 A/F = {with_interval(*interface.identified)} {at}", hang="  ")]
     if interface.separated:
         tau0 = (1e3 * each for each in interface.tau0)
-        lines.append(f"μ0 = {with_interval(*interface.mu0)}")
-        lines.append(f"τ0 = {with_interval(*tau0)} MPa")
+        lines += [f"μ0 = {with_interval(*interface.mu0)}", f"τ0 = {with_interval(*tau0)} MPa"]
     else:
         lines += [fitted(each, hang="  ") for each in _not_separated(interface)]
     lines += ["", *(fitted(each, hang="  ") for fit in interface.fits for each in _fit_words(interface, fit))]
@@ -133,7 +131,11 @@ def calibration_figure(interface: Interface) -> Figure:
         figure = new_figure(66, width=FULL_WIDTH)
         data, joint = figure.subplots(1, 2)
         _tests_panel(data, interface)
-        _joint_panel(joint, interface)
+        fit = interface.fits[0]
+        joint.plot(1e3 * fit.tau0[:MOST_POINTS], fit.mu0[:MOST_POINTS], ".", color=ALL, markersize=2, alpha=0.3)
+        joint.set(xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$")
+        joint.set(xlim=(0, None), ylim=(0, None))
+        joint.set_title("both are known" if interface.separated else "only their sum is known")
     vars(figure)["_repr_png_"] = partial(png_of, figure)
     return figure
 
@@ -154,19 +156,6 @@ def _tests_panel(axes: Axes, interface: Interface) -> None:
     )  # fmt: skip
     if not slid.all():
         axes.plot(points[~slid, 0], points[~slid, 1], "^", color=FORCE, markersize=3, label="held")
-    axes.set_xlim(0, largest)
-    axes.set_ylim(0, 1.3 * max(points[:, 1].max(initial=0.0), band[-1, 0]))
-    axes.set_xlabel("true contact area over load $A/F$ (1/GPa)")
-    axes.set_ylabel("coefficient of static friction")
+    axes.set(xlim=(0, largest), ylim=(0, 1.3 * max(points[:, 1].max(initial=0.0), band[-1, 0])))
+    axes.set(xlabel="true contact area over load $A/F$ (1/GPa)", ylabel="coefficient of static friction")
     axes.legend(loc="lower right")
-
-
-def _joint_panel(axes: Axes, interface: Interface) -> None:
-    """Draws of mu0 and tau0, and the line on which only their sum is known."""
-    fit = interface.fits[0]
-    axes.plot(1e3 * fit.tau0[:MOST_POINTS], fit.mu0[:MOST_POINTS], ".", color=ALL, markersize=2, alpha=0.3)
-    axes.set(
-        xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$",
-        title="both are known" if interface.separated else "only their sum is known",
-    )  # fmt: skip
-    axes.set(xlim=(0, None), ylim=(0, None))

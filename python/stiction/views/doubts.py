@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -185,7 +186,7 @@ def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
     """The first check of each group that the numbers of a point do not pass; a number that is not there passes."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
-        yield from (check.doubt(numbers[check.name]) for check in [next(failed, None)] if check is not None)
+        yield from (check.doubt(numbers[check.name]) for check in itertools.islice(failed, 1))
 
 
 def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
@@ -194,20 +195,14 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     cell = float(np.prod(steps)) if steps.size == 2 and study.by_half_space else math.nan  # of maps
-    return {
+    own = {check.name: value_of(point, check.name) for group in ([STEEP], *OF_CONTACTS) for check in group}
+    return own | {
         "deficit": -value.value,
         "missing_interval": float(not (math.isfinite(value.lower) and math.isfinite(value.upper))),
         "half_width": width / (2 * value.value) if value.value else math.inf * width,
         "mean_pressure": pressure_of(point),
         "single_cells": float(count > 0 and area / count <= cell),
-        **{
-            name: value_of(point, name)
-            for name in (
-                "rms_gradient", "share_at_edge", "fraction_on_small", "share_on_largest", "share_beyond_hertz",
-                "share_below_grid", "share_overlapping", "share_without_pull_off",
-            )
-        },
-    }  # fmt: skip
+    }
 
 
 def pressure_checks(study: Study, modulus: float) -> Checks:
@@ -284,8 +279,8 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         yield Doubt(text, "press at both ends of their ranges", "caution")
 
 
-def added_by_adhesion(point: xarray.Dataset, study: Study, work: float = TYPICAL_WORK) -> float:
-    """About what a work of adhesion (mN/µm) would add to the contact load, as a part of the load.
+def added_by_adhesion(point: xarray.Dataset, study: Study) -> float:
+    """About what the typical work of adhesion would add to the contact load, as a part of the load.
 
     w/ρ on the true area A, and on what lies closer than ρ around contacts of the width d = (A/n)^(1/2), whose gap opens
     as in Pastewka & Robbins (PNAS 111 (2014) 3298): (w/ρ) (A/F) (1 + 4.3 u^(2/3)), u = ρ/(h' d), ρ as the grid has it.
@@ -296,11 +291,11 @@ def added_by_adhesion(point: xarray.Dataset, study: Study, work: float = TYPICAL
     if not (area > 0 and count > 0 and slope > 0):
         return math.nan
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
-    length = max(ADHESION_RANGE, resolved_range(work, step, modulus_of(point, study)))
+    length = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK, step, modulus_of(point, study)))
     strips = has_nominal_area(point, study) and not study.is_areal  # 1 µm thick
     width = area / count if strips else math.sqrt(area / count)
     around = RIM * (length / (slope * width)) ** (2 / 3)
-    return float(work / length / pressure_of(point) * (1 + around))
+    return float(TYPICAL_WORK / length / pressure_of(point) * (1 + around))
 
 
 def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
@@ -318,9 +313,8 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         part, hole = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if part > FILLED or hole > contact:
             text = f"{side}: {percent(part)} of the points are interpolated"
-            text += f", in holes larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
-            if not hole > contact:
-                text = text.partition(",")[0]
+            if hole > contact:
+                text += f", in holes larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
             yield Doubt(text, "--missing mask presses what was measured, --crop what is whole", "caution")
     if study.surfaces.press == "surrogates":
         piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))

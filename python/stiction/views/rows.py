@@ -237,16 +237,11 @@ def record_text(
 
 def values_of(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     """The values of a record, from a frame."""
-    places = [name for name in PLACE if name in rows]
     values = []
     for row in rows.to_dict("records"):
-        where = {name: row[name] for name in places if row[name] == row[name]}  # without NaN
-        values.append(
-            entry(
-                row["name"], row["value"], row["unit"], lower=row["lower"], upper=row["upper"], at=where,
-                status=row["status"],
-            )
-        )  # fmt: skip
+        own = {name: row.pop(name) for name in ("name", "value", "unit", "lower", "upper", "status")}
+        where = {name: place for name, place in row.items() if place == place}  # without NaN
+        values.append(entry(**own, at=where))
     return values
 
 

@@ -12,11 +12,8 @@ if TYPE_CHECKING:
 
     from stiction.views.answer import Answer
 
-SHOWN = 0.02
-"""Part of the width that an input has to take away to be drawn."""
-
-MOST = 5
-"""Inputs that are drawn at most."""
+SHOWN = 0.02  # part of the width that an input has to take away to be drawn
+MOST = 5  # most inputs that are drawn
 
 
 def budget_figure(answer: Answer, *, title: str = "") -> Figure:
@@ -40,9 +37,8 @@ def budget_figure(answer: Answer, *, title: str = "") -> Figure:
         axes.plot([low, high], [row, row], color="black", linewidth=3 if row == 1 else 1.5, solid_capstyle="butt")
     axes.set_yticks(range(len(rows) + 1), ["what holds it", *(name for name, _, _ in rows)])
     axes.invert_yaxis()
-    axes.set_xlim(left=0)
-    axes.set_xlabel(label("friction_coefficient"))
-    axes.set_title(f"{title}\n{quoted(answer.value, answer.lower, answer.upper)}".strip())
+    title = f"{title}\n{quoted(answer.value, answer.lower, answer.upper)}".strip()
+    axes.set(xlim=(0, None), xlabel=label("friction_coefficient"), title=title)
     figure.legend(loc="outside lower center", ncols=2)
     return figure
 
@@ -57,12 +53,9 @@ def waiting_figure(answer: Answer, *, title: str = "") -> Figure:
     axes = figure.subplots()
     axes.fill_between(seconds, lower, upper, color=FRICTION, alpha=0.25, linewidth=0, label="95 %, all that is known")
     axes.plot(seconds, values, "o-", color=FRICTION)
-    axes.set_xscale("log")
+    axes.set(xscale="log", xlabel="time under load before it is sheared", title=title)
+    axes.set(ylabel=label("friction_coefficient"), ylim=(0, None))
     axes.set_xticks(seconds, [duration(each) for each in seconds])
     axes.minorticks_off()
-    axes.set_xlabel("time under load before it is sheared")
-    axes.set_ylabel(label("friction_coefficient"))
-    axes.set_ylim(bottom=0)
-    axes.set_title(title)
     axes.legend(loc="lower right")
     return figure

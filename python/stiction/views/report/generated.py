@@ -141,10 +141,8 @@ def _loads(result: xarray.Dataset | Stored) -> list[float]:
 
 def _name_of(study: Study) -> str:
     """That of the built-in study that it is, but for the number of repetitions; else what it is of."""
-    for name in study_names():
-        if Study.named(name).with_changes({"ensemble.repetitions": study.ensemble.repetitions}) == study:
-            return name
-    return "study"
+    same = {"ensemble.repetitions": study.ensemble.repetitions}
+    return next((name for name in study_names() if Study.named(name).with_changes(same) == study), "study")
 
 
 def _head(study: Study) -> list[str]:
@@ -164,12 +162,8 @@ def _head(study: Study) -> list[str]:
 def _pairs(study: Study, facts: dict[str, Any]) -> str:
     """Say of how many pairs the page is."""
     dimensions, amplitudes, steps = (len(facts[name]) for name in ("dimensions", "amplitudes", "steps"))
-    parts = [
-        counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces"),
-        f"at {'each of ' if dimensions > 1 else ''}" + counted(dimensions, "fractal dimension"),
-    ]
-    if amplitudes > 1:
-        parts.append(f"and {counted(amplitudes, 'amplitude')}")
-    loads = study.by_half_space
-    how = counted(steps, "load") if loads else counted(steps, "approach", "approaches")
-    return f"{' '.join(parts)}, pressed together at {how}"
+    number = counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
+    where = f"{'each of ' if dimensions > 1 else ''}{counted(dimensions, 'fractal dimension')}"
+    where += f" and {counted(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
+    how = counted(steps, "load") if study.by_half_space else counted(steps, "approach", "approaches")
+    return f"{number} at {where}, pressed together at {how}"

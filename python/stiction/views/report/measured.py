@@ -134,8 +134,7 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
 
 def _beside(study: Study, onset: xarray.Dataset | None) -> list[str]:
     """Which waves were seen, and how the pair begins to slide, where that is kept beside the result."""
-    found = seen(study)
-    words = [] if found is None else [waves_text(found)]
+    words = [waves_text(found)] if (found := seen(study)) is not None else []
     return words if onset is None else [*words, f"{onset_text(onset)} {onset_note(onset)}"]
 
 
@@ -175,10 +174,8 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     if "surrogate" in dataset.coords:
         surrogate = dataset["surrogate"].values.astype(bool)
     words = {False: "positions of the two surfaces", True: "pairs of surrogates"}
-    return [
-        {"words": words[which], "members": np.flatnonzero(surrogate == which).tolist()}
-        for which in (False, True) if (surrogate == which).any()
-    ]  # fmt: skip
+    kinds = [{"words": text, "members": np.flatnonzero(surrogate == which).tolist()} for which, text in words.items()]
+    return [kind for kind in kinds if kind["members"]]
 
 
 def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[dict[str, Any]]:
@@ -201,21 +198,18 @@ def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[
 def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, Any]]:
     """Verdict, sentence and doubts at every load that was asked for, mu0, tau0 and cut-off."""
     at = at_asked_loads(result)
-    said = []
-    for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True):
-        said.append(
-            {
-                "at": {name: float(value) for name, value in answer.at.items()},
-                "verdict": answer.verdict, "covered": answer.covered,
-                "sentence": printable(answer.sentence, MOST_TEXT * 4),
-                "doubts": [_doubt(each) for each in answer.doubts],
-                "slopes": slopes_text(answer, point, study),
-                "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
-                "parts": None if answer.parts is None else listed(answer.parts),
-                "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
-            }
-        )  # fmt: skip
-    return said
+    return [
+        {
+            "at": answer.at, "verdict": answer.verdict, "covered": answer.covered,
+            "sentence": printable(answer.sentence, MOST_TEXT * 4),
+            "doubts": [_doubt(each) for each in answer.doubts],
+            "slopes": slopes_text(answer, point, study),
+            "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
+            "parts": None if answer.parts is None else listed(answer.parts),
+            "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
+        }
+        for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True)
+    ]  # fmt: skip
 
 
 def _doubt(doubt: Doubt) -> dict[str, str]:
