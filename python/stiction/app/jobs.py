@@ -86,10 +86,6 @@ class Jobs:
         self._one = asyncio.Lock()
         self._few = asyncio.Semaphore(2)
 
-    def without_paths(self, text: str) -> str:
-        """Text in which the scans have the names that they came with."""
-        return without_paths(text, self.root)
-
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, first: Any = None) -> Job:
         """Put a command into the queue, which goes on where the same one ended, or a result that is there."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MOST_WAITING:
@@ -112,7 +108,7 @@ class Jobs:
             with suppress(*FAULTS):  # nothing is there, or nothing touches
                 await self._tell(job)
         except FAULTS as error:
-            end, job.error = "failed", self.without_paths(str(error) or "there is not enough memory for this")
+            end, job.error = "failed", without_paths(str(error) or "there is not enough memory for this", self.root)
         job.state, job.words = end, ""
 
     async def _do(self, job: Job) -> None:
@@ -172,7 +168,7 @@ class Jobs:
     async def said(self, arguments: list[str]) -> str:
         """What a module prints that soon ends; a few at a time."""
         async with self._few:
-            return self.without_paths(await command(arguments))
+            return without_paths(await command(arguments), self.root)
 
 
 async def command(arguments: list[str], *, patience: float = 0.0) -> str:

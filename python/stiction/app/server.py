@@ -24,7 +24,7 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from stiction.app import made
-from stiction.app.jobs import Job, Jobs, RefusedError
+from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
@@ -235,8 +235,8 @@ class Server:
     async def list_jobs(self, _: Request) -> Response:
         """How far every job has come."""
         self.asked, self.has_window = asyncio.get_running_loop().time(), True
-        return Response(self.jobs.without_paths(json.dumps([job.public() for job in self.jobs.all.values()])),
-                        media_type="application/json")  # fmt: skip
+        jobs = json.dumps([job.public() for job in self.jobs.all.values()])
+        return Response(without_paths(jobs, self.root), media_type="application/json")
 
     async def ask(self, request: Request) -> Response:
         """Put a command into the queue: `pair` of two scans, `run` of generated surfaces, or a result to be opened."""
@@ -247,7 +247,7 @@ class Server:
         if command == "open":
             name = asked.get("name", "")
             folder = self._folders().get(name) or _missing("there is no such result any more")
-            return _begun(self.jobs.add(name, ["info", name], folder=folder))
+            return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
         if command not in OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
         for name, value in options:
@@ -255,14 +255,13 @@ class Server:
                 raise HTTPException(400)
         chosen = [f"--{name}={value}" for name, value in options]
         if command == "run":
-            return _begun(self.jobs.add("Generated profiles", ["run", "quick", *chosen]))
+            return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *chosen]).number})
         scans = [asked.get(side) for side in ("upper", "lower")]
         files = [self._scan(scan) for scan in scans]
         is_small = all(0 < self.points.get(str(scan), 0) <= MOST_POINTS for scan in scans)
-
         first = ([str(file) for file in files], options) if is_small else None
         title = " on ".join(file.name for file in files)
-        return _begun(self.jobs.add(title, ["pair", *map(str, files), *chosen], first=first))
+        return JSONResponse({"job": self.jobs.add(title, ["pair", *map(str, files), *chosen], first=first).number})
 
     def _job(self, request: Request) -> Job:
         return self.jobs.all.get(request.path_params["job"]) or _missing()
@@ -324,10 +323,6 @@ def _same(one: str, other: str) -> bool:
 
 def _missing(why: str | None = None) -> Any:
     raise HTTPException(404, why)
-
-
-def _begun(job: Job) -> Response:
-    return JSONResponse({"job": job.number})
 
 
 async def _refusal(_: Request, refused: Exception) -> Response:
