@@ -44,14 +44,12 @@ def materials_text(chosen: Sequence[Material]) -> str:
 
 def materials_record(chosen: Sequence[Material]) -> str:
     """The same as JSON."""
-    return record("materials", [], materials=[_entry(each) for each in chosen])
-
-
-def _entry(each: Material) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    for name, unit in _PROPERTIES.items():
-        value = getattr(each, name)
-        values[name] = value and {
-            "value": float(value), "low": value.low, "high": value.high, "unit": unit, "source": value.source
-        }  # fmt: skip
-    return {"name": each.name, "kind": each.kind, "aliases": list(each.aliases), **values}
+    entries: list[dict[str, Any]] = []
+    for each in chosen:
+        entries.append({"name": each.name, "kind": each.kind, "aliases": list(each.aliases)})
+        for name, unit in _PROPERTIES.items():
+            value = getattr(each, name)
+            entries[-1][name] = value and {
+                "value": float(value), "low": value.low, "high": value.high, "unit": unit, "source": value.source
+            }  # fmt: skip
+    return record("materials", [], materials=entries)

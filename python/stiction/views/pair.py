@@ -167,7 +167,9 @@ def pair(
                 "heights out of the material",
                 stacklevel=2,
             )
-    folder = _temporary() if directory is None else Path(directory)
+    folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)
+    if directory is None:  # it is gone when Python ends
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
     if isinstance(interface, Interface):  # kept beside the result, which names it
         folder.mkdir(parents=True, exist_ok=True)
         write_interface(interface, folder / "interface.csv")
@@ -180,10 +182,3 @@ def pair(
         said = error.said(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
         raise ValueError("; ".join(said.splitlines())) from None
     return Result(stored, doubts_of_study(stored.study))
-
-
-def _temporary() -> Path:
-    """A folder that is gone when Python ends."""
-    folder = Path(tempfile.mkdtemp(prefix="stiction-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder

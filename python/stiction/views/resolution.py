@@ -37,15 +37,6 @@ def waves_text(found: Seen) -> str:
     )
 
 
-def waves_record(found: Seen) -> dict[str, Any]:
-    """The same as numbers, µm."""
-    return {
-        "shortest_um": found.shortest, "longest_um": found.longest, "rms_gradient": finite(found.gradient),
-        "fraction_of_mean_square_slope_in_shortest_octave": finite(found.fraction_below(2 * found.shortest)),
-        "hurst_exponent": None if found.estimate is None else finite(found.estimate.value),
-    }  # fmt: skip
-
-
 # ---- Cut-offs --------------------------------------------------------------------------------------------------------
 
 
@@ -177,7 +168,11 @@ def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | N
         return None
     record: dict[str, Any] = {}
     if found is not None:
-        record["waves"] = waves_record(found)
+        record["waves"] = {
+            "shortest_um": found.shortest, "longest_um": found.longest, "rms_gradient": finite(found.gradient),
+            "fraction_of_mean_square_slope_in_shortest_octave": finite(found.fraction_below(2 * found.shortest)),
+            "hurst_exponent": None if found.estimate is None else finite(found.estimate.value),
+        }  # fmt: skip
         if study.by_half_space and study.contact.hardness is None:
             scan = at.isel(cut_off=[0]) if "cut_off" in at.dims else at
             record["yielding"] = [each for point in points(scan) for each in yielding_records(point, study, found)]

@@ -59,7 +59,11 @@ def contact_figure(
         draw_bodies(whole, x, *bodies)
         whole.plot(touching.centre[:, 0], scale * touching.centre[:, 2], "o", color=FORCE, markersize=2, mew=0)
         whole.set_xlim(x[0], x[-1])
-        whole.set_title(_words(touching, approach, load, offset, title), loc="left", fontsize=6, pad=3)
+        number = f"{len(touching)} {'contact' if len(touching) == 1 else 'contacts'}"
+        words = [] if load is None else [f"$F_N$ = {with_unit(load, 'mN')}"]
+        words += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
+        lines = (title, f"{number} at an approach of {1000 * approach:.4g} nm", ", ".join(words))
+        whole.set_title("\n".join(filter(None, lines)), loc="left", fontsize=6, pad=3)
         shown: NDArray[np.bool_] = np.zeros(len(touching), np.bool_)
         if len(touching):
             largest = int(touching.force.argmax())
@@ -88,18 +92,10 @@ def contact_figure(
             size = _room_for_arrows(large, scale * float(touching.centre[shown, 2].max()))
             (right, _), (_, up), (left, low) = large.transData.transform([(1.0, 0.0), (0.0, scale), (0.0, 0.0)])
             larger = float((up - low) / (right - left))
-            words = f"where most of the load is; heights drawn {larger:.2g} times larger"
-            large.set_title(words, loc="left", fontsize=6, pad=3)
+            said = f"where most of the load is; heights drawn {larger:.2g} times larger"
+            large.set_title(said, loc="left", fontsize=6, pad=3)
             _forces(large, touching, shown, scale, larger, resisting, size)
     return figure
-
-
-def _words(touching: Contacts, approach: float, load: float | None, offset: float | None, title: str) -> str:
-    number = len(touching)
-    first = f"{number} {'contact' if number == 1 else 'contacts'} at an approach of {1000 * approach:.4g} nm"
-    second = [] if load is None else [f"$F_N$ = {with_unit(load, 'mN')}"]
-    second += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
-    return "\n".join(filter(None, (title, first, ", ".join(second))))
 
 
 def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:

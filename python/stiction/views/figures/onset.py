@@ -137,8 +137,12 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     scale_bar(drawn[0], whole, fontsize=6)
     if of_points:
         _points(drawn[0], onset["slip"].values, whole, levels)
-        _closer(drawn[1], onset, levels)
-        draw_frame(drawn[0], _crop(onset)[1])
+        part, box = _crop(onset)
+        draw_frame(drawn[0], box)
+        drawn[1].imshow(onset["lower_height"].values[part], extent=box, origin="lower", cmap="gray", alpha=0.6)
+        _points(drawn[1], onset["slip"].values[part], box, levels)
+        drawn[1].set_title("where most touches (framed above)", loc="left", fontsize=6, pad=3)
+        drawn[1].set(xlabel=label("x"), ylabel=label("y"))
     else:
         area = onset["contact_area"].values
         drawn[0].scatter(
@@ -171,14 +175,6 @@ def _crop(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, floa
         for at, wide, n in zip(middle, size, touching.shape, strict=True)
     )
     return (rows, columns), box_of(onset.isel(slip_y=rows, slip_x=columns), "slip")
-
-
-def _closer(axes: Axes, onset: xarray.Dataset, levels: BoundaryNorm) -> None:
-    part, box = _crop(onset)
-    axes.imshow(onset["lower_height"].values[part], extent=box, origin="lower", cmap="gray", alpha=0.6)
-    _points(axes, onset["slip"].values[part], box, levels)
-    axes.set_title("where most touches (framed above)", loc="left", fontsize=6, pad=3)
-    axes.set(xlabel=label("x"), ylabel=label("y"))
 
 
 # ---- Over fractal dimension -----------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -141,56 +140,45 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
 # ---- Measured --------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Read:
-    """A measured result read at all of its loads and at those that were asked for, without the cut-offs but one."""
-
-    points: xarray.Dataset  # over load, mu0 and tau0
-    asked: list[float]
-    title: str
-
-    def at(self, load: float, mu0: int, tau0: int) -> xarray.Dataset:
-        return self.points.isel(mu0=mu0, tau0=tau0).sel(load=load, method="nearest")
-
-
 def _of_measured(
     result: xarray.Dataset | Stored, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
     points = at_load(result, np.unique([*study.contact.steps(), *asked]))
-    read = _Read(points.isel(cut_off=0), asked, words_of(study))
-    hardness = hardness_of(study)
+    uncut, title, hardness = points.isel(cut_off=0), words_of(study), hardness_of(study)
     first = asked[0]
     kept = over_and_onset(result)
     over, onset = points if points.sizes["cut_off"] > 1 else kept.get("over"), kept.get("onset")
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         of = "" if number == 1 else f"-{number}"
-        own = read.points.isel(mu0=m, tau0=t)
-        yield f"friction{of}", partial(load_figure, own, asked, title=read.title)
+        own = uncut.isel(mu0=m, tau0=t)
+        at = own.sel(load=first, method="nearest")
+        yield f"friction{of}", partial(load_figure, own, asked, title=title)
         if points.sizes.get("direction", 1) >= FEWEST_DIRECTIONS:
-            yield f"compass{of}", partial(compass_figure, read.at(first, m, t), title=read.title)
-        yield f"positions{of}", partial(drawn_positions, result, read.at(first, m, t), title=read.title)
+            yield f"compass{of}", partial(compass_figure, at, title=title)
+        yield f"positions{of}", partial(drawn_positions, result, at, title=title)
         if over is not None:
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
-            yield f"cut_off{of}", partial(_cut_off, at, study, title=read.title)
+            yield f"cut_off{of}", partial(_cut_off, at, study, title=title)
     if study.is_areal:
-        yield "closure", partial(closure_figure, points.isel(cut_off=0).sel(load=slice(max(asked))), title=read.title)
-    yield "budget", lambda: budget_figure(_headline(result, study), title=read.title)
+        yield "closure", partial(closure_figure, uncut.sel(load=slice(max(asked))), title=title)
+    yield "budget", lambda: budget_figure(_headline(result, study), title=title)
     if study.friction.wait:
-        yield "waiting", lambda: waiting_figure(_headline(result, study), title=read.title)
+        yield "waiting", lambda: waiting_figure(_headline(result, study), title=title)
     if onset is not None:
-        yield "onset", partial(onset_figure, onset, title=read.title)
+        yield "onset", partial(onset_figure, onset, title=title)
         if has_slip_map(onset):
-            yield "slip", partial(slip_figure, onset, title=read.title)
+            yield "slip", partial(slip_figure, onset, title=title)
     if study.contact.adheres and (ways := once(result, coming_and_going)) is not None:
-        yield "adhesion", partial(adhesion_figure, ways, title=read.title)
+        yield "adhesion", partial(adhesion_figure, ways, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
-        yield "sizes", partial(_sizes, result, read, hardness)
+        at = uncut.isel(mu0=0, tau0=0).sel(load=asked, method="nearest")
+        yield "sizes", partial(_sizes, result, at, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
-        yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=read.title)
+        yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
     elif not (study.is_areal or study.by_half_space):
-        yield from _of_profiles(result, study, read)
+        yield from _of_profiles(result, study, uncut.isel(mu0=0, tau0=0).sel(load=first, method="nearest"), first)
 
 
 def _headline(result: Any, study: Study) -> Answer:
@@ -209,16 +197,16 @@ def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:
     return positions_figure(values.transpose("repetition", "direction", ...), at, title=title)
 
 
-def _sizes(result: Any, read: _Read, hardness: float | None) -> Figure:
-    members = whole(result)[["patch_area", "pressure"]].isel(cut_off=0)
-    points = read.points.isel(mu0=0, tau0=0).sel(load=read.asked, method="nearest")
-    return sizes_figure(members, points, hardness=hardness, title=read.title)
+def _sizes(result: Any, at: xarray.Dataset, **options: Any) -> Figure:
+    return sizes_figure(whole(result)[["patch_area", "pressure"]].isel(cut_off=0), at, **options)
 
 
-def _of_profiles(result: Any, study: Study, read: _Read) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """The first pair of lines that carries the first load, if one does."""
+def _of_profiles(
+    result: Any, study: Study, at: xarray.Dataset, load: float
+) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """The first pair of lines that carries a load, of whose mean this is the point, if one does."""
     contact: Any = study.contact
-    load, wavelength = read.asked[0], float(study.surfaces.cells()["cut_off"][0])
+    wavelength = float(study.surfaces.cells()["cut_off"][0])
     dataset = whole(result).isel(cut_off=0).sel(load=load, method="nearest")
     carrying = np.flatnonzero(np.isfinite(dataset["approach"].values) & (dataset["contact_count"].values > 0))
     if not carrying.size:
@@ -226,9 +214,8 @@ def _of_profiles(result: Any, study: Study, read: _Read) -> Iterator[tuple[str, 
     member = bodies_of(study).member(int(dataset["repetition"][carrying[0]]), wavelength)
     upper, lower = member.pair
     assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
-    at = read.at(load, 0, 0)
     yield "contact", partial(
         contact_figure, upper, lower, float(dataset["approach"].values[carrying[0]]), mu0=float(at["mu0"]),
-        tau0=float(at["tau0"]), load=load, offset=member.x, title=read.title,
+        tau0=float(at["tau0"]), load=load, offset=member.x, title=words_of(study),
         model=contact.model(contact.rules()[0]),
     )  # fmt: skip

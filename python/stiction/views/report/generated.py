@@ -94,16 +94,12 @@ def _facts_of(
     rules, angles = motions_of(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
     return {
-        "reading": "mean",
-        "interval": "jackknife",
+        "reading": "mean", "interval": "jackknife", "quantities": [], "answers": [], "asked": [], "gap": None,
         "cell": AXES["fractal_dimension"] | {"title": f"{AXES['fractal_dimension']['title']}{convention}"},
         "dimensions": head["fractal_dimension"].values.tolist(),
-        "convention": convention,
         "amplitudes": head["amplitude"].values.tolist(),
-        "measure": surfaces.amplitude_measure,
+        "convention": convention, "measure": surfaces.amplitude_measure, "rules": rules, "directions": angles,
         "steps": head[study.step].values.tolist(),
-        "rules": rules,
-        "directions": angles,
         "ways": [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)],
         "validity": _validity(means),
         "checks": checks_of_ensemble(study),
@@ -111,7 +107,6 @@ def _facts_of(
         "touched": counts.any(axis=2).tolist(),
         "touchedAtLast": counts[:, :, -1].tolist(),
         "loads": _loads(result) if counts.any() else [],
-        "quantities": [], "answers": [], "asked": [], "gap": None,
     }  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from stiction.studies.study import Study
 from stiction.views.answer import answers, slopes_text
 from stiction.views.asked import at_asked_loads, once
 from stiction.views.digits import with_unit
-from stiction.views.doubts import Doubt, limit_of
+from stiction.views.doubts import limit_of
 from stiction.views.figures.standard import hardness_of, picture_of, title_of, words_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
@@ -202,7 +202,10 @@ def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, An
         {
             "at": answer.at, "verdict": answer.verdict, "covered": answer.covered,
             "sentence": printable(answer.sentence, MOST_TEXT * 4),
-            "doubts": [_doubt(each) for each in answer.doubts],
+            "doubts": [
+                {name: printable(getattr(each, name), MOST_TEXT) for name in ("text", "cure", "severity")}
+                for each in answer.doubts
+            ],
             "slopes": slopes_text(answer, point, study),
             "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
             "parts": None if answer.parts is None else listed(answer.parts),
@@ -210,11 +213,6 @@ def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, An
         }
         for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True)
     ]  # fmt: skip
-
-
-def _doubt(doubt: Doubt) -> dict[str, str]:
-    text, cure = (printable(words, MOST_TEXT) for words in (doubt.text, doubt.cure))
-    return {"text": text, "cure": cure, "severity": doubt.severity}
 
 
 def _gap(dataset: xarray.Dataset) -> dict[str, Any] | None:

@@ -71,7 +71,7 @@ def part(name: str) -> str:
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Markup of the scripts of a result, of facts, and of numbers that are packed by `packed` or `deflated`."""
+    """Markup of the scripts of a result, of facts, and of numbers that are packed by `packed`."""
     # No "<", so that nothing in it ends the element or begins another.
     known = json.dumps(facts, allow_nan=False).replace("<", "\\u003c")
     box = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -101,12 +101,7 @@ def packed(values: ArrayLike, leading: int) -> str:
     if dropped:
         bits = bits + np.uint64(1 << (dropped - 1))
     planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :leading].T
-    return deflated(planes.tobytes())
-
-
-def deflated(content: bytes) -> str:
-    """Bytes as text, compressed."""
-    return base64.b64encode(zlib.compress(content, _COMPRESSION)).decode("ascii")
+    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION)).decode("ascii")
 
 
 def counted(count: int, one: str, many: str | None = None) -> str:
@@ -184,8 +179,8 @@ def _without_folders(study: Study) -> Study:
     if not study.is_measured:
         return study
     bodies: Any = study.surfaces
-    named = {side: getattr(bodies, side) for side in ("upper", "lower")}
-    named = {side: each.model_copy(update={"file": Path(each.file).name}) for side, each in named.items()}
+    sides = {side: getattr(bodies, side) for side in ("upper", "lower")}
+    named = {side: each.model_copy(update={"file": Path(each.file).name}) for side, each in sides.items()}
     return study.model_copy(update={"surfaces": bodies.model_copy(update=named)})
 
 

@@ -29,42 +29,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-_CURVE = (
-    "How the bodies begin to slide",
-    "Tangential load over the displacement of the upper body, with cycles, and what slips before all does.",
-    "Below the load at which they slide, weak contacts slip already: the bodies creep, and each cycle takes energy. "
-    "The load, μ0 and τ0 are those above the figure; moving the sliders does not change it.",
-)
-_MAP = (
-    "What slips first",
-    "Contacts over the heights of the lower body, coloured by the tangential load at which they slip.",
-    "Of one of the pairs: light points slip first, dark ones last. Contacts slip from their edges inwards.",
-)
-_MARKS = (*_MAP[:2], "Of one of the pairs: light contacts slide first, dark ones last. All slip at their edges before.")
-_OVER_DIMENSION = (
-    "How the pairs begin to slide",
-    "Creep before sliding, what slips at half of the sliding load, and tangential stiffness over fractal dimension.",
-    "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load they "
-    "carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
-)
-_ADHESION = (
-    "Coming and going",
-    "Load against approach and true area of a typical pair, pressed together and drawn apart.",
-    "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
-)
-_POSITIONS = (
-    "Single positions",
-    "Friction coefficient of each pair in each direction.",
-    "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
-)
-_TOUCHING = ("Where they touch", "The two bodies with their true contacts.")
-_PROFILES = (
-    "Two of the profiles in contact",
-    "Two profiles, and the contact that carries most with the forces on the upper body.",
-    "The first pair, at a fractal dimension and an approach in the middle of those of the study.",
-)
-"""Title, what is seen, and caption."""
-
 
 def profiles_panel(study: Study, approach: float) -> str:
     """A panel of a pair of generated profiles at an approach (µm), as markup."""
@@ -75,12 +39,24 @@ def profiles_panel(study: Study, approach: float) -> str:
     assert isinstance(contact, Asperities)
     more: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
     more |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
-    return _panel(_PROFILES, lambda: contact_figure(upper, lower, approach, **more))
+    return _panel(
+        "Two of the profiles in contact",
+        "Two profiles, and the contact that carries most with the forces on the upper body.",
+        "The first pair, at a fractal dimension and an approach in the middle of those of the study.",
+        lambda: contact_figure(upper, lower, approach, **more),
+    )
 
 
 def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
     """A panel of what `coming_and_going` gives, as markup; none without adhesion."""
-    return "" if ways is None else _panel(_ADHESION, lambda: adhesion_figure(ways, title=title))
+    if ways is None:
+        return ""
+    return _panel(
+        "Coming and going",
+        "Load against approach and true area of a typical pair, pressed together and drawn apart.",
+        "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
+        lambda: adhesion_figure(ways, title=title),
+    )
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
@@ -96,31 +72,53 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
         said += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."
     moved = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     stands = "line stands as it is pressed" if "gap" in picture else f"map is moved by {moved} µm"
-    caption = f"{said} The upper {stands}."
-    return _panel((*_TOUCHING, caption), lambda: touching_figure(picture, direction=direction))
+    seen, caption = "The two bodies with their true contacts.", f"{said} The upper {stands}."
+    return _panel("Where they touch", seen, caption, lambda: touching_figure(picture, direction=direction))
 
 
 def positions_panel(result: xarray.Dataset | Stored, load: float, title: str) -> str:
     """A panel of friction in single positions at a load (mN), as markup."""
     at = at_asked_loads(result).isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
-    return _panel(_POSITIONS, lambda: drawn_positions(result, at, title=title))
+    return _panel(
+        "Single positions", "Friction coefficient of each pair in each direction.",
+        "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
+        lambda: drawn_positions(result, at, title=title),
+    )  # fmt: skip
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
     """Panels of the curve and of the map, as markup; the map is of areas."""
-    panels = [_panel(_CURVE, lambda: onset_figure(onset, title=title))]
-    if has_slip_map(onset):
-        panels.append(_panel(_MAP if "slip" in onset else _MARKS, lambda: slip_figure(onset, title=title)))
-    return "".join(panels)
+    curve = _panel(
+        "How the bodies begin to slide",
+        "Tangential load over the displacement of the upper body, with cycles, and what slips before all does.",
+        "Below the load at which they slide, weak contacts slip already: the bodies creep, and each cycle takes "
+        "energy. The load, μ0 and τ0 are those above the figure; moving the sliders does not change it.",
+        lambda: onset_figure(onset, title=title),
+    )
+    if not has_slip_map(onset):
+        return curve
+    points = "light points slip first, dark ones last. Contacts slip from their edges inwards."
+    marks = "light contacts slide first, dark ones last. All slip at their edges before."
+    return curve + _panel(
+        "What slips first",
+        "Contacts over the heights of the lower body, coloured by the tangential load at which they slip.",
+        f"Of one of the pairs: {points if 'slip' in onset else marks}", lambda: slip_figure(onset, title=title),
+    )  # fmt: skip
 
 
 def dimension_panel(dataset: xarray.Dataset) -> str:
     """A panel of how the generated pairs of a result begin to slide, as markup."""
-    return _panel(_OVER_DIMENSION, lambda: dimension_onset_figure(dataset), wide=True)
+    return _panel(
+        "How the pairs begin to slide",
+        "Creep before sliding, what slips at half of the sliding load, and tangential stiffness over fractal "
+        "dimension.",
+        "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load "
+        "they carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
+        lambda: dimension_onset_figure(dataset), wide=True,
+    )  # fmt: skip
 
 
-def _panel(words: tuple[str, str, str], draw: Callable[[], Figure], *, wide: bool = False) -> str:
-    name, seen, caption = words
+def _panel(name: str, seen: str, caption: str, draw: Callable[[], Figure], *, wide: bool = False) -> str:
     with mpl.rc_context(STYLE):
         picture = inline(draw(), seen)
     kind = "panel wide" if wide else "panel"

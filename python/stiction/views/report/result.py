@@ -102,24 +102,16 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
     version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     modulus = float(study.contact.effective_modulus)
     facts = {
-        "confidence": CONFIDENCE,
-        "fewest": FEWEST_OF_SAMPLE,
-        "fewestNeighbours": FEWEST_NEIGHBOURS,
-        "stepsAround": AROUND,
+        "confidence": CONFIDENCE, "fewest": FEWEST_OF_SAMPLE, "fewestNeighbours": FEWEST_NEIGHBOURS,
+        "stepsAround": AROUND, "bytes": BYTES, "ticks": TICKS, "colourQuantiles": COLOUR_QUANTILES,
+        "loadSteps": LOAD_STEPS, "advice": ADVICE, "verdicts": VERDICTS, "ruleWords": RULES,
         "statuses": {name: {"short": short, "why": ADVICE.get(name, ("",))[0]} for name, short in STATUSES.items()},
-        "bytes": BYTES,
-        "ticks": TICKS,
-        "colourQuantiles": COLOUR_QUANTILES,
-        "loadSteps": LOAD_STEPS,
-        "advice": ADVICE,
-        "verdicts": VERDICTS,
         "mu0": list(study.friction.mu0),
         "tau0": [1000 * float(value) for value in study.friction.tau0],
         "mu0Most": max(1.0, study.friction.mu0[-1]),
         "tau0Most": max(1000 * float(study.friction.tau0[-1]), 20 * modulus),  # MPa
         "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * modulus,
-        "ruleWords": RULES,
-    }
+    }  # fmt: skip
     shown = FIRST[study.is_measured]
     plots = {name: panel(name, title, seen, **more) for name, (title, seen, more) in PANELS.items()}
     return Page(
