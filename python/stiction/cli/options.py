@@ -115,8 +115,7 @@ _READING = {
     "tip": _reading("--tip RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False),
 }  # fmt: skip
 
-FILE = {name: Annotated[str | None, each] for name, each in _READING.items()}
-"""How each file is read."""
+FILE = {name: Annotated[str | None, each] for name, each in _READING.items()}  # how each file is read
 
 FILES = FILE | {
     name: Annotated[list[str] | None, each] for name, each in _READING.items() if name not in ("missing", "outliers")

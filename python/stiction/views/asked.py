@@ -52,8 +52,7 @@ def over_and_onset(result: xarray.Dataset | Stored) -> dict[str, Any]:
 
 def at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
     """A result at `asked_loads`, of a stored one read once; of generated bodies the middle mu0 and the ends of tau0."""
-    at: xarray.Dataset = once(result, _at_asked_loads)
-    return at
+    return once(result, _at_asked_loads)  # type: ignore[no-any-return]
 
 
 def _at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:

@@ -245,9 +245,8 @@ class Characterisation:
             return "none: no decay to 0.2 within half the map"
         if math.isnan(shortest):
             return "none, without Sal"
-        return (
-            f"below {shortest / (np.min(self.body.extent) / 2):.2g}: no decay to 0.2 along the lay within half the map"
-        )
+        most = shortest / (np.min(self.body.extent) / 2)
+        return f"below {most:.2g}: no decay to 0.2 along the lay within half the map"
 
     def _friction_text(self) -> str:
         if not self.friction:
@@ -297,14 +296,12 @@ class Characterisation:
             interval = f"{fit.value:.3f} [{fit.lower:.3f}, {fit.upper:.3f}] (95 %)"
             waves = "harmonics" if fit.dimensions == 1 else "waves"
             ends = fit.shortest_wavelength, fit.longest_wavelength
-            band = (
-                f"{' to '.join(map(length_text, ends))} ({'given' if self.band else 'found'}; {fit.harmonics} {waves})"
-            )
+            source = f"{'given' if self.band else 'found'}; {fit.harmonics} {waves}"
+            band = f"{' to '.join(map(length_text, ends))} ({source})"
             classical = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
+            value = entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper)
             rows = [
-                Row(
-                    "Hurst exponent H", (interval,), (entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper),)
-                ),
+                Row("Hurst exponent H", (interval,), (value,)),
                 Row("fitted band", (band,), tuple(entry(names[at + 1][0], ends[at], "um") for at in (0, 1))),
                 Row("fractal dimension D", (classical if fit.value <= 1 else "none: 2 - H is below 1",)),
                 Row("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
@@ -336,6 +333,7 @@ class Characterisation:
         if not self.lines:
             return []
         sides, moments = self.lines, self._area[1]
+        bands = ["none" if line.band is None else " to ".join(map(length_text, line.band)) for line in sides]
         columns: list[tuple[str, list[str]]] = [
             ("number", [f"{line.lines}" for line in sides]),
             ("Pq", [length_text(line.Pq) for line in sides]),
@@ -346,10 +344,7 @@ class Characterisation:
             ("m4", [f"{moment.curvature:.4g} 1/µm²" for moment in moments]),
             ("Nayak's parameter", [f"{moment.nayak_parameter:.4g}" for moment in moments]),
             ("Hurst exponent H", [_line_hurst(line) for line in sides]),
-            (
-                "fitted band",
-                ["none" if line.band is None else " to ".join(map(length_text, line.band)) for line in sides],
-            ),
+            ("fitted band", bands),
             ("off the line", ["none" if math.isnan(line.misfit) else f"factor {line.misfit:.2f}" for line in sides]),
         ]
         if self.band is None and sides[0].band != sides[1].band:
@@ -361,11 +356,9 @@ class Characterisation:
         if self.law is not None and means and not any(self.law.lower < mean < self.law.upper for mean in means):
             text = "H of lines is outside the interval of the map's: it depends on the band, see the spectra"
             rows.append(Row("  caution", (text,)))
-        rows.append(
-            Row("", ("each line levelled by a line; Pq and Pdq: rms over lines; H: mean ± standard deviation",))
-        )
-        rows.append(Row("", ("m0 to m4: of the map's spectrum after a Hann window, over all of its wavelengths",)))
-        return rows
+        lines = "each line levelled by a line; Pq and Pdq: rms over lines; H: mean ± standard deviation"
+        spectrum = "m0 to m4: of the map's spectrum after a Hann window, over all of its wavelengths"
+        return [*rows, Row("", (lines,)), Row("", (spectrum,))]
 
 
 def characterisation_of(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:

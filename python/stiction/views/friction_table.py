@@ -60,10 +60,8 @@ def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
 def friction_table_text(table: xarray.Dataset) -> str:
     """The fitted laws of each roughness of a `friction_table`, and between which values its coefficients are."""
     ends = " to ".join(with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
-    lines = [
-        fitted(f"Pressures of {ends}; A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"),
-        "",
-    ]
+    laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
+    lines = [fitted(f"Pressures of {ends}; {laws}"), ""]
     rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all rub", "μ_s paper's rule", "off by"]]
     doubted = False
     for place in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):

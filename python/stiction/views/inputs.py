@@ -48,30 +48,24 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
         """Doubts about the scans of a part, of one kind that of the longest waves."""
         kinds: dict[str, Doubt] = {}
         for scan in (body, *(other.read() for other in file.scans[1:])):
-            for each in (
-                _of_scans(scan)
-                if isinstance(scan, JoinedSpectrum)
-                else doubts_of_scan(scan, form=not bowed, instrument=not vouched, tip_radius=file.tip)
-            ):
-                kind = _kind(each)
-                kinds[kind] = max(kinds.get(kind, each), each, key=lambda doubt: doubt.cut_off)
+            if isinstance(scan, JoinedSpectrum):
+                found = list(_of_scans(scan))
+            else:
+                found = doubts_of_scan(scan, form=not bowed, instrument=not vouched, tip_radius=file.tip)
+            for each in found:
+                kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda doubt: doubt.cut_off)
         return list(kinds.values())
 
-    of_upper, of_lower = (
-        of_part(getattr(study.surfaces, side), body) for side, body in zip(SIDES, (upper, lower), strict=True)
-    )
+    of_upper, of_lower = map(of_part, (getattr(study.surfaces, side) for side in SIDES), (upper, lower))
     pairs = [
         (each, other) for each in of_upper for other in of_lower
         if _kind(each) == _kind(other) and each.severity == other.severity
     ]  # fmt: skip
     alike = {doubt for pair in pairs for doubt in pair}
     both = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
-    doubts = [
-        replace(each, text=f"{name}: {each.text}")
-        for name, of_body in (("both bodies", both), ("upper", of_upper), ("lower", of_lower))
-        for each in of_body
-        if name == "both bodies" or each not in alike
-    ]
+    alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
+    named = zip(("both bodies", "upper", "lower"), (both, *alone), strict=True)
+    doubts = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
         text = f"μ0 = {mu0:g} is more than any pair of materials has"

@@ -57,16 +57,7 @@ SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: li
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only climbing contacts rub"}
 """What a legend says of a sliding rule."""
 
-SYMBOLS = {
-    "friction_coefficient": r"\mu_s",
-    "contact_area": "A",
-    "load": "F_N",
-    "fractal_dimension": "D",
-    "amplitude": "a",
-    "approach": r"\delta",
-    "mu0": r"\mu_0",
-    "tau0": r"\tau_0",
-}
+SYMBOLS = {"friction_coefficient": r"\mu_s", "contact_area": "A", "load": "F_N", "fractal_dimension": "D"}
 
 _LABELS = {
     "contact_area_fraction": "true contact area $A/A_0$ (%)",

@@ -89,6 +89,6 @@ def sizes_figure(
         axes[1].axvline(hardness, color="0.3", linewidth=0.6, linestyle="--")
         axes[1].text(hardness, 90, "hardness ", fontsize=6, color="0.3", ha="right", va="center")
     axes[0].set_title(title, loc="left", fontsize=6, pad=3)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, title="thick: mean over members; thin: each", loc="outside lower center", ncols=3)
+    named = axes[0].get_legend_handles_labels()
+    figure.legend(*named, title="thick: mean over members; thin: each", loc="outside lower center", ncols=3)
     return figure

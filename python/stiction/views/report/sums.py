@@ -64,12 +64,11 @@ def sums_of_ensemble(result: xarray.Dataset | Stored, step: str, motions: int, *
 def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArray[Any], NDArray[Any], dict[str, Any]]:
     """Means and sums, those that have nothing to do with the motion once, and the others for each."""
     columns = {str(name): values.values for name, values in data.data_vars.items() if values.dtype.kind in "fi"}
+    approach = columns.get("approach")
+    has_stiffness = steps.size >= 3 and (approach is None or bool(np.isfinite(approach).all()))
     compliance = None
-    has_stiffness = steps.size >= 3
-    if has_stiffness and "approach" in columns:
-        has_stiffness = bool(np.isfinite(columns["approach"]).all())
-        if has_stiffness:
-            compliance = np.gradient(columns["approach"], steps, axis=-1, edge_order=2)
+    if has_stiffness and approach is not None:
+        compliance = np.gradient(approach, steps, axis=-1, edge_order=2)
     figures = [name for name, (of, over) in PAGE_RATIOS.items() if {of, *over} <= set(columns)]
     needed = {part for name in figures for part in (PAGE_RATIOS[name][0], *PAGE_RATIOS[name][1])}
     plain = sorted({"contact_area", "normal_elastic", "contact_count"} | needed)
