@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 DPI = 110  # dots to an inch of a picture in a notebook
 SIZE = (4.6, 3.2)  # width and height of a picture in a notebook, inches
 SMALL = 4.0  # width of a figure below which a picture has more dots, inches
-
-COMPRESSION = 4
-"""Level of PNG: half of the time of 6, the usual, for a tenth more bytes of maps and hardly any of curves."""
+COMPRESSION = 4  # level of PNG: half of the time of 6, the usual, for a tenth more bytes of maps
 
 _PREFIXES = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """The next smaller unit of each, which serves below a tenth."""

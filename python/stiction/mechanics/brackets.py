@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LEAST_SPREAD = 0.1  # of the logarithm of κ = A E* h'/F, by which two resolutions differ however many contacts there are
-
-FINER = tuple(2.0**-power for power in range(11))
-"""Wavelengths to which the elastic answer is continued, as parts of the shortest of the scan."""
+FINER = tuple(2.0**-power for power in range(11))  # wavelengths of continued answers over the shortest of the scan
 
 
 def kappa_spread(contact_count: Floats) -> Floats:

@@ -20,10 +20,7 @@ from stiction.surfaces.surface import Surface
 
 _LEAST = 1e-6  # smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone
 _STEP = 1.1  # ratio of neighbouring sampled approaches: a load that is crossed and lost again within one may be missed
-
-_STEPS_AT_A_TIME = 16
-"""Sampled approaches between two looks at whether all loads are reached; deeper ones cost the more."""
-
+_STEPS_AT_A_TIME = 16  # sampled approaches between two looks at whether all loads are reached; deeper ones cost more
 _FURTHER = 5.0  # how much further than they are asked for candidates are looked for
 
 

@@ -42,9 +42,7 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 _COARSEST = 1 / 30  # longest cut-off by default, in shortest sides
 _RULES: tuple[Sliding, ...] = ("all", "opposing")  # all contacts first, because mu0 is measured on faces where all rub
 _AROUND = (0.0, 90.0, 180.0, 270.0)
-
-_NUMBERS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-"""Numbers of a curve that an answer has beside its sums."""
+_NUMBERS = ("contact_area", "contact_count", "load_share_at_hardness", "error")  # numbers of a curve beside its sums
 
 
 def resolution(

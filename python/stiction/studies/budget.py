@@ -38,14 +38,9 @@ PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
 """Parts of the uncertainty that are no inputs: of the mean over scans and positions, and waves finer than the scan."""
 
 INTERFACE = "interface"  # input that is mu0 and tau0 jointly
-
-KNOWN_QUANTILES = (0.1, 0.5, 0.9)
-"""Quantiles of an input over which the width that would be left, if it were known, is a mean."""
-
+KNOWN_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an input over which the width left, if it were known, is a mean
 MOST_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
-
-DECILES = 2.563103131089201
-"""Standard deviations of a normal distribution between its tenth and its ninetieth percentile."""
+DECILES = 2.563103131089201  # standard deviations of a normal distribution from its tenth to its ninetieth percentile
 
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
 """Variables that a coefficient's interval takes."""

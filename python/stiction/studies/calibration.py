@@ -28,12 +28,8 @@ from stiction.studies.study import Study, study_of
 if TYPE_CHECKING:
     import pandas
 
-LEAST_VARIATION = 0.1
-"""Standard deviation over mean of A/F among the tests, below which mu0 and tau0 are not told apart."""
-
-NUISANCES = 128
-"""Points of a Sobol sequence over what is not asked for: gain of the force cell, areas of the surfaces, hardness."""
-
+LEAST_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not told apart
+NUISANCES = 128  # points of a Sobol sequence over gain of the force cell, areas of the surfaces, and hardness
 STRENGTHS, COEFFICIENTS = 161, 97  # points of the grids of tau0, and of mu0 at each of these
 
 DRAWS = 4000  # pairs of mu0 and tau0 that stand for their joint distribution

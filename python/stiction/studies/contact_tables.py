@@ -295,9 +295,7 @@ class Asperities(ContactTable):
 
 
 Contact = Asperities | HalfSpace  # the table `[contact]` of a study
-
-CONTACTS: dict[str, type[Contact]] = {"asperities": Asperities, "half-space": HalfSpace}
-"""Its cases by the key `mechanics`."""
+CONTACTS: dict[str, type[Contact]] = {"asperities": Asperities, "half-space": HalfSpace}  # cases by `mechanics`
 
 
 # ---- Where its keys may stand ---------------------------------------------------------------------------------------

@@ -14,9 +14,7 @@ from stiction._text import LONGEST_NAME, printable
 from stiction._units import shortened
 from stiction.studies.values import StudyError
 
-LEAST_SHARED = 2**16
-"""Points of a problem whose transforms two threads share; those of smaller ones wait for each other too often."""
-
+LEAST_SHARED = 2**16  # points of a problem whose transforms two threads share; in smaller ones they wait for each other
 BROKEN = "a worker has ended before its time; perhaps memory is limited here"
 _Result = TypeVar("_Result")
 

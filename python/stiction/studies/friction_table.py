@@ -21,10 +21,7 @@ if TYPE_CHECKING:
 
 TITLE = "stiction table"  # `title` attribute of a friction table
 FEWEST_PRESSURES = 3  # fewest pressures that give a stiffness
-
-DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-"""Degrees; the surfaces are isotropic, and a coefficient is that of all four together."""
-
+DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees; surfaces are isotropic, and a coefficient is that of all four
 LIGHT = 0.1  # fraction of the area in contact up to which the laws are fitted
 STRAIGHT = 0.1  # relative deviation above which a fitted law is doubted
 

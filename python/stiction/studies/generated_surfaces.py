@@ -42,8 +42,7 @@ AreaAmplitude = Annotated[
     SurfaceAmplitude, Field(description="Which height the amplitude is: total, mean (Sa) or root mean square (Sq).")
 ]
 
-MOST_HARMONICS = 1_000_000
-"""Largest number of directions times frequencies; each harmonic takes a phase, and time at every point."""
+MOST_HARMONICS = 1_000_000  # largest product of directions and frequencies; each takes a phase, and time at every point
 
 
 class FractalParameters(Table):

@@ -29,9 +29,7 @@ from stiction.studies.known import Known, draws, known
 if TYPE_CHECKING:
     from stiction.studies.study import Study
 
-HEAD = "# stiction interface"
-"""First line of a file."""
-
+HEAD = "# stiction interface"  # first line of a file
 COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)")
 
 LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface

@@ -254,9 +254,7 @@ def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 # ---- Over neighbours -------------------------------------------------------------------------------------------------
 
-FEWEST_NEIGHBOURS = 8
-"""Fewer cannot tell their mean from their correlation: even independent ones would have an interval as wide as they."""
-
+FEWEST_NEIGHBOURS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MOST_STEPS = 50
 

@@ -38,10 +38,7 @@ _ROCKWELL = {20: 238, 25: 266, 30: 302, 35: 345, 40: 392, 45: 446, 50: 513, 55: 
 """Vickers hardness of steels of a Rockwell hardness C, ISO 18265 (2013), table A.1, and ASTM E140."""
 
 CONVERTED = 0.05  # half of the relative range of a hardness that is converted from Rockwell's: 10 to 20 HV
-
-_VICKERS = 9.80665e-3 / 0.9272
-"""Mean pressure (GPa) under a pyramid of 1 HV: kgf per mm² of its ground plan, which is 0.9272 of its faces."""
-
+_VICKERS = 9.80665e-3 / 0.9272  # mean pressure (GPa) of 1 HV: kgf per mm² of ground plan, 0.9272 of the faces
 _RANGE = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _WITH_UNCERTAINTY = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
 _UNIT = re.compile(r"[^\W\d_]+\s*$")

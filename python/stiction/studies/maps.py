@@ -29,9 +29,7 @@ if TYPE_CHECKING:
     Result = xarray.Dataset | Stored
     Change = Callable[[xarray.Dataset], xarray.Dataset]
 
-AT_ONCE = 2**20
-"""Numbers of curves of a fractal dimension and amplitude that are in memory at a time, however many mu0 and tau0."""
-
+AT_ONCE = 2**20  # numbers of curves of a cell that are in memory at a time, however many mu0 and tau0
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
 

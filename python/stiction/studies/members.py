@@ -86,8 +86,7 @@ class ProfileGenerator:
         return read_only(family[0])
 
 
-FAMILY_MEMORY = 64_000_000
-"""Bytes of each body's profiles that are held at a time, so that memory does not grow with the study."""
+FAMILY_MEMORY = 64_000_000  # bytes of each body's profiles held at a time, so that memory does not grow with the study
 
 
 def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile]]:

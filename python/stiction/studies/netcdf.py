@@ -64,8 +64,7 @@ def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[A
     return image.getvalue()
 
 
-_making = threading.Lock()
-"""So that threads, whose first blocks end at the same time, make one template and not one each."""
+_making = threading.Lock()  # so that threads whose first blocks end at once make one template, not one each
 
 
 @functools.lru_cache(maxsize=4)

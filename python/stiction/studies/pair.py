@@ -49,8 +49,7 @@ OF_A_GAP = (
     "area do not depend on that."
 )
 
-Several = Any
-"""One value or several: a number, a text with its unit, texts between commas, a list or an array of either."""
+Several = Any  # one value or several: a number, a text with its unit, texts between commas, a list or an array
 
 
 @dataclass(frozen=True, kw_only=True)

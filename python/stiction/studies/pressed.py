@@ -69,9 +69,7 @@ COSTS = {
 a point of a measured area, and of a load on that and on a measured line, all as asperities; and of a load on a
 half-space and a half-plane besides its solution. They decide how many members are a block."""
 
-SOLUTION = {False: 6e-8, True: 1.3e-8}
-"""Seconds of one core of a solution of lines and areas over points^(5/4): a finer grid takes more iterations."""
-
+SOLUTION = {False: 6e-8, True: 1.3e-8}  # seconds of one core of a solution of lines and areas over points^(5/4)
 REPEATED, PARTING = 5, 25  # solutions of a contact with adhesion, and contacts on the way to the pull-off force
 
 

@@ -30,9 +30,7 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-BLOCK_TIME = 1.5
-"""Seconds of work in a block, of which a kill loses those in hand, and of which writing the file is a few per cent."""
-
+BLOCK_TIME = 1.5  # seconds of work in a block, which a kill loses, and of which writing the file is a few per cent
 MOST_MEMBERS = 4096
 MOST_BYTES = 2**24  # largest block
 FEWEST_BLOCKS = 16  # blocks of a study that has so many members: workers should not wait long for the last one

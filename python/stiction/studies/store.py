@@ -44,10 +44,7 @@ if TYPE_CHECKING:
 
 STUDY = "study.toml"
 BLOCKS = "blocks"
-
-MARK = "# Written by stiction"
-"""How a study begins that stands in a folder because a command wrote it there."""
-
+MARK = "# Written by stiction"  # beginning of a study that a command wrote into a folder
 MOST_MEMORY = 2**31  # bytes of a result that is read into memory at once
 MOST_BESIDE = 2**26  # bytes of a file that lies beside a result
 _NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")

@@ -246,9 +246,7 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 
 # ---- Keys that not all tables of a name have ------------------------------------------------------------------------
 
-Keys = Mapping[str, Mapping[str, Any]]
-"""Where each key may stand, as in "asperities of generated surfaces", and its default there."""
-
+Keys = Mapping[str, Mapping[str, Any]]  # where each key may stand, as in "asperities of areas", and its default there
 REQUIRED = object()  # default of a key that must be given
 
 

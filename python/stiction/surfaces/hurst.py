@@ -288,9 +288,7 @@ def _given_band(wave_number: Floats, band: tuple[float, float]) -> NDArray[np.bo
 
 FEWEST_HARMONICS = 8
 _ROUND_OFF = 1e-13  # residue of a straight line after it has been subtracted, as a fraction of the largest height
-
-_UNTRUSTED = 2
-"""Lowest harmonics after a Hann window: what the window makes of the mean and of what is longer than the profile."""
+_UNTRUSTED = 2  # lowest harmonics after a Hann window, of the mean and of what is longer than the profile
 
 _HANN_ALIKE = 35 / 18
 """Mean of w⁴ over the square of that of w²: how much the window widens the scatter of sums over many harmonics."""
@@ -326,16 +324,9 @@ class _Bins:
 
 _BINS_PER_DECADE = 12
 _FEWEST_BINS = 4  # fewest bins of a piece of the spectrum that is given a power law of its own
-
-_BEND = 0.1
-"""Relative deviation of a bin that is not told from chance: no measured spectrum is a power law to better than this."""
-
-_PRICE = 10.0
-"""Log-likelihood that a further piece must gain: it has three parameters, and its end is sought among some 50 bins."""
-
-_LINES = 10.0
-"""Deviance for each bin, about 1 by chance, of what is no spectrum about a mean but lines with gaps between them."""
-
+_BEND = 0.1  # relative deviation of a bin not told from chance: no measured spectrum is a power law to better than this
+_PRICE = 10.0  # log-likelihood that a further piece must gain, of three parameters and an end among some 50 bins
+_LINES = 10.0  # deviance for each bin, about 1 by chance, of what is no spectrum but lines with gaps between them
 _NARROWEST = math.log(3)  # narrowest band that is accepted, in log q: half a decade
 
 

@@ -17,14 +17,11 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, lengths, rows_and_columns
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-TRUSTED_POINTS = 8
-"""Points of the shortest wave that is taken from a scan: a pixel that takes a mean leaves 95 % of its power."""
-
+TRUSTED_POINTS = 8  # points of the shortest wave taken from a scan: a pixel that takes a mean leaves 95 % of its power
 LONGEST = 1 / 3  # longest wave that is taken from a scan, of its shortest side: longer ones are of the window
 
 
-_WAVES_OF_ONE = 4.0
-"""Waves of a scan that make one independent value: opposite ones are the same, and a window joins neighbours."""
+_WAVES_OF_ONE = 4.0  # waves of a scan in one independent value: opposite ones are the same, a window joins neighbours
 
 
 @dataclass(frozen=True, eq=False, repr=False)

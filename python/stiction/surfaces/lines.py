@@ -16,8 +16,7 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface
 
-MOST_FITTED = 64
-"""Lines that a Hurst exponent is fitted to. Neighbouring lines are alike, so more of them say little more."""
+MOST_FITTED = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,10 +15,7 @@ from stiction.surfaces.surface import AnyBody, Surface
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 Align = Literal["start", "middle"]  # which part two bodies of different size are cut to
-
-ON_POINT = 1e-9
-"""Spacings within which a position is taken as that of a point: 0.3 is the third point of a spacing of 0.1."""
-
+ON_POINT = 1e-9  # spacings within which a position is that of a point: 0.3 is the third point of a spacing of 0.1
 ROUND_OFF = 1e-14  # residue of a straight line after it has been subtracted, as a fraction of the largest height
 
 

@@ -22,16 +22,9 @@ TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R follows what has 
 _PER_DECADE = 48  # bins of the wave number in which slope and curvature are summed
 _PER_OCTAVE = 8  # bins to an octave of the wave number, in which waves of an instrument are looked for
 _WIDTHS = (1.0, 2.0)  # octaves over which the exponent of a spectrum is taken
-
-_DEVIATIONS = 3.0
-"""Standard deviations by which an exponent must be above or below that of the roughest self-affine surface."""
-
-_NEAR = 24.0
-"""Points of the longest wave at which a hump is the instrument's; above, it is texture if the spectrum falls behind."""
-
-_ABOVE = 4.0
-"""Density of the last trusted waves over that where the spectrum is lowest: less, and noise is a part of them."""
-
+_DEVIATIONS = 3.0  # standard deviations by which an exponent must differ from that of the roughest self-affine surface
+_NEAR = 24.0  # points of the longest wave at which a hump is the instrument's; above, it is texture if all falls behind
+_ABOVE = 4.0  # density of the last trusted waves over the lowest of the spectrum: less, and noise is a part of them
 _RISE = 3.0  # density over the lowest of all longer waves, by which no surface's spectrum rises
 UNKNOWN = 0.1  # share of the mean square slope in waves of unknown origin above which no number is quoted
 CLEAR = 1.9  # cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude

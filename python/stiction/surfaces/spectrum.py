@@ -22,8 +22,7 @@ from stiction.surfaces.surface import Surface, refuse_flat
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROUND_UP = 1 + 1e-9
-"""For a ratio of two lengths that shall count as equal, or as a whole number, although round-off parts them."""
+ROUND_UP = 1 + 1e-9  # for a ratio of lengths that counts as equal, or as a whole number, although round-off parts them
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -420,9 +419,7 @@ def spectrum_of_area(heights: Floats, spacing: tuple[float, float], *, windowed:
 
 
 _PEAK_BINS = 24  # bins to a decade in which peaks are looked for
-
-_PEAK_REACH = 6
-"""Bins to both sides that tell the level at a bin: half a decade together. A straight spectrum is its own median."""
+_PEAK_REACH = 6  # bins to both sides that tell the level at a bin; a straight spectrum is its own median
 
 
 def peak_of(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:

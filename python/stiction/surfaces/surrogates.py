@@ -14,10 +14,7 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import Surface, refuse_flat, rows_and_columns
 
 _RINGS = 12  # rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring
-
-_SMOOTH = 2.0
-"""Harmonics that a bend of the spectrum must have for it: where a ring has one or two, it follows its neighbours."""
-
+_SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings of one or two follow their neighbours
 _FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
 _STEPS = 1000  # most steps of the fit; some ten are needed, some hundred where the spectrum ends within a ring
 _SETTLED = 1e-6  # largest change of the logarithm of a density in a step at which the fit has converged

@@ -13,12 +13,8 @@ from typing import Any
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatError, Table, chunks
 from stiction.surfaces.measured.text import read_lines
 
-MOST_TAGS = 10_000_000
-"""Largest number of XML tags in a workbook; a cell with a number has four, so this is some 2.5 million heights."""
-
-MOST_TAGS_IN_A_ROW = 8 * 16_384
-"""Eight for each column that a sheet of Excel can have; a row is held in memory as a whole."""
-
+MOST_TAGS = 10_000_000  # largest number of XML tags in a workbook, four for a cell with a number: 2.5 million heights
+MOST_TAGS_IN_A_ROW = 8 * 16_384  # eight for each column that a sheet of Excel can have; a row is held in memory
 _ROW = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 

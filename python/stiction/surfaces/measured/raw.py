@@ -109,8 +109,7 @@ def length_unit(text: str) -> str | None:
 
 
 _CHUNK = 1 << 16
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""Methods of compression that unpack no more than is asked for at a time."""
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that unpack no more than is asked for at a time
 
 
 def chunks(archive: zipfile.ZipFile, name: str, most: int) -> Iterator[bytes]:
