@@ -25,6 +25,9 @@ Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
 EFFECTIVE_MODULUS = 10.0  # GPa, of the paper
 THICKNESS = 1.0  # µm, of a profile
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+TURNED = "turned over"  # what the history of a body says that `turned_over` has made
+_ROUND_OFF = 1e-9  # of the height of a body, by which two that are the same may differ
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,9 +238,6 @@ def measured_source(body: Profile | Surface) -> str:
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
-_Function = TypeVar("_Function", bound=Callable[..., Any])
-
-
 def shows_model(function: _Function) -> _Function:
     """Let the signature of a function name the keywords of a contact model, as tooltips show it."""
     signature = inspect.signature(function)
@@ -267,10 +267,6 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
         raise ValueError(f"upper and lower must have at most {MOST_POINTS} points, got {upper.heights.size}")
     if upper.spacing != lower.spacing:
         raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
-
-
-TURNED = "turned over"  # what the history of a body says that `turned_over` has made
-_ROUND_OFF = 1e-9  # of the height of a body, by which two that are the same may differ
 
 
 def warn_of_one_body(upper: Profile | Surface, lower: Profile | Surface, *, moved: bool = False) -> None:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 STATISTIC = ["mean", "lower", "upper"]
 SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
 __all__ = ["Reading", "at_load", "axes_of", "means", "member_values", "reached_loads"]
+_NOT_ONE = ("contact_area_fraction",)  # fractions that may come out above 1, which a reader must see
 
 
 def at_load(
@@ -248,9 +249,6 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
-
-
-_NOT_ONE = ("contact_area_fraction",)  # fractions that may come out above 1, which a reader must see
 
 
 def _common_status(status: NDArray[Any]) -> NDArray[Any]:

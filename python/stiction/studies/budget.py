@@ -45,6 +45,8 @@ DECILES = 2.563103131089201  # standard deviations of a normal distribution from
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
 """Variables that a coefficient's interval takes."""
 
+Strength = tuple[Floats, Floats, Floats | None]
+
 
 def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     """What `at_load` gives of measured bodies, with the interval of everything known, the next test, and the budget.
@@ -119,9 +121,6 @@ def _scatters(at: xarray.Dataset, study: Study, result: Result) -> dict[tuple[in
     values = table.transpose(*dims, "repetition", "direction").values
     scans = measured(study).scans_of(table["repetition"].values)
     return {place: of_scans(values[place], *scans) for place in np.ndindex(*values.shape[:-2])}
-
-
-Strength = tuple[Floats, Floats, Floats | None]
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,7 @@ HARDNESS = "hardness of the draws"
 """Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
 
 Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
+_CENTRED = np.linspace(0.0, 1.0, COEFFICIENTS)  # where points of mu0 stand between the ends of their grid
 
 
 @dataclass(frozen=True)
@@ -767,6 +768,3 @@ class _Problem:
             covariance = np.linalg.inv(matrix.T @ matrix)
             found.append((words, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
         return tuple(found)
-
-
-_CENTRED = np.linspace(0.0, 1.0, COEFFICIENTS)  # where points of mu0 stand between the ends of their grid

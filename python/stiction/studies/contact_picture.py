@@ -50,6 +50,8 @@ _OF_CONTACTS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
+_UNITS = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}  # of the cells, as columns have them
+
 
 def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset | None:
     """Heights, contacts and pressures of the member whose true area is nearest to the mean.
@@ -201,9 +203,6 @@ def _discs(lower: Surface, table: Table) -> NDArray[Any]:
 
 
 # ---- As a frame -----------------------------------------------------------------------------------------------------
-
-
-_UNITS = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}  # of the cells, as columns have them
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:

@@ -44,6 +44,12 @@ from stiction.studies.values import (
 
 COMPASS = tuple(30.0 * step for step in range(12))  # directions of measured areas unless others are given, degrees
 MOST_DIRECTIONS = 360  # largest number of directions of measured areas
+_KINDS: dict[str, Any] = {"µm": Length, "GPa": Modulus}
+AROUND = 30.0  # how far a curve of lines by asperities goes to both sides of the loads that are asked for
+LOAD_STEPS = 25
+AROUND_HALF_SPACE = 10.0  # as `AROUND`, of half-planes, where each load takes a solution
+HALF_SPACE_STEPS = 7
+AROUND_AREAS = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -58,9 +64,6 @@ class LawTable(Table):
         """The law itself."""
         kind = next(law for law in LAWS if law.name == self.name)
         return kind(**{each.name: float(getattr(self, each.name)) for each in dataclasses.fields(kind)})
-
-
-_KINDS: dict[str, Any] = {"µm": Length, "GPa": Modulus}
 
 
 def _table_of(law: type[Law]) -> type[LawTable]:
@@ -361,13 +364,6 @@ def read_contact(value: Mapping[str, Any], surfaces: Surfaces) -> Contact:
         if not contact.steps()[-1] < (most := float(contact.hardness) * area):
             raise fault_at("load", f"must be below hardness times area, {most:g} mN")
     return contact
-
-
-AROUND = 30.0  # how far a curve of lines by asperities goes to both sides of the loads that are asked for
-LOAD_STEPS = 25
-AROUND_HALF_SPACE = 10.0  # as `AROUND`, of half-planes, where each load takes a solution
-HALF_SPACE_STEPS = 7
-AROUND_AREAS = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
 
 
 def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_STEPS) -> Floats:

@@ -17,6 +17,7 @@ from stiction.studies.values import StudyError
 LEAST_SHARED = 2**16  # points of a problem whose transforms two threads share; in smaller ones they wait for each other
 BROKEN = "a worker has ended before its time; perhaps memory is limited here"
 _Result = TypeVar("_Result")
+PATIENCE = "15s"  # how long a scheduler may take to answer
 
 
 @contextlib.contextmanager
@@ -84,9 +85,6 @@ def progress_bar(what: str, total: int, finished: int, wanted: bool) -> Iterator
     with shown.Progress(*columns, console=console, transient=console.is_terminal, disable=hidden) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda count=1: bar.advance(task, count)
-
-
-PATIENCE = "15s"  # how long a scheduler may take to answer
 
 
 class ClusterError(ValueError):

@@ -24,6 +24,7 @@ FEWEST_PRESSURES = 3  # fewest pressures that give a stiffness
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees; surfaces are isotropic, and a coefficient is that of all four
 LIGHT = 0.1  # fraction of the area in contact up to which the laws are fitted
 STRAIGHT = 0.1  # relative deviation above which a fitted law is doubted
+_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
 def table_study(
@@ -182,9 +183,6 @@ def friction_table(
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
     table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}
     return table.sortby("hurst_exponent")
-
-
-_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
 def _of_pairs(data: xarray.Dataset, pressure: Floats, area: float) -> dict[str, Floats]:

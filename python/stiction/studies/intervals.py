@@ -15,6 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
+AROUND = 4  # steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise
+IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step would wait for memory
+FEWEST_OF_SAMPLE = 3
+FEWEST_NEIGHBOURS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
+_CORRELATIONS = np.linspace(0.0, 0.95, 20)
+_MOST_STEPS = 50
+_STRAIGHT = 1e-9  # skewness below which a scale is straight to round-off
+MOST_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -88,11 +96,6 @@ class Crossing:
 
 
 # ---- Over repetitions ------------------------------------------------------------------------------------------------
-
-AROUND = 4  # steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise
-
-
-IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step would wait for memory
 
 
 class AtLoads:
@@ -235,9 +238,6 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 # ---- Over a sample ---------------------------------------------------------------------------------------------------
 
 
-FEWEST_OF_SAMPLE = 3
-
-
 def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Mean, lower and upper end of values (r, ...) over the first axis, without NaN, by Student's t."""
     known = np.isfinite(values)
@@ -253,10 +253,6 @@ def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 # ---- Over neighbours -------------------------------------------------------------------------------------------------
-
-FEWEST_NEIGHBOURS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
-_CORRELATIONS = np.linspace(0.0, 0.95, 20)
-_MOST_STEPS = 50
 
 
 @lru_cache(maxsize=32)
@@ -315,9 +311,6 @@ def of_neighbours(values: Floats) -> tuple[float, float, float]:
     return mean, max(mean - spread * below, float(values.min())), min(mean + spread * above, float(values.max()))
 
 
-_STRAIGHT = 1e-9  # skewness below which a scale is straight to round-off
-
-
 def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[float, float, float]:
     """Mean and interval of values at positions on lines, in the order of neighbours, or of the means of several."""
     if not values.size:
@@ -339,9 +332,6 @@ def _one_of_each_line(values: Floats, lines: NDArray[np.intp]) -> Floats:
 
 
 # ---- Over scans of parts ---------------------------------------------------------------------------------------------
-
-
-MOST_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,10 @@ _VICKERS = 9.80665e-3 / 0.9272  # mean pressure (GPa) of 1 HV: kgf per mm² of g
 _RANGE = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _WITH_UNCERTAINTY = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
 _UNIT = re.compile(r"[^\W\d_]+\s*$")
+Kind = Literal["", "pressure", "modulus", "hardness"]
+MOST_CREEP = 0.5  # largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt
+_MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
+ROUNDED = 0.006  # relative difference between a number and itself in three digits, at most
 
 
 @dataclass(frozen=True)
@@ -81,11 +85,6 @@ class Known:
         deviation = (self.high - self.low) / (2 * ENDS)
         below = ndtr(-self.value / deviation)  # what is cut off at 0
         return np.asarray(np.maximum(self.value + deviation * ndtri(below + part * (1 - below)), 0.0))
-
-
-Kind = Literal["", "pressure", "modulus", "hardness"]
-
-MOST_CREEP = 0.5  # largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt
 
 
 def known(name: str, given: Any, kind: Kind = "") -> Known:
@@ -268,9 +267,6 @@ def creep_of(study: Study) -> Known | None:
     return known("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
-_MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
-
-
 def _bodies(study: Study) -> list[dict[str, Known]]:
     """Young's modulus and Poisson's ratio of the upper and the lower body; none where only E* is known."""
     table, materials = study.known, materials_of(study)
@@ -281,9 +277,6 @@ def _bodies(study: Study) -> list[dict[str, Known]]:
         {"young": _of_material(each.young_modulus, "log-normal"), "poisson": _of_material(each.poisson_ratio, "normal")}
         for each in materials
     ]
-
-
-ROUNDED = 0.006  # relative difference between a number and itself in three digits, at most
 
 
 def materials_of(study: Study) -> tuple[Material, ...]:

@@ -32,6 +32,18 @@ if TYPE_CHECKING:
 AT_ONCE = 2**20  # numbers of curves of a cell that are in memory at a time, however many mu0 and tau0
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
+_LOADS = ("contact_count", *friction.SIX[:3])
+
+_NEEDED = {
+    "friction_coefficient": ("contact_count", *friction.SIX),
+    "contact_area": (*_LOADS, "contact_area"),
+    "normal_stiffness": _LOADS,
+    **{name: (*_LOADS, name) for name in (*ONSET, "contact_load")},
+}
+"""Sums that a quantity is made of."""
+
+_AS_THEY_ARE = ("tangential_stiffness", "contact_load")  # in the place of the area
+_WEIGHED = ONSET[1:]  # what each member has its own of, so that their mean weighs them by load
 
 
 def friction_map(
@@ -283,20 +295,6 @@ class _Asked:
         }
         coordinates |= {motion: self.head[motion].variable for motion in of_one}
         return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
-
-
-_LOADS = ("contact_count", *friction.SIX[:3])
-_NEEDED = {
-    "friction_coefficient": ("contact_count", *friction.SIX),
-    "contact_area": (*_LOADS, "contact_area"),
-    "normal_stiffness": _LOADS,
-    **{name: (*_LOADS, name) for name in (*ONSET, "contact_load")},
-}
-"""Sums that a quantity is made of."""
-
-
-_AS_THEY_ARE = ("tangential_stiffness", "contact_load")  # in the place of the area
-_WEIGHED = ONSET[1:]  # what each member has its own of, so that their mean weighs them by load
 
 
 def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:

@@ -35,6 +35,7 @@ from stiction.surfaces.surface import Surface, lengths
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # what a file may hold
 LONGEST_PATH = 4096  # characters
+Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
 
 
 def _unit(value: object) -> str:
@@ -256,9 +257,6 @@ def _body(file: MeasuredFile) -> Body:
         file.file, unit=file.unit, spacing=written(file.spacing), missing=file.missing, channel=file.channel,
         columns=file.columns, outliers=file.outliers, crop=written(file.crop),
     )  # fmt: skip
-
-
-Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,16 @@ if TYPE_CHECKING:
 
 Reading = Literal["mean", "elastic", "normal"]
 Kind = Literal["shifts", "surrogates"]
+_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "contact_load", "approach")
+_VALIDITY_LOADS = ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count", "load_overlapping")
+
+_PROPORTIONAL = (
+    "tangential_stiffness", "contact_count", "contact_area", "normal_elastic", "contact_load", *_VALIDITY_LOADS,
+)  # fmt: skip
+"""What grows about as the load does."""
+
+PER_AREA = {"stiffness_per_area": "normal_stiffness", "unloading_stiffness_per_area": "unloading_stiffness"}
+"""Stiffnesses over the nominal area, and what they are of."""
 
 
 def member_values(
@@ -190,16 +200,6 @@ def _curves(piece: xarray.Dataset, loads: Floats, *, ratio: bool) -> tuple[dict[
     return sums, Crossing.of(curve, loads, ratio=ratio).without_gaps(curve, loads)
 
 
-_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "contact_load", "approach")
-_VALIDITY_LOADS = ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count", "load_overlapping")
-
-
-_PROPORTIONAL = (
-    "tangential_stiffness", "contact_count", "contact_area", "normal_elastic", "contact_load", *_VALIDITY_LOADS,
-)  # fmt: skip
-"""What grows about as the load does."""
-
-
 def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
     """Coordinates of sliding rules or directions of which a result has but one."""
     one: dict[str, Callable[[], Any]] = {
@@ -207,10 +207,6 @@ def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
         "direction": lambda: study_of(piece).contact.degrees(),
     }
     return {name: ((name,), list(one[name]()[:1]), attributes_of(name)) for name in MOTIONS if name not in piece.dims}
-
-
-PER_AREA = {"stiffness_per_area": "normal_stiffness", "unloading_stiffness_per_area": "unloading_stiffness"}
-"""Stiffnesses over the nominal area, and what they are of."""
 
 
 def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:

@@ -33,6 +33,11 @@ from stiction.surfaces.profile import Profile, Side, missing_of, scaled_profile
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
+FAMILY_MEMORY = 64_000_000  # bytes of each body's profiles held at a time, so that memory does not grow with the study
+MOST_PREPARED = 16  # pairs of scans that are held as they are pressed
+_AVERAGED = 16  # members over which the measured area is averaged
+POINTS_OF_SCAN = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan
+
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
@@ -84,9 +89,6 @@ class ProfileGenerator:
         family = np.empty((1, self.points))
         self.fill(family, np.array([dimension]), repetition, side)
         return read_only(family[0])
-
-
-FAMILY_MEMORY = 64_000_000  # bytes of each body's profiles held at a time, so that memory does not grow with the study
 
 
 def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile]]:
@@ -188,9 +190,6 @@ def pair_of(
 # ---- Measured --------------------------------------------------------------------------------------------------------
 
 
-MOST_PREPARED = 16  # pairs of scans that are held as they are pressed
-
-
 def _grid(body: Any) -> tuple[Any, ...]:
     """Kind and points of a scan; steps that were read from positions are equal but for round-off."""
     steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
@@ -259,12 +258,6 @@ class Bodies:
                 missing = missing_of(*self.member(index, float(self._surfaces.cells()["cut_off"][0])).pair)
                 found.append(1.0 if missing is None else 1 - float(missing.mean()))
         return float(np.mean(found)) if found else 1.0
-
-
-_AVERAGED = 16  # members over which the measured area is averaged
-
-
-POINTS_OF_SCAN = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan
 
 
 def points_of_member(study: Study) -> int:

@@ -32,6 +32,8 @@ SEAL = b"stiction crc32 "
 """End of an exported file, before the checksum of all that precedes: HDF5 may run for ever in a damaged file. HDF5
 reads no further than its own end, and whatever else writes into the file takes the seal off."""
 
+_making = threading.Lock()  # so that threads whose first blocks end at once make one template, not one each
+
 
 class DamageError(Exception):
     """Why a file is not the result that its study says."""
@@ -62,9 +64,6 @@ def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[A
         for name, values in arrays.items():
             file[name][...] = values
     return image.getvalue()
-
-
-_making = threading.Lock()  # so that threads whose first blocks end at once make one template, not one each
 
 
 @functools.lru_cache(maxsize=4)

@@ -34,6 +34,19 @@ from stiction.surfaces.profile import Profile, scaled_profile
 from stiction.surfaces.surface import Surface
 
 CACHE_LINE = 64  # bytes
+HALF = 0.5  # of the sliding load, at which a result says what slips
+
+COSTS = {
+    "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
+    "half-space": 1e-3, "half-plane": 8e-4,
+}  # fmt: skip
+"""Seconds of one core, roughly: of an onset of sliding; of a point of a generated profile and of a generated area; of
+a point of a measured area, and of a load on that and on a measured line, all as asperities; and of a load on a
+half-space and a half-plane besides its solution. They decide how many members are a block."""
+
+SOLUTION = {False: 6e-8, True: 1.3e-8}  # seconds of one core of a solution of lines and areas over points^(5/4)
+REPEATED, PARTING = 5, 25  # solutions of a contact with adhesion, and contacts on the way to the pull-off force
+_kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
@@ -57,20 +70,6 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
         name: ((*each.shape[:cells], *each.shape[cells + 1 :]), each.dtype)
         for name, each in variables_of(study, [0]).items()
     }
-
-
-HALF = 0.5  # of the sliding load, at which a result says what slips
-
-COSTS = {
-    "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
-    "half-space": 1e-3, "half-plane": 8e-4,
-}  # fmt: skip
-"""Seconds of one core, roughly: of an onset of sliding; of a point of a generated profile and of a generated area; of
-a point of a measured area, and of a load on that and on a measured line, all as asperities; and of a load on a
-half-space and a half-plane besides its solution. They decide how many members are a block."""
-
-SOLUTION = {False: 6e-8, True: 1.3e-8}  # seconds of one core of a solution of lines and areas over points^(5/4)
-REPEATED, PARTING = 5, 25  # solutions of a contact with adhesion, and contacts on the way to the pull-off force
 
 
 def cost_of_member(study: Study) -> float:
@@ -255,9 +254,6 @@ def _families(
             slice(first, first + family.size), (uppers, generator.fill(uppers, family, repetition, "upper")),
             (lowers, generator.fill(lowers, family, repetition, "lower")), memory[-2:],
         )  # fmt: skip
-
-
-_kept = threading.local()
 
 
 def _memory(shape: tuple[int, ...]) -> Floats:

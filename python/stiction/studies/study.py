@@ -54,6 +54,10 @@ _FIRST = (
 )  # fmt: skip
 """Keys that stand first in their tables."""
 
+_LIBRARY = resources.files("stiction.studies") / "library"
+Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
+MOST_LISTED = 4  # differences that a message lists
+
 
 class Friction(Table):
     """What figures of generated surfaces show, and what is asked for of measured ones."""
@@ -376,9 +380,6 @@ def written_table(table: Table, keys: Keys = MappingProxyType({}), place: str = 
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
 
-_LIBRARY = resources.files("stiction.studies") / "library"
-
-
 def study_names() -> list[str]:
     """Names of the built-in studies, sorted.
 
@@ -409,10 +410,6 @@ def study_of(dataset: xarray.Dataset) -> Study:
 def step_of(dataset: xarray.Dataset) -> str:
     """The dimension along which a pair of a result is pressed together: "approach", or "load" by the half-space."""
     return "load" if "load" in dataset.dims else "approach"
-
-
-Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
-MOST_LISTED = 4  # differences that a message lists
 
 
 def differences(one: Study, other: Study) -> list[Difference]:

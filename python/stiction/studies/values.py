@@ -33,6 +33,7 @@ from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS
 
 MOST_VALUES = 10_000  # largest number of values of one parameter of a study
 MOST_MATERIALS = 100  # largest number of mu0, of tau0 and of cut-off wavelengths
+MOST_DEGREES = 360  # largest direction, to either side
 
 
 def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
@@ -107,9 +108,6 @@ def _one_or_several(name: str, one: Callable[[object], Any], same: Callable[[Any
         return several
 
     return PlainValidator(values)
-
-
-MOST_DEGREES = 360  # largest direction, to either side
 
 
 def _read_direction(value: object) -> Any:

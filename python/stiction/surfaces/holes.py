@@ -12,6 +12,9 @@ OUTLYING = 6.0
 """Robust standard deviations (1.4826 median absolute deviations) of points from their neighbours, from which on a
 single point is an outlier."""
 
+_NEAR = {1: 31, 2: 7}  # points along each axis that are near, of lines and of areas
+_FEWEST = 3  # pairs of neighbours, of which one may have an outlier of its own
+
 
 def bridged(heights: Floats, *, beyond: bool) -> Floats:
     """Heights with straight lines over holes (NaN) along x, or else y; `beyond` takes those at an edge on to it."""
@@ -69,7 +72,3 @@ def outliers_of(heights: Floats) -> NDArray[np.bool_]:
     # A worn surface is smoother on its plateaus than in its valleys: a point stands out of those near as well.
     near = median_filter(np.where(judged, off, usual), size=_NEAR[heights.ndim])
     return np.asarray(far & (np.bincount(numbers.ravel())[numbers] == 1) & (off > OUTLYING * 1.4826 * near))
-
-
-_NEAR = {1: 31, 2: 7}  # points along each axis that are near, of lines and of areas
-_FEWEST = 3  # pairs of neighbours, of which one may have an outlier of its own

@@ -16,6 +16,23 @@ from stiction.surfaces.spectrum import in_band, spectrum_of, spectrum_of_area
 from stiction.surfaces.surface import Surface, refuse_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
+WIDE = 0.5  # width of a 95 % interval of H from which on it says little
+FEWEST_HARMONICS = 8
+_ROUND_OFF = 1e-13  # residue of a straight line after it has been subtracted, as a fraction of the largest height
+_UNTRUSTED = 2  # lowest harmonics after a Hann window, of the mean and of what is longer than the profile
+
+_HANN_ALIKE = 35 / 18
+"""Mean of w⁴ over the square of that of w²: how much the window widens the scatter of sums over many harmonics."""
+
+_CHI_SQUARED_95 = 3.841  # one degree of freedom
+_BINS_PER_DECADE = 12
+_FEWEST_BINS = 4  # fewest bins of a piece of the spectrum that is given a power law of its own
+_BEND = 0.1  # relative deviation of a bin not told from chance: no measured spectrum is a power law to better than this
+_PRICE = 10.0  # log-likelihood that a further piece must gain, of three parameters and an end among some 50 bins
+_LINES = 10.0  # deviance for each bin, about 1 by chance, of what is no spectrum but lines with gaps between them
+_NARROWEST = math.log(3)  # narrowest band that is accepted, in log q: half a decade
+_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())  # multiples of the power law at the shortest wavelength
+_PARAMETER_PRICE = 2.0  # log-likelihood that a roll-off or noise must gain, which has one parameter more
 
 
 class PowerLaw:
@@ -66,9 +83,6 @@ class PowerLaw:
 
 
 # ---- Power laws -----------------------------------------------------------------------------------------------------
-
-
-WIDE = 0.5  # width of a 95 % interval of H from which on it says little
 
 
 @dataclass(frozen=True, repr=False)
@@ -286,16 +300,6 @@ def _given_band(wave_number: Floats, band: tuple[float, float]) -> NDArray[np.bo
     return chosen
 
 
-FEWEST_HARMONICS = 8
-_ROUND_OFF = 1e-13  # residue of a straight line after it has been subtracted, as a fraction of the largest height
-_UNTRUSTED = 2  # lowest harmonics after a Hann window, of the mean and of what is longer than the profile
-
-_HANN_ALIKE = 35 / 18
-"""Mean of w⁴ over the square of that of w²: how much the window widens the scatter of sums over many harmonics."""
-
-_CHI_SQUARED_95 = 3.841  # one degree of freedom
-
-
 @dataclass(frozen=True)
 class _Bins:
     """A spectrum in bins of equal width in log q: mean power, and number of harmonics."""
@@ -320,14 +324,6 @@ class _Bins:
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
-
-
-_BINS_PER_DECADE = 12
-_FEWEST_BINS = 4  # fewest bins of a piece of the spectrum that is given a power law of its own
-_BEND = 0.1  # relative deviation of a bin not told from chance: no measured spectrum is a power law to better than this
-_PRICE = 10.0  # log-likelihood that a further piece must gain, of three parameters and an end among some 50 bins
-_LINES = 10.0  # deviance for each bin, about 1 by chance, of what is no spectrum but lines with gaps between them
-_NARROWEST = math.log(3)  # narrowest band that is accepted, in log q: half a decade
 
 
 def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _Bins]:
@@ -390,9 +386,6 @@ def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _
     return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
 
 
-_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())  # multiples of the power law at the shortest wavelength
-
-
 def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
     """Power laws that are flat up to the first bin, the second and so on: the first has no roll-off."""
     breaks = range(max(1, bins.log_q.size - _FEWEST_BINS))
@@ -403,9 +396,6 @@ def _behind_roll_off(bins: _Bins, weight: Floats) -> int:
     """The first bin of a piece of the longest wavelengths, less a roll-off that is too short for a piece."""
     losses = [law.least_loss for law in _rolled_off(bins, weight)]
     return int(np.argmin(losses)) if min(losses) < losses[0] - _PARAMETER_PRICE else 0
-
-
-_PARAMETER_PRICE = 2.0  # log-likelihood that a roll-off or noise must gain, which has one parameter more
 
 
 def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:

@@ -17,6 +17,11 @@ from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, p
 from stiction.surfaces.surface import Surface
 
 MOST_FITTED = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
+_BOTH: tuple[Along, Along] = ("x", "y")
+BENT = 1.5  # factor by which a spectrum is off its power law, at which it is none
+_SAME_BAND = 1.5
+_OF_CHANCE = 0.04  # variance of a bin's logarithm from which on chance makes the bin count less
+_FEWEST_POINTS = 7  # points that a seven-point slope needs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,11 +185,6 @@ def lines_along_both(
         return along_x, along_y
 
 
-_BOTH: tuple[Along, Along] = ("x", "y")
-BENT = 1.5  # factor by which a spectrum is off its power law, at which it is none
-_SAME_BAND = 1.5
-
-
 def off_power_law(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
@@ -198,10 +198,6 @@ def off_power_law(
     weight = 1 / (scatter + _OF_CHANCE)
     square = np.square(ratio - np.average(ratio, weights=weight)) - scatter
     return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
-
-
-_OF_CHANCE = 0.04  # variance of a bin's logarithm from which on chance makes the bin count less
-_FEWEST_POINTS = 7  # points that a seven-point slope needs
 
 
 def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:

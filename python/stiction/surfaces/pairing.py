@@ -38,6 +38,7 @@ SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN = (5**0.5 - 1) / 2
 _PLASTIC = 1.324717957244746
 _OF_FOUR = 1.1673039782614187  # the real root of x^5 = x + 1
+POINTS_OF_A_WAVE = 4  # points of the shortest wave of the surfaces that are made
 
 
 def spread(index: int, dimensions: int) -> tuple[float, ...]:
@@ -398,9 +399,6 @@ class IsotropicPairs(SquarePairs):
             for body, side in zip(self._both, SIDES, strict=True)
         )  # fmt: skip
         return upper, lower
-
-
-POINTS_OF_A_WAVE = 4  # points of the shortest wave of the surfaces that are made
 
 
 def spectrum_of(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:

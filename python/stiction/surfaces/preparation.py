@@ -17,6 +17,18 @@ SurfaceTrend = Literal["mean", "plane", "quadratic"]
 Align = Literal["start", "middle"]  # which part two bodies of different size are cut to
 ON_POINT = 1e-9  # spacings within which a position is that of a point: 0.3 is the third point of a spacing of 0.1
 ROUND_OFF = 1e-14  # residue of a straight line after it has been subtracted, as a fraction of the largest height
+_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2}
+
+_LEVELLED = {
+    "mean": "levelled by the mean",
+    "line": "levelled by a line",
+    "quadratic": "levelled by a parabola",
+    "plane": "levelled by a plane",
+}
+
+_BEYOND = 32  # points on each side from which on a natural spline does not feel its end
+_KEPT = {"start": "first", "middle": "middle"}
+_SIDES = (np.floor, np.ceil)
 
 
 @overload
@@ -66,15 +78,6 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
         step = "levelled by a polynomial of second degree" if trend == "quadratic" else _LEVELLED[trend]
         return body.changed(_without(body.heights, basis, body.missing), step)
     raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
-
-
-_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2}
-_LEVELLED = {
-    "mean": "levelled by the mean",
-    "line": "levelled by a line",
-    "quadratic": "levelled by a parabola",
-    "plane": "levelled by a plane",
-}
 
 
 def _orthogonal(points: int, degree: int) -> list[Floats]:
@@ -294,12 +297,6 @@ def _beside_missing(missing: Any, places: Floats, axis: int) -> Any:
     return below | above
 
 
-_BEYOND = 32  # points on each side from which on a natural spline does not feel its end
-
-
-_KEPT = {"start": "first", "middle": "middle"}
-
-
 def _splined(heights: Any, own: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
     """Heights along an axis at another spacing, by natural cubic splines, or a mask; the same spacing as it is."""
     if heights is None:
@@ -387,9 +384,6 @@ def rotated(surface: Surface, angle: float) -> Surface:
     lost = 1 - shape[0] * shape[1] / surface.heights.size
     step = f"rotated by {angle:g} degrees, {100 * lost:.0f} % cut off"
     return surface.changed(heights, step, missing=missing)
-
-
-_SIDES = (np.floor, np.ceil)
 
 
 def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]:

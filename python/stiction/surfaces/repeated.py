@@ -26,6 +26,7 @@ _STEPS = 4  # of each
 _ALIKE = 2 * math.sqrt(math.pi)  # points that a Gaussian of one point joins, of white noise
 _MARGIN = 3  # points beside those that a spline is read at
 _CANDIDATES = 400  # cut-offs that are tried
+_ON_POINT = 1e-4  # points from a whole number that are none: repeats without noise
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -190,9 +191,6 @@ def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
         moved, places = whole, [np.round(each) for each in places]
         return a[above], b[np.ix_(*(each.astype(np.intp) for each in places))], moved
     return a[above], map_coordinates(b, np.meshgrid(*places, indexing="ij"), order=5), moved
-
-
-_ON_POINT = 1e-4  # points from a whole number that are none: repeats without noise
 
 
 def _slopes(heights: Floats) -> list[Floats]:

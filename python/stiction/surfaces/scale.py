@@ -35,6 +35,9 @@ _FLAT = 0.35  # exponent of the last octave below which it is flat
 _FINEST = 1e-6  # fraction of the shortest wave of the scan, as far as a power law is followed
 _HALVINGS = 60
 
+Spectrum = tuple[Floats, Floats, Floats, float]
+"""Wave numbers, densities, and numbers of independent values of a spectrum, and the spacing of its points."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(Readable):
@@ -337,10 +340,6 @@ def _slope_kept(roughness: ScaleDependentRoughness, share: float, longest: float
         kept = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
         low, high = (middle, high) if kept > 1 - share else (low, middle)
     return max(shortest, float(f"{math.exp(high):.1e}"))  # two digits, which two scans of a kind share
-
-
-Spectrum = tuple[Floats, Floats, Floats, float]
-"""Wave numbers, densities, and numbers of independent values of a spectrum, and the spacing of its points."""
 
 
 def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ROUND_UP = 1 + 1e-9  # for a ratio of lengths that counts as equal, or as a whole number, although round-off parts them
+_PEAK_BINS = 24  # bins to a decade in which peaks are looked for
+_PEAK_REACH = 6  # bins to both sides that tell the level at a bin; a straight spectrum is its own median
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -416,10 +418,6 @@ def spectrum_of_area(heights: Floats, spacing: tuple[float, float], *, windowed:
 
 
 # ---- Peaks ----------------------------------------------------------------------------------------------------------
-
-
-_PEAK_BINS = 24  # bins to a decade in which peaks are looked for
-_PEAK_REACH = 6  # bins to both sides that tell the level at a bin; a straight spectrum is its own median
 
 
 def peak_of(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:

@@ -16,6 +16,7 @@ SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 
 # Each is that of all points, whatever their arrangement, and has the name of the profile's in the core.
 _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
+_LEAST_HEIGHT = 1e-50  # µm. Products of moments go as the fourth power of heights, which must stay in range
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -132,6 +133,3 @@ def refuse_flat(body: Profile | Surface) -> None:
             f"the height of the {name} must be above {_LEAST_HEIGHT:g} and below {1 / _LEAST_HEIGHT:g} µm, "
             f"got {height:g}"
         )
-
-
-_LEAST_HEIGHT = 1e-50  # µm. Products of moments go as the fourth power of heights, which must stay in range

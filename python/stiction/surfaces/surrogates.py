@@ -18,6 +18,7 @@ _SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings o
 _FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
 _STEPS = 1000  # most steps of the fit; some ten are needed, some hundred where the spectrum ends within a ring
 _SETTLED = 1e-6  # largest change of the logarithm of a density in a step at which the fit has converged
+_MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space
 
 
 @overload
@@ -220,9 +221,6 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     # The real part joins each wave with its opposite, and halves the power.
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
     return np.asarray(ifft2(waves, overwrite_x=True).real)
-
-
-_MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space
 
 
 def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:

@@ -20,6 +20,8 @@ LENGTH_UNITS = {
 
 MOST_BYTES = 2_000_000_000
 MOST_TEXT_BYTES = 300_000_000  # largest text, which takes some ten times its size in memory while it is parsed
+_CHUNK = 1 << 16
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that unpack no more than is asked for at a time
 
 
 class FormatError(ValueError):
@@ -106,10 +108,6 @@ def length_unit(text: str) -> str | None:
 
 
 # ---- Archives -------------------------------------------------------------------------------------------------------
-
-
-_CHUNK = 1 << 16
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that unpack no more than is asked for at a time
 
 
 def chunks(archive: zipfile.ZipFile, name: str, most: int) -> Iterator[bytes]:

@@ -27,6 +27,7 @@ _MOST_WORDS = 4_000_000  # bytes of main.xml, but for the points that it lists
 _MOST_ELEMENTS = 100_000  # largest size of main.xml without its points
 _BYTES_OF_A_POINT = 200
 _SPARE = 64  # bytes of bits beyond the last point
+_DEEPEST = 6
 
 
 def read_x3p(data: bytes) -> Raw:
@@ -128,9 +129,6 @@ class _Main:
         elif len(self._path) <= _DEEPEST:
             self.texts.setdefault("/".join(self._path[1:]), text)
         self._path.pop()
-
-
-_DEEPEST = 6
 
 
 class _Axis:
