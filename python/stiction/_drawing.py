@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 HEIGHT_MAP = "gray"
 _FINE = 0.5  # heights (µm) below which they are drawn in nm
 _BAR = 0.25  # about how much of the width the bar of the scale takes at most
-
-
 PRESSURE_MAP = "inferno"
 MOST_LINES = 12  # largest number of lines that have a legend
 
@@ -32,9 +30,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
     """Heights over x, as they are: the vertical scale is another."""
     heights, unit = in_fine_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
-    ax.set_xlim(0, float(x[-1]))
-    ax.set_xlabel("x (µm)")
-    ax.set_ylabel(f"height ({unit})")
+    ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
     return ax
 
 
@@ -43,8 +39,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
     heights, unit = in_fine_unit(heights)
     image = ax.imshow(heights, extent=box_of(heights.shape, spacing), origin="lower", cmap=HEIGHT_MAP)
     colour_bar(ax, image, f"height ({unit})")
-    ax.set_xlabel("x (µm)")
-    ax.set_ylabel("y (µm)")
+    ax.set(xlabel="x (µm)", ylabel="y (µm)")
     return ax
 
 
@@ -76,8 +71,7 @@ def draw_repeated(ax: Axes, found: Any) -> Axes:
         ax.loglog(found.wavelength[heights > 0], heights[heights > 0], style, markersize=3, linewidth=1, label=label)
     if math.isfinite(found.limit):
         ax.axvline(found.limit, color="0.5", linewidth=0.8)
-    ax.set_xlabel("shortest wavelength of an octave (µm)")
-    ax.set_ylabel("rms height in it (nm)")
+    ax.set(xlabel="shortest wavelength of an octave (µm)", ylabel="rms height in it (nm)")
     few_ticks(ax)
     ax.legend()
     return ax
@@ -187,8 +181,7 @@ def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[flo
     pressed = np.where(pressure > 0, pressure, np.nan)
     image = ax.imshow(pressed, extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0, interpolation="nearest")
     colour_bar(ax, image, "pressure (GPa)")
-    ax.set_xticks([])
-    ax.set_yticks([])
+    ax.set(xticks=[], yticks=[])
     scale_bar(ax, box)
     return ax
 
@@ -220,7 +213,6 @@ def draw_onset(
         ax.plot([0, elastic], [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
     ax.plot(np.concatenate([[0.0], along]), np.concatenate([[0.0], load]), marker="o", markersize=3)
     ax.axhline(sliding_load, color="0.3", linewidth=0.8, linestyle="--", label="slides")
-    ax.set_xlabel(text)
-    ax.set_ylabel("tangential load (mN)")
+    ax.set(xlabel=text, ylabel="tangential load (mN)")
     ax.legend(frameon=False, fontsize="small", loc="lower right")
     return ax

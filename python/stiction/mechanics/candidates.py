@@ -149,21 +149,16 @@ def _refuse_grooves(gap: Floats) -> None:
             )
 
 
-def model_for_candidates(found: Candidates, contact: Mapping[str, object]) -> ContactModel:
-    """A model for candidates; a detection or curvature that is given must be theirs."""
-    if "effective_modulus" not in contact and "model" not in contact:
-        refuse_no_modulus(*found.sources)
-    model = model_of(contact)
-    for name, own in (("detection", "gap-minimum"), ("curvature", found.curvature)):
-        if getattr(model, name) not in (None, own):
-            raise ValueError(f"{name} must be that of the candidates, {own!r}, got {getattr(model, name)!r}")
-    model = replace(model, detection="gap-minimum", curvature=found.curvature)
-    areal = isinstance(found.core, stiction._core.ArealCandidates)
-    return model.for_surfaces() if areal else model.for_profiles()
-
-
 def known_of(upper: Any, lower: Any, contact: Mapping[str, object]) -> tuple[Candidates | None, ContactModel]:
     """The candidates that stand in place of both bodies, if they do, and the model by which these are pressed."""
-    if isinstance(upper, Candidates):
-        return upper, model_for_candidates(upper, contact)
-    return None, model_for_pair(upper, lower, contact)
+    if not isinstance(upper, Candidates):
+        return None, model_for_pair(upper, lower, contact)
+    if "effective_modulus" not in contact and "model" not in contact:
+        refuse_no_modulus(*upper.sources)
+    model = model_of(contact)
+    for name, own in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
+        if getattr(model, name) not in (None, own):
+            raise ValueError(f"{name} must be that of the candidates, {own!r}, got {getattr(model, name)!r}")
+    model = replace(model, detection="gap-minimum", curvature=upper.curvature)
+    areal = isinstance(upper.core, stiction._core.ArealCandidates)
+    return upper, model.for_surfaces() if areal else model.for_profiles()

@@ -570,10 +570,8 @@ def westergaard_contact_fraction(
     >>> westergaard_contact_fraction(np.array([0.25, 0.5, 1.0]) * np.pi * 0.1, **wave).round(3)
     array([0.333, 0.5  , 1.   ])
     """
-    p, d, wave, e = positive(
-        mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
-    )
-    return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / (np.pi * e * d / wave), 1))))
+    _, _, p, full, _ = _wave(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
+    return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1))))
 
 
 def westergaard_pressure(

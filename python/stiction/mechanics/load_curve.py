@@ -249,31 +249,21 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     pressed = PressedBodies((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
     if not isinstance(upper, Candidates):
         warn_of_one_body(upper, lower)
+    common: dict[str, Any] = {
+        "approach": read_only(steps.copy()), "effective_modulus": float(model.effective_modulus),
+        "sliding": model.sliding, "_pressed": pressed,
+    }  # fmt: skip
     if isinstance(core, stiction._core.ArealCandidates):
-        return _pressed_surfaces(core, steps, model, pressed)
+        angles, directions = model.angles(), model.directions()
+        columns = stiction._core.press(core, approaches=steps, model=model.core(), directions=directions)
+        for name, column in columns.items():
+            table = column.reshape(len(directions), steps.size)
+            common[name] = read_only(table if name in DIRECTED and angles.ndim > 0 else table[0])
+        return SurfaceLoadCurve(**common, direction=read_only(angles))
     if core is not None:
         columns = stiction._core.press(core, approaches=steps, model=model.core())
     else:
         columns = stiction._core.press(
             upper.heights, lower.heights, spacing=upper.spacing, approaches=steps, model=model.core()
         )
-    arrays = {name: read_only(column) for name, column in columns.items()}
-    return LoadCurve(
-        **arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus),
-        sliding=model.sliding, _pressed=pressed,
-    )  # fmt: skip
-
-
-def _pressed_surfaces(
-    found: stiction._core.ArealCandidates, steps: Floats, model: ContactModel, pressed: PressedBodies
-) -> SurfaceLoadCurve:
-    angles, directions = model.angles(), model.directions()
-    columns = stiction._core.press(found, approaches=steps, model=model.core(), directions=directions)
-    arrays = {}
-    for name, column in columns.items():
-        table = column.reshape(len(directions), steps.size)
-        arrays[name] = read_only(table if name in DIRECTED and angles.ndim > 0 else table[0])
-    return SurfaceLoadCurve(
-        **arrays, approach=read_only(steps.copy()), effective_modulus=float(model.effective_modulus),
-        sliding=model.sliding, direction=read_only(angles), _pressed=pressed,
-    )  # fmt: skip
+    return LoadCurve(**common, **{name: read_only(column) for name, column in columns.items()})  # type: ignore[arg-type]

@@ -95,10 +95,6 @@ def material(name: str) -> Material:
     name : str
         One of `materials`, or another name of it.
 
-    Returns
-    -------
-    Material
-
     Raises
     ------
     ValueError

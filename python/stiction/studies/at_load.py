@@ -221,6 +221,9 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     at = dims.index("direction") + 1
     status = there["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
+    counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
+    frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]  # the reason where no member has an answer
+    common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
     words = attributes_of("friction_coefficient")
     rest = [dim for dim in dims if dim != "direction"]
     coordinates: dict[str, Any] = {
@@ -244,18 +247,11 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     variables |= {
         "spread_low": (rest, low, words | {"long_name": "a tenth of the members are below"}),
         "spread_high": (rest, high, words | {"long_name": "a tenth of the members are above"}),
-        "status": (dims, _common_status(status), attributes_of("status")),
+        "status": (dims, common, attributes_of("status")),
         "ok": (dims, ok.sum(axis=0), {"units": "1", "long_name": "members with an answer"}),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
-
-
-def _common_status(status: NDArray[Any]) -> NDArray[Any]:
-    """The status is "ok" where any member is, else the most frequent reason."""
-    counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
-    first = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
-    return np.asarray(np.where(counts[STATUSES.index("ok")] > 0, np.array("ok", STATUS_DTYPE), first))
 
 
 class OverMembers:

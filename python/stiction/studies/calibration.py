@@ -422,13 +422,6 @@ def calibrate(
     return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)
 
 
-def _shared_hardness(friction: Sequence[_Friction]) -> _Yields | None:
-    """What knows the hardness, where all tests are of bodies of one that is not known exactly."""
-    first = friction[0].yields
-    keys = {each.yields and "hardness" in each.yields.known and each.yields.key("hardness") for each in friction}
-    return first if len(keys) == 1 and all(keys) else None
-
-
 def highest_density(values: Floats, bound: float = -math.inf) -> Interval:
     """Median of draws and the shortest interval that holds 95 % of them; a lower end beside the bound is the bound."""
     ordered = np.sort(values)
@@ -539,7 +532,9 @@ class _Problem:
         hardness = np.full(
             NUISANCES, friction[0].hardness if len({each.hardness for each in friction}) == 1 else math.nan
         )
-        shared = _shared_hardness(friction)
+        # What knows the hardness, where all tests are of bodies of one that is not known exactly.
+        ranges = {each.yields and "hardness" in each.yields.known and each.yields.key("hardness") for each in friction}
+        shared = friction[0].yields if len(ranges) == 1 and all(ranges) else None
         if shared is not None:
             hardness = shared.known["hardness"].quantile(columns[shared.key("hardness")])
         has_errors = tests[0].uncertainty is not None
@@ -604,20 +599,15 @@ class _Problem:
 
         weight = np.sqrt(self._weight)
         columns = np.stack([self.rub[0], self.stick[0]], axis=1)
-        right, free = self.right[0].copy(), []
-        values = [0.0, 0.0]
-        for place, value in enumerate(self.known):
-            if value is None:
-                free.append(place)
-            else:
-                values[place] = value
-                right = right - columns[:, place] * value
-        if free:
+        free = [value is None for value in self.known]
+        values = np.array([0.0 if value is None else value for value in self.known])
+        if any(free):
+            right = self.right[0] - columns @ values
             scale = np.abs(columns[:, free]).max(axis=0)
-            found = lsq_linear((columns[:, free] / scale) * weight[:, None], right * weight, (0.0, np.inf)).x / scale
-            for place, value in zip(free, found, strict=True):
-                values[place] = float(value)
-        return values[0], values[1]
+            values[free] = (
+                lsq_linear(columns[:, free] / scale * weight[:, None], right * weight, (0.0, np.inf)).x / scale
+            )
+        return float(values[0]), float(values[1])
 
     def _residual_of_best(self) -> Floats:
         mu0, tau0 = self._best()

@@ -33,6 +33,8 @@ def complete(
     `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
     `announce` tell what was done, is worth knowing and comes, and `answered` is given the result of the blocks.
     """
+    from stiction.studies.contact_picture import FILE, contact_picture
+
     there = open_stored(folder) if (folder / STUDY).exists() else None
     if replace and there:
         remove_result(there)
@@ -54,17 +56,10 @@ def complete(
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{folder} holds this study already{by}")
     answered(stored)
-    write_picture(stored, anew=before < total)
+    if measured and (before < total or not (stored.path / FILE).exists()):
+        _put_beside(stored, FILE, lambda: contact_picture(stored))
     fill_beside(stored, executor, onset, progress=progress, announce=announce, say=say)
     return stored
-
-
-def write_picture(stored: Stored, *, anew: bool) -> None:
-    """Write the contacts of a typical member of measured bodies beside its blocks, for figures and pages."""
-    from stiction.studies.contact_picture import FILE, contact_picture
-
-    if stored.study.is_measured and (anew or not (stored.path / FILE).exists()):
-        _put_beside(stored, FILE, lambda: contact_picture(stored))
 
 
 def fill_hardness(stored: Stored, executor: Executor) -> None:

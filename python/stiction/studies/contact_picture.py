@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from stiction.studies.contact_statistics import Table
     from stiction.studies.maps import Result
     from stiction.studies.store import Stored
 

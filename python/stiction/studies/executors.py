@@ -8,6 +8,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor
+from importlib import import_module
 from typing import Any, TypeVar
 
 from stiction._text import LONGEST_NAME, printable
@@ -94,7 +95,10 @@ class ClusterError(ValueError):
 @contextlib.contextmanager
 def connected(address: str) -> Iterator[Executor]:
     """Connect to the workers of a scheduler by its address; a `ClusterError` without one, and where its workers die."""
-    distributed = _distributed()
+    try:
+        distributed: Any = import_module("distributed")
+    except ImportError:
+        raise ClusterError("a cluster needs the package distributed: pip install 'stiction[cluster]'") from None
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
         raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {shortened(address)}")
     try:
@@ -103,25 +107,14 @@ def connected(address: str) -> Iterator[Executor]:
         raise ClusterError(
             f"no Dask scheduler answers at {shortened(address)}: {printable(str(error).splitlines()[0], LONGEST_NAME)}"
         ) from None
-    with client, _failures(distributed):
-        if not client.nthreads():
-            warnings.warn(f"the scheduler at {shortened(address)} has no workers yet; waiting for them", stacklevel=3)
-        yield client.get_executor()
-
-
-def _distributed() -> Any:
-    try:
-        import distributed
-    except ImportError:
-        raise ClusterError("a cluster needs the package distributed: pip install 'stiction[cluster]'") from None
-    return distributed
-
-
-@contextlib.contextmanager
-def _failures(distributed: Any) -> Iterator[None]:
-    try:
-        yield
-    except distributed.scheduler.KilledWorker as error:
-        raise ClusterError(f"a block was given up, because every worker that computed it died: {error}") from None
-    except CancelledError:
-        raise ClusterError("the scheduler is gone; what was finished is kept, and the same command goes on") from None
+    with client:
+        try:
+            if not client.nthreads():
+                words = f"the scheduler at {shortened(address)} has no workers yet; waiting for them"
+                warnings.warn(words, stacklevel=3)
+            yield client.get_executor()
+        except distributed.scheduler.KilledWorker as error:
+            raise ClusterError(f"a block was given up, because every worker that computed it died: {error}") from None
+        except CancelledError:
+            why = "the scheduler is gone; what was finished is kept, and the same command goes on"
+            raise ClusterError(why) from None

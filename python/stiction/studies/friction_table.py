@@ -151,15 +151,20 @@ def friction_table(
     material = material_of(dataset, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     pressure = dataset["load"].values / area
-    pairs = _of_pairs(dataset, pressure, area)
+    approach, touching = (dataset[name].transpose(*_ORDER).values for name in ("approach", "contact_area"))
+    stiffness = np.full(approach.shape, np.nan)
+    if pressure.size >= FEWEST_PRESSURES:
+        # The approach is nearly straight over the logarithm of the load.
+        stiffness = pressure / np.gradient(approach, np.log(pressure), axis=-1, edge_order=2)
+    pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
     means = {name: np.stack(intervals.of_sample(each), axis=-1) for name, each in pairs.items()}
     light = means["contact_area_fraction"][..., 0] <= LIGHT
     light[light.sum(axis=-1) < 2] = True
     laws = _laws(pressure, light, pairs)
-    factor, stiffness, exponent = (each[..., :1] for each in laws.values())
+    factor, prefactor, exponent = (each[..., :1] for each in laws.values())
     fits = {
         "area": (factor * pressure, "contact_area_fraction"),
-        "stiffness": (stiffness * pressure**exponent, "normal_stiffness"),
+        "stiffness": (prefactor * pressure**exponent, "normal_stiffness"),
     }
     places = ("hurst_exponent", "rms")
     variables: dict[str, Any] = {
@@ -183,16 +188,6 @@ def friction_table(
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
     table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}
     return table.sortby("hurst_exponent")
-
-
-def _of_pairs(data: xarray.Dataset, pressure: Floats, area: float) -> dict[str, Floats]:
-    """Each (r, fractal dimension, amplitude, load)."""
-    approach, touching = (data[name].transpose(*_ORDER).values for name in ("approach", "contact_area"))
-    stiffness = np.full(approach.shape, np.nan)
-    if pressure.size >= FEWEST_PRESSURES:
-        # The approach is nearly straight over the logarithm of the load.
-        stiffness = pressure / np.gradient(approach, np.log(pressure), axis=-1, edge_order=2)
-    return {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
 
 
 def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:

@@ -126,25 +126,20 @@ class AtLoads:
         """Further repetitions: normal loads (c, k, r) and values (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
-        at_a_time = max(1, IN_CACHE // max(1, self._load.size))
-        for first in range(0, normal.shape[2], at_a_time):
-            some = slice(first, first + at_a_time)
-            self._add(self._at(normal[..., some]), self._at(values[..., some]))
-
-    def _add(self, own_load: Floats, own_value: Floats) -> None:
-        """What further repetitions have where the loads are reached, (p, r)."""
-        self._loads.add(own_load)
-        self._values.add(own_value)
-        others = self._repetitions - 1
+        at_a_time, others = max(1, IN_CACHE // max(1, self._load.size)), self._repetitions - 1
         mean, mean_load, load, slope = (
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
-        # What it moves the means of the others by, when it is left out.
-        with np.errstate(divide="ignore", invalid="ignore"):
-            by_load, by_value = (mean_load - own_load) / others, (mean - own_value) / others
-            logarithms = np.log1p(by_value / mean) - slope * load / mean * np.log1p((mean_load - load + by_load) / load)
-            self._logarithms.add(logarithms)
-            self._plain.add(by_value - slope * by_load)
+        for first in range(0, normal.shape[2], at_a_time):
+            # (p, r) where the loads are reached, and what it moves the means of the others by, when it is left out.
+            own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
+            self._loads.add(own_load)
+            self._values.add(own_value)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                by_load, by_value = (mean_load - own_load) / others, (mean - own_value) / others
+                moved = np.log1p((mean_load - load + by_load) / load)
+                self._logarithms.add(np.log1p(by_value / mean) - slope * load / mean * moved)
+                self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
         """Lower and upper end (c, l), when all repetitions have come."""
@@ -315,20 +310,15 @@ def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[float, float,
     """Mean and interval of values at positions on lines, in the order of neighbours, or of the means of several."""
     if not values.size:
         return math.nan, math.nan, math.nan
-    mean, lower, upper = of_neighbours(_one_of_each_line(values, lines))
+    _, first, index = np.unique(lines, return_index=True, return_inverse=True)
+    each = values
+    if first.size > 1:  # one value for each line, in the order of the lines, whose mean is that of all
+        sums, counts = np.bincount(index, weights=values), np.bincount(index)
+        whole = sums.sum() / counts.sum()
+        each = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
+    mean, lower, upper = of_neighbours(each)
     least, most = float(values.min()), float(values.max())
     return mean, lower if math.isnan(lower) else max(lower, least), upper if math.isnan(upper) else min(upper, most)
-
-
-def _one_of_each_line(values: Floats, lines: NDArray[np.intp]) -> Floats:
-    """One value for each line, in the order of the lines, whose mean is that of all; of one line all of its values."""
-    _, first, index = np.unique(lines, return_index=True, return_inverse=True)
-    if first.size < 2:
-        return values
-    sums, counts = np.bincount(index, weights=values), np.bincount(index)
-    mean = sums.sum() / counts.sum()
-    each = mean + (sums - counts * mean) / counts.mean()
-    return np.asarray(each[np.argsort(first)])
 
 
 # ---- Over scans of parts ---------------------------------------------------------------------------------------------

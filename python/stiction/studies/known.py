@@ -132,7 +132,12 @@ def _one(name: str, given: Any, kind: str) -> float:
     """A number that is not negative, with a unit where it is of a kind and text."""
     scale = _UNIT.search(given) if kind == "hardness" and isinstance(given, str) else None
     if scale and scale[0] in ("HV", "HRC"):
-        return _pressure_of(name, _one(name, given[: scale.start()], ""), scale[0])
+        number = _one(name, given[: scale.start()], "")
+        if scale[0] == "HRC":
+            if not min(_ROCKWELL) <= number <= max(_ROCKWELL):
+                raise ValueError(f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {number:g} HRC")
+            number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
+        return number * _VICKERS
     kind = "pressure" if kind else ""
     try:
         value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
@@ -142,15 +147,6 @@ def _one(name: str, given: Any, kind: str) -> float:
     if not (math.isfinite(value) and value >= 0):
         raise ValueError(f"{name} must be finite and not negative, got {shortened(given)}")
     return value
-
-
-def _pressure_of(name: str, number: float, scale: str) -> float:
-    """Mean pressure (GPa) under the indenter of a hardness by a scale."""
-    if scale == "HRC":
-        if not min(_ROCKWELL) <= number <= max(_ROCKWELL):
-            raise ValueError(f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {number:g} HRC")
-        number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
-    return number * _VICKERS
 
 
 def _with_units(first: str, last: str) -> tuple[str, str]:

@@ -184,12 +184,20 @@ def ensemble_map(
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """One quantity of the ensemble, as `friction_map` returns it; a `change` is made to each piece of the result."""
-    load_values = _list("loads", loads)
+    load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
+    if load_values.ndim != 1:
+        raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = head_of(result)
     material = material_of(dataset, mu0, tau0)
-    _check_is_there(dataset, what)
+    missing = [name for name in ("repetition", step_of(dataset)) if not dataset.sizes.get(name)]
+    missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
+    if missing or not cells_of(dataset):
+        raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
+    for name in _NEEDED[what]:
+        if name not in dataset:
+            raise ValueError(f"the dataset has no variable {name!r}")
     asked = _Asked(dataset if change is None else change(dataset), what, load_values, *material)
     # Two passes over the members: the means say where loads are reached, and intervals are of what each has there.
     averages, others, count = _means(lambda: solved_pieces(result, asked.names(), change), what, asked.step)
@@ -210,17 +218,6 @@ def ensemble_map(
 
             list(pool.map(add, at, both))
     return asked.dataset_of(at, averages, others)
-
-
-def _check_is_there(dataset: xarray.Dataset, what: str) -> None:
-    """That a dataset has what a quantity is made of."""
-    missing = [name for name in ("repetition", step_of(dataset)) if not dataset.sizes.get(name)]
-    missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
-    if missing or not cells_of(dataset):
-        raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
-    for name in _NEEDED[what]:
-        if name not in dataset:
-            raise ValueError(f"the dataset has no variable {name!r}")
 
 
 class _Asked:
@@ -362,10 +359,3 @@ def material_of(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike 
         np.atleast_1d(friction.friction_parameter(name, values)).ravel()
         for name, values in (("mu0", mu0), ("tau0", tau0))
     )  # type: ignore[return-value]
-
-
-def _list(name: str, values: ArrayLike) -> Floats:
-    array = np.atleast_1d(friction.friction_parameter(name, values))
-    if array.ndim != 1:
-        raise ValueError(f"{name} must be a number or a list of numbers, got shape {array.shape}")
-    return array

@@ -141,7 +141,14 @@ def piece_at(
         normal, tangential = loads_of(six, mu0, tau0)
         reached, below = off.reached[..., None, None, :, None, None], off.below[..., None, None, :, None, None]
     else:
-        normal, tangential, reached, below = _at_normal_load(sums, loads, mu0, tau0, ratio=ratio)
+        # (..., load, mu0, tau0) where each member's own normal load is that of `loads`.
+        normal, tangential = (np.moveaxis(each, -3, -1) for each in loads_of(sums, mu0, tau0))
+        normal = np.broadcast_to(normal, tangential.shape)
+        with np.errstate(invalid="ignore"):
+            carried = np.where(normal > 0, normal, np.nan) if ratio else normal
+        own = Crossing.of(carried, loads, ratio=ratio).without_gaps(normal, loads)
+        reached, below = (np.moveaxis(each, -1, -3) for each in (own.reached, own.below))
+        normal, tangential = (np.moveaxis(own.at(each), -1, -3) for each in (normal, tangential))
     status = _status(piece, loads, normal, reached, below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
@@ -244,27 +251,11 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
     return np.asarray(values[tuple(slice(None) if dim in own else np.newaxis for dim in dims)])
 
 
-def _at_normal_load(
-    sums: dict[str, Floats], loads: Floats, mu0: Floats, tau0: Floats, *, ratio: bool
-) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Normal and tangential load (..., load, mu0, tau0) where each member's own normal load is that of `loads`."""
-    normal, tangential = (np.moveaxis(each, -3, -1) for each in loads_of(sums, mu0, tau0))
-    normal = np.broadcast_to(normal, tangential.shape)
-    with np.errstate(invalid="ignore"):
-        carried = np.where(normal > 0, normal, np.nan) if ratio else normal
-    off = Crossing.of(carried, loads, ratio=ratio).without_gaps(normal, loads)
-    reached, below = (np.moveaxis(each, -1, -3) for each in (off.reached, off.below))
-    return (
-        np.moveaxis(off.at(normal), -1, -3), np.moveaxis(off.at(tangential), -1, -3), reached, below,
-    )  # fmt: skip
-
-
 def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
     """Status of each member over (..., sliding, direction, load, mu0, tau0)."""
-    touched = True
     known = np.isfinite(normal)
     locked = known & (normal <= 0)
-    status = friction.status_of(touched=touched, reached=known & reached & ~locked, locked=locked, below=below)
+    status = friction.status_of(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = step_of(piece)
     if "status" in piece:

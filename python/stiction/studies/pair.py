@@ -27,7 +27,7 @@ from stiction.studies.study import Study
 from stiction.studies.surface_tables import Measured
 from stiction.studies.values import validated
 from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.pairing import LINES
+from stiction.surfaces.pairing import LINES, SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import unknown_below
 from stiction.surfaces.surface import Surface
@@ -130,14 +130,12 @@ class Pair:
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
         """Where both bodies are, and how they are read."""
-        upper, lower = (self._part(side, index) for index, side in enumerate(("upper", "lower")))
-        return upper, lower
-
-    def _part(self, side: str, index: int) -> MeasuredFile:
-        """One part by all of its scans."""
-        given = getattr(self, side) if self.gap is None else self.gap
-        first, *others = (self._file(side, index, scan) for scan in _scans_of(side, given))
-        return first.model_copy(update={"others": tuple(others) or None})
+        parts = []
+        for index, side in enumerate(SIDES):
+            given = getattr(self, side) if self.gap is None else self.gap
+            first, *others = (self._file(side, index, scan) for scan in _scans_of(side, given))
+            parts.append(first.model_copy(update={"others": tuple(others) or None}))
+        return parts[0], parts[1]
 
     def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
         """One body; what says how files are read is for both, or for one after the other."""

@@ -23,7 +23,6 @@ from stiction.studies.members import about, bodies_of
 from stiction.studies.pair import SEED, SHIFTS, SURROGATES, given_study
 from stiction.studies.pressing import Mechanics, checked_loads
 from stiction.studies.runner import run
-from stiction.studies.study import Study
 from stiction.studies.surface_tables import MeasuredAreas, MeasuredSurrogates
 from stiction.surfaces.pairing import MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
@@ -154,7 +153,11 @@ def pressed_maps(
     study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, least=0))
     if isinstance(upper, Surface) and isinstance(lower, Surface):
         warn_of_one_body(upper, lower, moved=True)
-    _check_shifts(study, shifts, count)
+    members = bodies_of(study).members(0.0)
+    members.facts()  # which refuses maps of too few points
+    pairs = getattr(members, "pairs", None)
+    if isinstance(pairs, MapPairs) and len({pairs.origins(index) for index in range(count)}) < count:
+        raise ValueError(f"shifts must be fewer on maps of {pairs.upper.heights.shape} points, got {shifts!r}")
     result = run(study, executor=executor, progress=progress).isel(cut_off=0, drop=True)
     # Relative positions first.
     sums = result.isel(repetition=np.r_[made : made + count, :made], sliding=[1, 0]).drop_vars(["repetition", "line"])
@@ -188,14 +191,11 @@ def _surfaces(
 ) -> tuple[MeasuredAreas | MeasuredSurrogates, int, int]:
     """Both bodies in a study, how many relative positions there are, and how many pairs of surrogates."""
     of_profiles = isinstance(upper, Profile) and isinstance(lower, Profile)
-    both = {"upper": upper, "lower": lower}
-    for name, body in both.items():
+    bodies: dict[str, Any] = {}
+    for name, body in (("upper", upper), ("lower", lower)):
         if not of_profiles and not isinstance(body, Surface):
             raise ValueError(f"{name} must be a Surface, got {type(body).__name__}")
-    bodies: dict[str, Any] = {
-        "upper": MeasuredFile.holding(upper, "upper"),
-        "lower": MeasuredFile.holding(lower, "lower"),
-    }
+        bodies[name] = MeasuredFile.holding(body, name)
     if of_profiles:
         if shifts:
             raise ValueError(f"shifts are of maps; of profiles surrogates are pressed, got shifts={shifts!r}")
@@ -204,15 +204,6 @@ def _surfaces(
     made = whole_number("surrogates", 0 if surrogates is None else surrogates, least=0)
     count = 0 if shifts == 0 and made else whole_number("shifts", SHIFTS if shifts is None else shifts, least=1)
     return MeasuredAreas(**bodies, level=level, surrogates=made, prepared=True), count, made
-
-
-def _check_shifts(study: Study, shifts: int | None, count: int) -> None:
-    """Refuse more relative positions than there are, and maps of too few points, before anything is computed."""
-    members = bodies_of(study).members(0.0)
-    members.facts()
-    pairs = getattr(members, "pairs", None)
-    if isinstance(pairs, MapPairs) and len({pairs.origins(index) for index in range(count)}) < count:
-        raise ValueError(f"shifts must be fewer on maps of {pairs.upper.heights.shape} points, got {shifts!r}")
 
 
 def _with_friction(sums: xarray.Dataset, mu0: Floats, tau0: Floats) -> xarray.Dataset:

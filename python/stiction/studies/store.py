@@ -239,10 +239,6 @@ def read(path: str | Path) -> xarray.Dataset:
 
     Of a study that is not finished, the dataset has the finished repetitions only, and a warning says so.
 
-    Parameters
-    ----------
-    path : path
-
     Returns
     -------
     xarray.Dataset

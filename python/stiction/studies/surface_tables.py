@@ -172,7 +172,12 @@ class MeasuredAreas(MeasuredBodies):
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
         if self.gap:
-            return AreasAt(*faces_of(levelled(lower, self.level)), ((0, 0),))
+            # A flat face, and a rough one from which it is as far as two faces are from each other.
+            gap = levelled(lower, self.level)
+            grid: dict[str, Any] = {"spacing": gap.spacing, "missing": gap.missing}
+            flat = Surface(np.zeros_like(gap.heights), history=("a flat face",), **grid)
+            rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
+            return AreasAt(flat, rough, ((0, 0),))
         if self.positions is not None:
             return AreasAt(upper, lower, self.positions)
         pairs = (
@@ -211,13 +216,6 @@ class MeasuredSurrogates(MeasuredBodies):
             return Areas(IsotropicPairs(upper, lower, self.level, seed), scans)
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
         return Areas(IsotropicPairs(turned_over(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
-
-
-def faces_of(gap: Surface) -> tuple[Surface, Surface]:
-    """A flat face, and a rough one from which it is as far as two faces are from each other."""
-    flat, steps = np.zeros_like(gap.heights), (*gap.history, "a gap, below a flat face")
-    lower = Surface(0.0 - gap.heights, spacing=gap.spacing, history=steps, missing=gap.missing)
-    return Surface(flat, spacing=gap.spacing, history=("a flat face",), missing=gap.missing), lower
 
 
 def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:

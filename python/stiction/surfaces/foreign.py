@@ -20,13 +20,10 @@ EQUAL_STEPS = 1e-6  # of a step: coordinates whose steps differ by more are not 
 class Taken(NamedTuple):
     """What a profile or a surface is made of."""
 
-    heights: Floats
-    """(n,) or (rows, columns), µm"""
-    spacing: tuple[float, ...]
-    """(Δx,) or (Δy, Δx), µm"""
+    heights: Floats  # (n,) or (rows, columns), µm
+    spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
-    missing: Any = None
-    """Where nothing was measured, of a body of our own."""
+    missing: Any = None  # where nothing was measured, of a body of our own
 
 
 def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:

@@ -42,8 +42,14 @@ class Body(Shown):
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", spacing)
-        object.__setattr__(self, "history", steps("history", self.history))
-        object.__setattr__(self, "missing", mask_of(self.missing, heights.shape))
+        if not isinstance(self.history, tuple) or not all(isinstance(step, str) for step in self.history):
+            raise ValueError(f"history must be a tuple of strings, got {self.history!r}")
+        if self.missing is not None:
+            mask = np.array(self.missing)
+            if mask.dtype != np.bool_ or mask.shape != heights.shape or mask.all():
+                allowed = f"a mask of shape {heights.shape} that leaves points"
+                raise ValueError(f"missing must be {allowed}, got {mask.dtype} {mask.shape}")
+            object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only on the other side as well.
@@ -184,23 +190,6 @@ class Profile(Body):
         object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
         object.__setattr__(scaled, "missing", self.missing)
         return scaled
-
-
-def steps(name: str, value: Any) -> tuple[str, ...]:
-    """A tuple of strings."""
-    if not isinstance(value, tuple) or not all(isinstance(step, str) for step in value):
-        raise ValueError(f"{name} must be a tuple of strings, got {value!r}")
-    return value
-
-
-def mask_of(value: Any, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
-    """A mask of missing points, read-only; None where no point is missing."""
-    if value is None:
-        return None
-    mask = np.array(value)
-    if mask.dtype != np.bool_ or mask.shape != shape or mask.all():
-        raise ValueError(f"missing must be a mask of shape {shape} that leaves points, got {mask.dtype} {mask.shape}")
-    return read_only(mask) if mask.any() else None
 
 
 def part(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:

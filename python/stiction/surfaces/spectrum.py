@@ -374,10 +374,6 @@ def surface_spectrum(surface: Surface, *, periodic: bool = False) -> SurfaceSpec
         True: as it is, and the mean square height is the sum of the spectrum to round-off. False: after a Hann window
         along both axes, normalised to a mean square of 1.
 
-    Returns
-    -------
-    SurfaceSpectrum
-
     Notes
     -----
     .. math:: C(q) = \frac{Δx Δy}{N_x N_y} \left|\sum_{jl} w_j w_l (z_{jl} - \bar z) e^{-i q·r}\right|^2, \qquad

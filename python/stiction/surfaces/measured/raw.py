@@ -45,44 +45,30 @@ class Stated:
 class Raw:
     """Numbers as they stand in a file, each with its unit if the file has one; missing heights are NaN."""
 
-    heights: Floats
-    """(n,) or (rows, columns)"""
+    heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
-    positions: Floats | None = None
-    """(n,) of a profile"""
-    digit: Floats | None = None
-    """(n,) what the last printed digit of each position is worth"""
-    position_unit: str | None = None
-    """Unit of the positions, or else of the spacing"""
-    spacing: tuple[float, ...] | None = None
-    """(Δx,) or (Δy, Δx), where there are no positions"""
-    stated: Stated | None = None
-    """A spacing in words"""
-    size: tuple[Stated, Stated] | None = None
-    """Height and width of an area in words"""
-    history: tuple[str, ...] = ()
-    """What was chosen of what the file holds, a short sentence for each"""
+    positions: Floats | None = None  # (n,) of a profile
+    digit: Floats | None = None  # (n,) what the last printed digit of each position is worth
+    position_unit: str | None = None  # unit of the positions, or else of the spacing
+    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx), where there are no positions
+    stated: Stated | None = None  # a spacing in words
+    size: tuple[Stated, Stated] | None = None  # height and width of an area in words
+    history: tuple[str, ...] = ()  # what was chosen of what the file holds, a short sentence for each
 
 
 @dataclass(frozen=True)
 class Table:
     """Numbers in columns, of which one or two make a profile, or all an area."""
 
-    values: Floats
-    """(rows, columns), NaN where they are missing"""
-    names: tuple[str, ...] = ()
-    """Names of the columns; empty if they have none"""
+    values: Floats  # (rows, columns), NaN where they are missing
+    names: tuple[str, ...] = ()  # names of the columns; empty if they have none
     units: tuple[str | None, ...] = ()
-    digit: Callable[[int], Floats] | None = None
-    """(rows,) what the last printed digit of each number of a column is worth"""
+    digit: Callable[[int], Floats] | None = None  # (rows,) worth of the last printed digit of each number of a column
     stated: Stated | None = None
     size: tuple[Stated, Stated] | None = None
-    spacings: tuple[Stated, Stated] | None = None
-    """Between rows and between columns of an area, in words"""
-    history: tuple[str, ...] = ()
-    """What was done to the heights before they were written, a short sentence for each step"""
-    area: bool = False
-    """Whether two columns may be an area as well: then positions are recognised by counting evenly"""
+    spacings: tuple[Stated, Stated] | None = None  # between rows and between columns of an area, in words
+    history: tuple[str, ...] = ()  # what was done to the heights before they were written, a sentence for each step
+    area: bool = False  # whether two columns may be an area as well: then positions are known by counting evenly
 
 
 @dataclass(frozen=True)
@@ -90,10 +76,8 @@ class Channels:
     """Several sets of heights in one file, each with a name."""
 
     names: tuple[str, ...]
-    read: Callable[[int], Raw | Table]
-    """What a channel holds, by its place"""
-    default: int | None
-    """Read if none is asked for; without one, one has to be chosen"""
+    read: Callable[[int], Raw | Table]  # what a channel holds, by its place
+    default: int | None  # read if none is asked for; without one, one has to be chosen
 
 
 Content = Raw | Table | Channels  # what a reader may find in a file

@@ -150,10 +150,6 @@ def read_surface(
     spacing : str or (str, str), optional
         Distance between neighbouring points, or that between rows and that between columns (Δy, Δx).
 
-    Returns
-    -------
-    Surface
-
     Examples
     --------
     >>> import pathlib
@@ -187,10 +183,6 @@ def read_measurement(
         As for `read_profile`.
     spacing : str or (str, str), optional
         As for `read_surface`; a profile has one.
-
-    Returns
-    -------
-    Profile or Surface
 
     Examples
     --------

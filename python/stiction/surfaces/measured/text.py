@@ -200,8 +200,7 @@ def _header_has_cells(lines: list[str], dialect: Dialect) -> bool:
 class _Numbers:
     values: array[float]
     counts: array[int]
-    written: array[int]
-    """Cells of each line, with the empty ones at its end; of white space as the counts."""
+    written: array[int]  # cells of each line, with the empty ones at its end; of white space as the counts
     first_line: int
 
 

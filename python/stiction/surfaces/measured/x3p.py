@@ -142,7 +142,6 @@ class _Axis:
             raise FormatError(
                 f"has a {name} axis of type {kind!r} stored as {stored!r}; I or A, stored as I, L, F or D, is allowed"
             )
-        self.name = name
         self.absolute = kind == "A"
         self.stored = _TYPES[stored]
         self.increment = _number(root, f"{path}/Increment", math.nan)
