@@ -43,7 +43,7 @@ from stiction.mechanics.onset import Onset as Onset
 from stiction.mechanics.presliding import FourParameterIwan as FourParameterIwan
 from stiction.mechanics.presliding import LuGre as LuGre
 from stiction.mechanics.resolution import resolution as resolution, resolution_friction as resolution_friction
-from stiction.mechanics.spectral_resolution import spectral_resolution as spectral_resolution
+from stiction.mechanics.resolution import spectral_resolution as spectral_resolution
 from stiction.mechanics.closed_forms import (
     westergaard_contact_fraction as westergaard_contact_fraction,
     westergaard_gap as westergaard_gap,

@@ -13,7 +13,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space import half_space, solved
 from stiction.mechanics.hardness import area_per_load
-from stiction.mechanics.spectral_resolution import KAPPA
+from stiction.mechanics.resolution import KAPPA
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.known import creep_of, inputs_of, relative_modulus
 from stiction.studies.member_values import member_values

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics.brackets import friction_stretch, interface_stretch
-from stiction.mechanics.resolution import TYPICAL_HARDNESSES
-from stiction.mechanics.spectral_resolution import spectral_resolution
+from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.resolution import Seen, seen
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import spectrum_of

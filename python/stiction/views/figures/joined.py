@@ -10,7 +10,7 @@ import numpy as np
 from stiction._drawing import few_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
-from stiction.mechanics.spectral_resolution import KAPPA
+from stiction.mechanics.resolution import KAPPA
 from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
 
 if TYPE_CHECKING:
