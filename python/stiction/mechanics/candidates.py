@@ -134,19 +134,15 @@ def candidates(
         curvature=curvature,
     )  # fmt: skip
     if isinstance(upper, Surface) and len(core) == 0:
-        _refuse_grooves(upper.heights - lower.heights)
+        # A gap that does not change along x or y has valleys for minima, of which none is a point.
+        gap = upper.heights - lower.heights
+        for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
+            if float(np.ptp(gap, axis=axis).max()) < _GROOVED * float(np.ptp(gap)):
+                raise ValueError(
+                    f"the gap between upper and lower does not change along {along}, so that its minima are lines and "
+                    f"not points: press {across} of both as profiles, or use half_space"
+                )
     return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))
-
-
-def _refuse_grooves(gap: Floats) -> None:
-    """A gap that does not change along x or y has valleys for minima, of which none is a point."""
-    depth = float(np.ptp(gap))
-    for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
-        if float(np.ptp(gap, axis=axis).max()) < _GROOVED * depth:
-            raise ValueError(
-                f"the gap between upper and lower does not change along {along}, so that its minima are lines and not "
-                f"points: press {across} of both as profiles, or use half_space"
-            )
 
 
 def known_of(upper: Any, lower: Any, contact: Mapping[str, object]) -> tuple[Candidates | None, ContactModel]:

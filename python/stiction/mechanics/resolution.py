@@ -43,6 +43,7 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 _COARSEST = 1 / 30  # longest cut-off by default, in shortest sides
 _RULES: tuple[Sliding, ...] = ("all", "opposing")  # all contacts first, because mu0 is measured on faces where all rub
 _AROUND = (0.0, 90.0, 180.0, 270.0)
+_AT_HARDNESS = "wavelength at which the elastic mean pressure reaches the hardness"
 KAPPA = 2.2  # A E* h'/F at light load: 2.1 to 2.4 on Gaussian areas
 _NUMBERS = ("contact_area", "contact_count", "load_share_at_hardness", "error")  # numbers of a curve beside its sums
 
@@ -328,12 +329,6 @@ def _with_limits(
     area = elastic["contact_area"]
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
     spread = kappa_spread(elastic["contact_count"])
-    variables: dict[str, Any] = {
-        "elastic_kappa": ("normal_load", kappa, _said("1", "A E* h'/F of the elastic answer at the scan")),
-        "elastic_area_fraction": (
-            "normal_load", area / pair.nominal_area, _said("1", "true over nominal area of the elastic answer")
-        ),
-    }  # fmt: skip
     if hardness is not None:
         result = with_brackets(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
@@ -341,33 +336,30 @@ def _with_limits(
         [plastic_wavelength(roughness, estimate, *one) for one in zip(kappa * each / modulus, spread, strict=True)]
         for each in hardnesses
     ])  # fmt: skip
-    variables["plastic_wavelength"] = (
-        ("hardness", "normal_load", "statistic"),
-        reached,
-        _said("µm", "wavelength at which the elastic mean pressure reaches the hardness"),
-    )
     own = float(result.rms_gradient[0])
     gradients = continued(roughness, estimate, pair.shortest, own)
     flat = kappa * loads / (modulus * pair.nominal_area * interface_stretch(np.array(own)))
     ground = elastic_area(gradients, flat, spread)
     middle = gradients[:, :1, np.newaxis]  # steepness hardly differs within the interval
     grid = ("finer_wavelength", "normal_load", "statistic")
-    variables |= {
-        "continued_rms_gradient": (
-            ("finer_wavelength", "statistic"), gradients, _said("1", "gradient of the gap by its Hurst exponent")
+    tables: dict[str, tuple[Any, Floats, str, str]] = {
+        "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic answer at the scan"),
+        "elastic_area_fraction": (
+            grid[1], area / pair.nominal_area, "1", "true over nominal area of the elastic answer"
         ),
+        "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _AT_HARDNESS),
+        "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap by its Hurst exponent"),
         "continued_elastic_area_fraction": (
-            grid, ground * interface_stretch(middle), _said("1", "elastic true over nominal area by the same")
+            grid, ground * interface_stretch(middle), "1", "elastic true over nominal area by the same"
         ),
     }  # fmt: skip
     if parameters is not None:
         friction = parameters[0] + parameters[1] * ground * pair.nominal_area / loads[:, np.newaxis]
-        variables["continued_elastic_friction_coefficient"] = (
-            grid,
-            friction * friction_stretch(middle, roughness.dimensions),
-            _said("1", "elastic mu_s by the same where all contacts rub"),
-        )
+        friction = friction * friction_stretch(middle, roughness.dimensions)
+        words = "elastic mu_s by the same where all contacts rub"
+        tables["continued_elastic_friction_coefficient"] = grid, friction, "1", words
     finer = np.array(FINER) * pair.shortest
+    variables = {name: (dims, values, _said(unit, words)) for name, (dims, values, unit, words) in tables.items()}
     found = result.assign(variables).assign_coords(
         hardness=("hardness", list(hardnesses), _said("GPa", "hardness")),
         statistic=("statistic", ["value", "lower", "upper"]),
@@ -478,9 +470,7 @@ def spectral_resolution(
             "friction_coefficient": (
                 ("sliding", "wavelength"), np.array(friction), attributes_of("friction_coefficient"),
             ),
-            "plastic_wavelength": (
-                (), reached, _said("µm", "wavelength at which the elastic mean pressure reaches the hardness"),
-            ),
+            "plastic_wavelength": ((), reached, _said("µm", _AT_HARDNESS)),
         },
         coords={
             "wavelength": ("wavelength", lengths, _said("µm", "shortest wave that is counted")),

@@ -70,7 +70,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     friction = at["friction_all_round"]
     dims = tuple(str(dim) for dim in friction.dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    found = {name: np.full((*shape, 3), np.nan) for name in ("friction_known", "friction_next_test")}
+    whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
     six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), Areas.of(at, study, result)
@@ -81,8 +81,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         one = _Point.of(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength, scatters.get(place))
         if one is None:
             continue
-        found["friction_known"][place] = one.value, *one.interval()
-        found["friction_next_test"][place] = one.value, *one.next_test()
+        whole[place] = one.value, *one.interval()
+        test[place] = one.value, *one.next_test()
         for index, wait in enumerate(study.friction.wait):
             waited[(*place, index)] = one.after(float(wait), pressures[one.load])
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
@@ -90,24 +90,22 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
             if name in one.names:
                 left[(index, *place)] = one.value, *one.interval({name: 0.5})
                 width[(index, *place)] = np.mean([np.ptp(one.interval({name: part})) for part in KNOWN_QUANTILES])
-    words = {
-        "friction_known": "coefficient of static friction, 95 % of everything known",
-        "friction_next_test": "coefficient of static friction of one test, one way, at one position",
+    over = (*dims, "statistic")
+    tables: dict[str, tuple[tuple[str, ...], Floats, str]] = {
+        "friction_known": (over, whole, "coefficient of static friction, 95 % of everything known"),
+        "friction_next_test": (over, test, "coefficient of static friction of one test, one way, at one position"),
+        "friction_if_known": (("input", *over), left, "interval if an input were known"),
+        "width_if_known": (("input", *dims), width, "width if an input were known"),
     }
-    variables: dict[str, Any] = {
-        name: ((*dims, "statistic"), values, {"units": "1", "long_name": words[name]}) for name, values in found.items()
-    }
-    variables["friction_if_known"] = (
-        ("input", *dims, "statistic"), left, {"units": "1", "long_name": "interval if an input were known"},
-    )  # fmt: skip
-    variables["width_if_known"] = (("input", *dims), width, {"units": "1", "long_name": "width if an input were known"})
     said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
     coordinates = {"input": ("input", order), "input_words": ("input", said)}
     if study.friction.wait:
-        words["friction_waited"] = "coefficient of static friction after waiting under load"
-        about = {"units": "1", "long_name": words["friction_waited"]}
-        variables["friction_waited"] = ((*dims, "wait", "statistic"), waited, about)
+        words = "coefficient of static friction after waiting under load"
+        tables["friction_waited"] = (*dims, "wait", "statistic"), waited, words
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
+    variables = {
+        name: (own, values, {"units": "1", "long_name": words}) for name, (own, values, words) in tables.items()
+    }
     return at.assign(variables).assign_coords(coordinates)
 
 

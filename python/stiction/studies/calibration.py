@@ -182,8 +182,9 @@ class FrictionTest:
     def __post_init__(self) -> None:
         """Load and coefficient as numbers."""
         area = getattr(self.result, "nominal_area", None)
-        given: Any = self.load
-        given = in_core_units("load", given, "force") if area is None else loads_in_core_units("load", given, area)
+        given = (
+            in_core_units("load", self.load, "force") if area is None else loads_in_core_units("load", self.load, area)
+        )
         load = number("load", given, unit="mN", above=0)
         object.__setattr__(self, "wait", number("wait", in_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):

@@ -274,12 +274,9 @@ class _Asked:
         if self.what in ("friction_coefficient", *_WEIGHED):
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
-        coordinates: dict[str, Any] = {
-            **{name: self.head[name].variable for name in self.dims},
-            "load": ("load", self.loads, {"units": "mN", "long_name": "normal load"}),
-            "mu0": ("mu0", self.mu0, attributes_of("mu0")),
-            "tau0": ("tau0", self.tau0, attributes_of("tau0")),
-        }
+        coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
+        asked = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
+        coordinates |= {name: (name, each, attributes_of(name)) for name, each in asked}
         dims = tuple(coordinates)
         of_one = [motion for motion in MOTIONS if motion in self.head.coords]
         unit, words = QUANTITIES[self.what][:2]

@@ -188,11 +188,8 @@ def piece_at(
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
-    coordinates |= _motions_of(piece) | {
-        "load": ("load", loads, {"units": "mN", "long_name": "normal load"}),
-        "mu0": ("mu0", mu0, attributes_of("mu0")),
-        "tau0": ("tau0", tau0, attributes_of("tau0")),
-    }
+    asked = {"load": loads, "mu0": mu0, "tau0": tau0}
+    coordinates |= _motions_of(piece) | {name: (name, each, attributes_of(name)) for name, each in asked.items()}
     return xarray.Dataset(_with_derived(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
 
 

@@ -377,10 +377,7 @@ def _dataset(
         variables[name] = (tuple(sizes), values.reshape(tuple(sizes.values())), attributes_of(name))
     coordinates = positions.coordinates | {
         "load": ("load", loads, attributes_of("load")),
-        **{
-            name: ((name,) if name in listed else (), values, attributes_of(name))
-            for name, values in both.items()
-        },
+        **{name: ((name,) if name in listed else (), values, attributes_of(name)) for name, values in both.items()},
         "effective_modulus": ((), float(positions.model.effective_modulus), attributes_of("effective_modulus")),
     }  # fmt: skip
     title = "stiction traverse" if motion == "shear" else "stiction traverse of surfaces"

@@ -18,6 +18,7 @@ from stiction.surfaces.surface import Surface, refuse_flat
 _NEWTON_STEPS, _HALVINGS = 50, 30
 WIDE = 0.5  # width of a 95 % interval of H from which on it says little
 FEWEST_HARMONICS = 8
+_NO_BAND = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); name one by band"
 _ROUND_OFF = 1e-13  # residue of a straight line after it has been subtracted, as a fraction of the largest height
 _UNTRUSTED = 2  # lowest harmonics after a Hann window, of the mean and of what is longer than the profile
 
@@ -352,11 +353,7 @@ def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _B
                     widest, best = width, (slice(first, last + 1), bins.part(whole, end))
             if best is not None:
                 return best
-    raise _no_band()
-
-
-def _no_band() -> ValueError:
-    return ValueError("the spectrum has no self-affine band of half a decade or more (0 < H < 2); name one by band")
+    raise ValueError(_NO_BAND)
 
 
 def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _Bins) -> tuple[slice, _Bins]:
@@ -382,7 +379,7 @@ def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _
     last = math.log(q[chosen][-1]) + min(0.0, math.log(_BEND / noise) / exponent)
     end = int(np.searchsorted(np.log(q), last, side="right"))
     if end - chosen.start < FEWEST_HARMONICS or last - math.log(q[chosen.start]) < _NARROWEST:
-        raise _no_band()
+        raise ValueError(_NO_BAND)
     return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
 
 

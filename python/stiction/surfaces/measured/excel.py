@@ -74,8 +74,9 @@ def _lines(sheet: Any) -> list[str]:
     numbers: Counter[int] = Counter()
     for row in sheet.iter_rows(values_only=True):
         filled = {at: text for at, cell in enumerate(row) if cell is not None and (text := " ".join(str(cell).split()))}
-        numbers.update(at for at in filled if _is_number(row[at]))
-        rows.append((filled, {at for at in filled if _is_number(row[at])}))
+        numbered = {at for at in filled if isinstance(row[at], (int, float)) and not isinstance(row[at], bool)}
+        numbers.update(numbered)
+        rows.append((filled, numbered))
     columns = sorted(at for at, count in numbers.items() if count > 1)  # or it is one beside other words
     lines = []
     for filled, numbered in rows:
@@ -84,7 +85,3 @@ def _lines(sheet: Any) -> list[str]:
         else:
             lines.append(" ".join(filled.values()))
     return lines if columns else []
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -320,8 +320,16 @@ def _without_gaps(
         heights = heights[tuple(slice(first, end) for first, end, _ in pieces)]
         steps.append(f"cropped to {' and '.join(words for _, _, words in pieces[::-1])}")
     gaps, missing = np.isnan(heights), options.missing
-    if gaps.any():
-        _refuse_gaps(gaps, missing)
+    if gaps.any() and gaps.all():
+        raise FormatError("has no heights: all points are missing")
+    if gaps.any() and missing == "error":
+        first = np.argwhere(gaps)[0].tolist()
+        at = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
+        raise FormatError(
+            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {at}, from 0 on; "
+            'missing="mask" (--missing mask) presses what is there, and missing="interpolate" (--missing interpolate) '
+            "puts them on a line between their neighbours"
+        )
     if options.outliers == "mask" and (outlying := outliers_of(heights)).any():
         missing = "mask" if missing == "error" else missing
         gaps, heights = gaps | outlying, np.where(outlying, np.nan, heights)
@@ -342,16 +350,3 @@ def _without_gaps(
     done = "masked" if missing == "mask" else "interpolated"
     steps.append(f"{int(gaps.sum())} missing points {done}, {words_of_holes(gaps, spacing)}")
     return full, gaps if missing == "mask" else None, steps
-
-
-def _refuse_gaps(gaps: NDArray[np.bool_], missing: Missing) -> None:
-    if gaps.all():
-        raise FormatError("has no heights: all points are missing")
-    if missing == "error":
-        first = np.argwhere(gaps)[0].tolist()
-        at = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
-        raise FormatError(
-            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {at}, from 0 on; "
-            'missing="mask" (--missing mask) presses what is there, and missing="interpolate" (--missing interpolate) '
-            "puts them on a line between their neighbours"
-        )
