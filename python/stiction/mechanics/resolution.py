@@ -12,18 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, number
-from stiction.mechanics.brackets import (
-    FINER,
-    continued,
-    elastic_area,
-    friction_stretch,
-    gap_exponent,
-    interface_stretch,
-    kappa_spread,
-    plastic_wavelength,
-    rms_gradient,
-    with_brackets,
-)
+from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX, friction_parameter, load_of
 from stiction.mechanics.half_space import Boundary, half_space, solved
@@ -277,7 +266,7 @@ def _over_cut_offs(
     import xarray as xr
 
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
-    gradient = np.array([rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
+    gradient = np.array([brackets.rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
     over = {name: np.array([each[name] for each in answers]) for name in (*_NUMBERS, *SIX)}
     area = over["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -325,21 +314,19 @@ def _with_limits(
     """The plastic limit, the wavelength at which it is reached, and the elastic answer down to it."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
-    estimate = gap_exponent(gap, pair.periodic)
+    estimate = brackets.gap_exponent(gap, pair.periodic)
     area = elastic["contact_area"]
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
-    spread = kappa_spread(elastic["contact_count"])
+    spread = brackets.kappa_spread(elastic["contact_count"])
     if hardness is not None:
-        result = with_brackets(result, hardness, parameters)
+        result = brackets.with_brackets(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
-    reached = np.array([
-        [plastic_wavelength(roughness, estimate, *one) for one in zip(kappa * each / modulus, spread, strict=True)]
-        for each in hardnesses
-    ])  # fmt: skip
+    steep = [zip(kappa * each / modulus, spread, strict=True) for each in hardnesses]
+    reached = np.array([[brackets.plastic_wavelength(roughness, estimate, *one) for one in each] for each in steep])
     own = float(result.rms_gradient[0])
-    gradients = continued(roughness, estimate, pair.shortest, own)
-    flat = kappa * loads / (modulus * pair.nominal_area * interface_stretch(np.array(own)))
-    ground = elastic_area(gradients, flat, spread)
+    gradients = brackets.continued(roughness, estimate, pair.shortest, own)
+    flat = kappa * loads / (modulus * pair.nominal_area * brackets.interface_stretch(np.array(own)))
+    ground = brackets.elastic_area(gradients, flat, spread)
     middle = gradients[:, :1, np.newaxis]  # steepness hardly differs within the interval
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
@@ -350,15 +337,15 @@ def _with_limits(
         "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _AT_HARDNESS),
         "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap by its Hurst exponent"),
         "continued_elastic_area_fraction": (
-            grid, ground * interface_stretch(middle), "1", "elastic true over nominal area by the same"
+            grid, ground * brackets.interface_stretch(middle), "1", "elastic true over nominal area by the same"
         ),
     }  # fmt: skip
     if parameters is not None:
         friction = parameters[0] + parameters[1] * ground * pair.nominal_area / loads[:, np.newaxis]
-        friction = friction * friction_stretch(middle, roughness.dimensions)
+        friction = friction * brackets.friction_stretch(middle, roughness.dimensions)
         words = "elastic mu_s by the same where all contacts rub"
         tables["continued_elastic_friction_coefficient"] = grid, friction, "1", words
-    finer = np.array(FINER) * pair.shortest
+    finer = np.array(brackets.FINER) * pair.shortest
     variables = {name: (dims, values, _said(unit, words)) for name, (dims, values, unit, words) in tables.items()}
     found = result.assign(variables).assign_coords(
         hardness=("hardness", list(hardnesses), _said("GPa", "hardness")),

@@ -20,14 +20,7 @@ from stiction.studies.measured_files import Member, Members
 from stiction.studies.result import About, areas, measured, profiles
 from stiction.studies.study import Study
 from stiction.studies.surface_tables import Measured
-from stiction.surfaces.fractal import (
-    BandLimit,
-    Convention,
-    fill_family,
-    hurst_exponent,
-    random_phases,
-    weierstrass_mandelbrot_surface,
-)
+from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, missing_of, scaled_profile
 from stiction.surfaces.self_affine import self_affine_surface
@@ -52,8 +45,8 @@ class ProfileGenerator:
     gamma: float
     extent: float
     points: int
-    convention: Convention
-    band_limit: BandLimit | None
+    convention: fractal.Convention
+    band_limit: fractal.BandLimit | None
 
     @classmethod
     def of(cls, study: Study) -> ProfileGenerator:
@@ -73,13 +66,13 @@ class ProfileGenerator:
 
     def phases(self, repetition: int, side: Side) -> Floats:
         """(directions, frequencies) phases of one body of a repetition, rad."""
-        return random_phases(
+        return fractal.random_phases(
             self.seed, repetition=repetition, side=side, directions=self.directions, frequencies=self.frequencies
         )
 
     def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
         """Unscaled heights (k, points) at dimensions (k,), into memory; mean, lowest and highest of each, (k, 3)."""
-        return fill_family(
+        return fractal.fill_family(
             heights, self.phases(repetition, side), dimensions, length_scale=self.length_scale, gamma=self.gamma,
             extent=self.extent, convention=self.convention, band_limit=self.band_limit,
         )  # fmt: skip
@@ -115,16 +108,16 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
         return self_affine_surface(
-            study.ensemble.seed, hurst_exponent=hurst_exponent(dimension, convention="classical"), rms=1.0,
+            study.ensemble.seed, hurst_exponent=fractal.hurst_exponent(dimension, convention="classical"), rms=1.0,
             shape=surfaces.shape, spacing=surfaces.spacings(),
             longest_wavelength=None if longest is None else float(longest),
             shortest_wavelength=None if shortest is None else float(shortest), repetition=repetition, side=side,
         )  # fmt: skip
-    phases = random_phases(
+    phases = fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
         frequencies=surfaces.frequencies,
     )  # fmt: skip
-    return weierstrass_mandelbrot_surface(
+    return fractal.weierstrass_mandelbrot_surface(
         phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), length_scale=float(surfaces.length_scale),
         gamma=surfaces.gamma, convention=surfaces.convention,
         band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,

@@ -11,16 +11,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._units import exactly
-from stiction.mechanics.brackets import (
-    FINER,
-    continued,
-    elastic_area,
-    gap_exponent,
-    interface_stretch,
-    kappa_spread,
-    plastic_wavelength,
-    rms_gradient,
-)
+from stiction.mechanics import brackets
 from stiction.studies.at_load import at_load
 from stiction.studies.members import about, bodies_of
 from stiction.studies.result import measured
@@ -111,14 +102,16 @@ class Seen:
     def yields_at(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
         """Wavelength (µm), with interval, down to which waves make the elastic pressure so many times the scan's."""
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
-        return plastic_wavelength(self.roughness, self.estimate, gradient, float(kappa_spread(np.array(contact_count))))
+        spread = float(brackets.kappa_spread(np.array(contact_count)))
+        return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
 
     def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
         """Wavelengths (µm) of finer, elastic scans, and (value, lower, upper) of their gradients and area fractions."""
-        gradients = continued(self.roughness, self.estimate, self.shortest, self.gradient)
-        flat = np.array([area_fraction * self.gradient]) / interface_stretch(np.array(self.gradient))
-        ground = elastic_area(gradients, flat, kappa_spread(np.array([contact_count])))[:, 0]
-        return np.array(FINER) * self.shortest, gradients, ground * interface_stretch(gradients[:, :1])
+        gradients = brackets.continued(self.roughness, self.estimate, self.shortest, self.gradient)
+        flat = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
+        ground = brackets.elastic_area(gradients, flat, brackets.kappa_spread(np.array([contact_count])))[:, 0]
+        ground = ground * brackets.interface_stretch(gradients[:, :1])
+        return np.array(brackets.FINER) * self.shortest, gradients, ground
 
 
 def seen(study: Study) -> Seen | None:
@@ -145,5 +138,6 @@ def _seen(study: Study) -> Seen:
     roughness = scale_dependent_roughness(gap)
     return Seen(
         shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),
-        gradient=rms_gradient(gap, periodic=False), roughness=roughness, estimate=gap_exponent(gap, periodic=False),
+        gradient=brackets.rms_gradient(gap, periodic=False), roughness=roughness,
+        estimate=brackets.gap_exponent(gap, periodic=False),
     )  # fmt: skip
