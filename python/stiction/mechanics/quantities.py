@@ -65,117 +65,105 @@ GAP: tuple[str, ...] = ("rms_gradient", "rms_slope")
 VALIDITY: tuple[str, ...] = ("relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed")
 """The members of `Validity`."""
 
-QUANTITIES: dict[str, Quantity] = (
-    _OF_THE_CORE
-    | _OF_AREAS
-    | {
-        "friction_coefficient": Quantity("1", "coefficient of static friction"),
-        "tangential_load": Quantity("mN", "tangential load that starts the sliding"),
-        "normal_load": Quantity("mN", "normal load while sliding starts, friction on slopes included"),
-        "contact_load": Quantity("mN", "load of the contacts, of the normal load and the attraction", "contact load"),
-        "pull_off": Quantity("mN", "pull-off force"),
-        "pull_off_pressure": Quantity("GPa", "pull-off force over the nominal area", "pull-off pressure"),
-        "friction_at_no_load": Quantity(
-            "mN", "tangential load that starts the sliding at no load", "friction at no load"
-        ),
-        "share_without_pull_off": Quantity("1", "fraction of the members whose pull-off force did not converge"),
-        **{
-            f"unloaded_{part}": Quantity(unit, f"{part} part of the tangential load at no normal load")
-            for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
-        },
-        "normal_stiffness": Quantity("mN/um", "normal stiffness"),
-        "closure": Quantity("um", "closure, the mean gap lost since first touch", "closure"),
-        "closure_stiffness": Quantity("MPa/mm", "nominal pressure over closure, incremental", "stiffness of closure"),
-        "tangential_stiffness": Quantity("mN/um", "tangential stiffness at rest"),
-        "displacement_at_sliding": Quantity(
-            "um", "displacement of the upper body before it slides", "creep before sliding"
-        ),
-        "fraction_slipped": Quantity(
+_OF_RESULTS: dict[str, tuple[str, ...]] = {
+    "friction_coefficient": ("1", "coefficient of static friction"),
+    "tangential_load": ("mN", "tangential load that starts the sliding"),
+    "normal_load": ("mN", "normal load while sliding starts, friction on slopes included"),
+    "contact_load": ("mN", "load of the contacts, of the normal load and the attraction", "contact load"),
+    "pull_off": ("mN", "pull-off force"),
+    "pull_off_pressure": ("GPa", "pull-off force over the nominal area", "pull-off pressure"),
+    "friction_at_no_load": ("mN", "tangential load that starts the sliding at no load", "friction at no load"),
+    "share_without_pull_off": ("1", "fraction of the members whose pull-off force did not converge"),
+    **{
+        f"unloaded_{part}": (unit, f"{part} part of the tangential load at no normal load")
+        for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
+    },
+    "normal_stiffness": ("mN/um", "normal stiffness"),
+    "closure": ("um", "closure, the mean gap lost since first touch", "closure"),
+    "closure_stiffness": ("MPa/mm", "nominal pressure over closure, incremental", "stiffness of closure"),
+    "tangential_stiffness": ("mN/um", "tangential stiffness at rest"),
+    "displacement_at_sliding": ("um", "displacement of the upper body before it slides", "creep before sliding"),
+    "fraction_slipped": (
+        "1",
+        "fraction of the normal load on what slips at half of the sliding load",
+        "load that slips at half of sliding",
+    ),
+    "sliding_load": ("mN", "tangential load at which all slips"),
+    "displacement": ("um", "displacement of the upper body since the tangential load was 0"),
+    "stiffness": ("mN/um", "tangential stiffness at rest"),
+    "unloading_stiffness": ("mN/um", "normal stiffness, unloading or by ultrasound"),
+    "nominal_pressure": ("GPa", "normal load over nominal area", "pressure on the nominal area"),
+    "stiffness_per_area": ("GPa/mm", "normal stiffness per area while loading"),
+    "unloading_stiffness_per_area": ("GPa/mm", "normal stiffness per area while unloading (ultrasonic)"),
+    "slipped_area": ("1", "fraction of the true contact area that slips"),
+    "slipped_load": ("1", "fraction of the normal load on what slips"),
+    "energy_lost": ("mN um", "energy that a cycle between plus and minus this load takes"),
+    "contact_area_fraction": ("1", "true over nominal contact area", "true area A/A0"),
+    "mean_pressure": ("GPa", "mean pressure in contact"),
+    "share_opposing": ("1", "fraction of the load on contacts that oppose the motion", "load that opposes"),
+    "error": ("1", "error of the half-space, in deviations of the gap", "error of the solution"),
+    "share_at_edge": (
+        "1",
+        "fraction of the load on contacts that reach the edge of the overlap",
+        "load on contacts at the edge",
+    ),
+    "share_on_largest": ("1", "fraction of the load on the contact that carries most", "load on the largest contact"),
+    "fraction_on_small": (
+        "1",
+        "fraction of the load on contacts of at most four grid cells",
+        "load on contacts of 4 points or fewer",
+    ),
+    **{
+        f"share_on_steepest_{side}": (
             "1",
-            "fraction of the normal load on what slips at half of the sliding load",
-            "load that slips at half of sliding",
-        ),
-        "sliding_load": Quantity("mN", "tangential load at which all slips"),
-        "displacement": Quantity("um", "displacement of the upper body since the tangential load was 0"),
-        "stiffness": Quantity("mN/um", "tangential stiffness at rest"),
-        "unloading_stiffness": Quantity("mN/um", "normal stiffness, unloading or by ultrasound"),
-        "nominal_pressure": Quantity("GPa", "normal load over nominal area", "pressure on the nominal area"),
-        "stiffness_per_area": Quantity("GPa/mm", "normal stiffness per area while loading"),
-        "unloading_stiffness_per_area": Quantity("GPa/mm", "normal stiffness per area while unloading (ultrasonic)"),
-        "slipped_area": Quantity("1", "fraction of the true contact area that slips"),
-        "slipped_load": Quantity("1", "fraction of the normal load on what slips"),
-        "energy_lost": Quantity("mN um", "energy that a cycle between plus and minus this load takes"),
-        "contact_area_fraction": Quantity("1", "true over nominal contact area", "true area A/A0"),
-        "mean_pressure": Quantity("GPa", "mean pressure in contact"),
-        "share_opposing": Quantity("1", "fraction of the load on contacts that oppose the motion", "load that opposes"),
-        "error": Quantity("1", "error of the half-space, in deviations of the gap", "error of the solution"),
-        "share_at_edge": Quantity(
-            "1", "fraction of the load on contacts that reach the edge of the overlap", "load on contacts at the edge"
-        ),
-        "share_on_largest": Quantity(
-            "1", "fraction of the load on the contact that carries most", "load on the largest contact"
-        ),
-        "fraction_on_small": Quantity(
-            "1", "fraction of the load on contacts of at most four grid cells", "load on contacts of 4 points or fewer"
-        ),
-        **{
-            f"share_on_steepest_{side}": Quantity(
-                "1",
-                f"fraction of the load on the steepest tenth of the {side} body",
-                f"load on the {side}'s steepest tenth",
-            )
-            for side in ("upper", "lower")
-        },
-        "patch_area": Quantity("um^2", "areas of contacts on the ground plan", "area of a contact"),
-        "pressure": Quantity("GPa", "pressures over the true area", "pressure"),
-        "rms_gradient": Quantity("1", "root-mean-square gradient of the gap", "rms gradient of the gap"),
-        "rms_slope": Quantity("1", "root-mean-square slope of the gap along the motion", "rms slope of the gap"),
-        "gentle_friction": Quantity("1", "friction coefficient by the slope of the gap alone", "by the slopes alone"),
-        "cut_off": Quantity("um", "wavelength below which waves are taken off; 0 is the scan itself", "cut-off"),
-        "fraction_below": Quantity("1", "fraction that is smaller"),
-        "axis": Quantity("degree", "axis of the motion, both senses together, from +x towards +y"),
-        "x": Quantity("um", "how far the upper body is moved along +x"),
-        "y": Quantity("um", "how far the upper body is moved along +y"),
-        "line": Quantity("1", "pair of lines"),
-        "surrogate": Quantity("", "whether the member is a pair of surrogates"),
-        "nominal_area": Quantity("um^2", "nominal area of a member"),
-        "relative_overlap": Quantity("1", "load-weighted mean of overlap / radius"),
-        "share_beyond_hertz": Quantity(
-            "1", "fraction of the load on contacts with an overlap above a tenth of their radius"
-        ),
-        "share_below_grid": Quantity("1", "fraction of the load on contacts with a radius below the grid spacing"),
-        "share_crossed": Quantity(
-            "1", "fraction of would-be contacts refused because their sphere centres had crossed"
-        ),
-        "share_overlapping": Quantity("1", "fraction of the load on contacts whose ellipse overlaps another one"),
-        "share_unanswered": Quantity("1", "fraction of the grid's minima beside which the spline has none"),
-        "load_share_at_hardness": Quantity("1", "fraction of the load where the pressure is the hardness"),
-        "area_share_at_hardness": Quantity("1", "fraction of the points under pressure where that is the hardness"),
-        "lateral_load": Quantity("mN", "lateral load that keeps the upper body on its way"),
-        "direction": Quantity("degree", "where the upper body is about to move, from +x towards +y"),
-        "sliding": Quantity(
-            "", "which contacts rub and push: those that oppose the motion, or all", "rubbing contacts"
-        ),
-        "fractal_dimension": Quantity("1", "fractal dimension"),
-        "amplitude": Quantity("um", "amplitude"),
-        "repetition": Quantity("1", "repetition"),
-        "approach": Quantity("um", "approach since first touch"),
-        "load": Quantity("mN", "normal load"),
-        "mu0": Quantity("1", "molecular friction coefficient", "mu0"),
-        "tau0": Quantity("GPa", "adhesive shear strength", "tau0"),
-        "hurst_exponent": Quantity("1", "Hurst exponent", "H"),
-        "rms": Quantity("um", "Sq of each surface", "Sq"),
-        "area_factor": Quantity("1/GPa", "a of A/A0 = a p"),
-        "stiffness_factor": Quantity("GPa/um/GPa^c", "b of k/A0 = b p^c"),
-        "stiffness_exponent": Quantity("1", "c of k/A0 = b p^c"),
-        "area_deviation": Quantity("1", "largest relative difference from A/A0 = a p", "largest deviation of A/A0"),
-        "stiffness_deviation": Quantity(
-            "1", "largest relative difference from k/A0 = b p^c", "largest deviation of k/A0"
-        ),
-        "effective_modulus": Quantity("GPa", "effective modulus"),
-        "status": Quantity("", "whether the value exists, or why not"),
-    }
-)
+            f"fraction of the load on the steepest tenth of the {side} body",
+            f"load on the {side}'s steepest tenth",
+        )
+        for side in ("upper", "lower")
+    },
+    "patch_area": ("um^2", "areas of contacts on the ground plan", "area of a contact"),
+    "pressure": ("GPa", "pressures over the true area", "pressure"),
+    "rms_gradient": ("1", "root-mean-square gradient of the gap", "rms gradient of the gap"),
+    "rms_slope": ("1", "root-mean-square slope of the gap along the motion", "rms slope of the gap"),
+    "gentle_friction": ("1", "friction coefficient by the slope of the gap alone", "by the slopes alone"),
+    "cut_off": ("um", "wavelength below which waves are taken off; 0 is the scan itself", "cut-off"),
+    "fraction_below": ("1", "fraction that is smaller"),
+    "axis": ("degree", "axis of the motion, both senses together, from +x towards +y"),
+    "x": ("um", "how far the upper body is moved along +x"),
+    "y": ("um", "how far the upper body is moved along +y"),
+    "line": ("1", "pair of lines"),
+    "surrogate": ("", "whether the member is a pair of surrogates"),
+    "nominal_area": ("um^2", "nominal area of a member"),
+    "relative_overlap": ("1", "load-weighted mean of overlap / radius"),
+    "share_beyond_hertz": ("1", "fraction of the load on contacts with an overlap above a tenth of their radius"),
+    "share_below_grid": ("1", "fraction of the load on contacts with a radius below the grid spacing"),
+    "share_crossed": ("1", "fraction of would-be contacts refused because their sphere centres had crossed"),
+    "share_overlapping": ("1", "fraction of the load on contacts whose ellipse overlaps another one"),
+    "share_unanswered": ("1", "fraction of the grid's minima beside which the spline has none"),
+    "load_share_at_hardness": ("1", "fraction of the load where the pressure is the hardness"),
+    "area_share_at_hardness": ("1", "fraction of the points under pressure where that is the hardness"),
+    "lateral_load": ("mN", "lateral load that keeps the upper body on its way"),
+    "direction": ("degree", "where the upper body is about to move, from +x towards +y"),
+    "sliding": ("", "which contacts rub and push: those that oppose the motion, or all", "rubbing contacts"),
+    "fractal_dimension": ("1", "fractal dimension"),
+    "amplitude": ("um", "amplitude"),
+    "repetition": ("1", "repetition"),
+    "approach": ("um", "approach since first touch"),
+    "load": ("mN", "normal load"),
+    "mu0": ("1", "molecular friction coefficient", "mu0"),
+    "tau0": ("GPa", "adhesive shear strength", "tau0"),
+    "hurst_exponent": ("1", "Hurst exponent", "H"),
+    "rms": ("um", "Sq of each surface", "Sq"),
+    "area_factor": ("1/GPa", "a of A/A0 = a p"),
+    "stiffness_factor": ("GPa/um/GPa^c", "b of k/A0 = b p^c"),
+    "stiffness_exponent": ("1", "c of k/A0 = b p^c"),
+    "area_deviation": ("1", "largest relative difference from A/A0 = a p", "largest deviation of A/A0"),
+    "stiffness_deviation": ("1", "largest relative difference from k/A0 = b p^c", "largest deviation of k/A0"),
+    "effective_modulus": ("GPa", "effective modulus"),
+    "status": ("", "whether the value exists, or why not"),
+}
+
+QUANTITIES = _OF_THE_CORE | _OF_AREAS | {name: Quantity(*each) for name, each in _OF_RESULTS.items()}
 """Words and units of all quantities, coordinates included."""
 
 
