@@ -134,9 +134,14 @@ def crossing(
     todo = ~below
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    for chunk in _sampled(bodies.upper, bodies.lower):
+    # In equal ratios up to where all points are in touch; there are none for parallel bodies.
+    most = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
+    count = round(-np.log(_LEAST) / np.log(_STEP)) + 1 if most > 0 else 0
+    sampled = most * np.geomspace(_LEAST, 1.0, count)
+    for first in range(0, count, _STEPS_AT_A_TIME):
         if not todo.any():
             break
+        chunk = sampled[first : first + _STEPS_AT_A_TIME]
         curve = bodies.pressed(chunk, model)
         steps = np.append(steps[-1], chunk)
         normal = np.append(normal[-1], carried(curve))
@@ -153,13 +158,3 @@ def crossing(
     if reached.any():
         approach[reached] = bodies.rising_through(loads[reached], left[reached], right[reached], mu0, tau0, model)
     return approach, status
-
-
-def _sampled(upper: Profile | Surface, lower: Profile | Surface) -> list[Floats]:
-    """Approaches in equal ratios up to where all points are in touch, some at a time; none for parallel bodies."""
-    most = float(np.ptp(upper.heights - lower.heights))
-    if not most > 0:
-        return []
-    count = round(-np.log(_LEAST) / np.log(_STEP)) + 1
-    steps = most * np.geomspace(_LEAST, 1.0, count)
-    return [steps[first : first + _STEPS_AT_A_TIME] for first in range(0, count, _STEPS_AT_A_TIME)]

@@ -95,7 +95,13 @@ def at_load(
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured:
-        point["reading_difference"] = _difference(result, point, values, material, reading, of)
+        # The largest relative difference of friction between each member's elastic and its normal load.
+        other: Reading = "normal" if reading == "elastic" else "elastic"
+        members = member_values(result, values, mu0=material[0], tau0=material[1], reading=other, of=of)
+        there = members["friction_coefficient"].mean(("repetition", "direction"))
+        here = point["friction_all_round"].sel(statistic="mean")
+        rest = [str(dim) for dim in here.dims if dim not in (*CELLS, "load")]
+        point["reading_difference"] = abs(there / here - 1).max(rest).variable
     return point.assign_attrs(reading=reading)
 
 
@@ -297,15 +303,3 @@ def _ends_of(values: Floats, found: intervals.OfScans | None) -> tuple[float, fl
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
     least = -np.inf if np.nanmin(values) < 0 else 0.0
     return found.mean, max(found.mean - found.half_width, least), found.mean + found.half_width
-
-
-def _difference(
-    result: Result, point: xarray.Dataset, loads: Floats, material: tuple[Floats, Floats], reading: Reading, of: Any
-) -> Any:
-    """The largest relative difference of friction between each member's elastic and its normal load."""
-    other: Reading = "normal" if reading == "elastic" else "elastic"
-    members = member_values(result, loads, mu0=material[0], tau0=material[1], reading=other, of=of)
-    there = members["friction_coefficient"].mean(("repetition", "direction"))
-    here = point["friction_all_round"].sel(statistic="mean")
-    others = [str(dim) for dim in here.dims if dim not in (*CELLS, "load")]
-    return abs(there / here - 1).max(others).variable

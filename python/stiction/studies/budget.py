@@ -65,11 +65,15 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         strength = fit.mu0, fit.tau0, fit.hardness if joint else None
         gone = ("mu0", "tau0", *(("hardness",) if joint else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}
-    scatters = _scatters(at, study, result)
-    order = [*([] if strength is None else [INTERFACE]), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
-    friction = at["friction_all_round"]
-    dims = tuple(str(dim) for dim in friction.dims if dim != "statistic")
+    dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
+    scatters: dict[tuple[int, ...], OfScans | None] = {}
+    if math.prod(measured(study).scan_counts) > 1:  # the variance of each coefficient is parted
+        members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
+        table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
+        scans = measured(study).scans_of(table["repetition"].values)
+        scatters = {place: of_scans(table.values[place], *scans) for place in np.ndindex(*shape)}
+    order = [*([] if strength is None else [INTERFACE]), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
@@ -107,18 +111,6 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         name: (own, values, {"units": "1", "long_name": words}) for name, (own, values, words) in tables.items()
     }
     return at.assign(variables).assign_coords(coordinates)
-
-
-def _scatters(at: xarray.Dataset, study: Study, result: Result) -> dict[tuple[int, ...], OfScans | None]:
-    """How the variance of each coefficient is parted, where a part has several scans."""
-    if math.prod(measured(study).scan_counts) == 1:
-        return {}
-    members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
-    table, friction = members["friction_coefficient"], at["friction_all_round"]
-    dims = [str(dim) for dim in friction.dims if dim != "statistic"]
-    values = table.transpose(*dims, "repetition", "direction").values
-    scans = measured(study).scans_of(table["repetition"].values)
-    return {place: of_scans(values[place], *scans) for place in np.ndindex(*values.shape[:-2])}
 
 
 @dataclass(frozen=True)

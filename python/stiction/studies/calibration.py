@@ -106,7 +106,6 @@ class _Yields:
     areas: Areas
     study: Study
     known: Mapping[str, Known]  # hardness, creep and moduli that are ranges
-    fall: Known | None  # exponent of creep
     wait: float
 
     @classmethod
@@ -122,7 +121,7 @@ class _Yields:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        return cls(Areas.of(at, study, source), study, known | ({} if fall is None else {"creep": fall}), fall, wait)
+        return cls(Areas.of(at, study, source), study, known | ({} if fall is None else {"creep": fall}), wait)
 
     def key(self, name: str) -> str:
         """Name of a nuisance: what two results know alike is one."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stiction._checks import Floats, choice, number, part_of_one, whole_number
+from stiction._checks import choice, number, part_of_one, whole_number
 from stiction._units import exact
 from stiction.mechanics import friction
 from stiction.mechanics.friction import SIX
@@ -145,10 +145,8 @@ def pressed_maps(
         if hardness is not None:
             contact["hardness"] = exact(number("hardness", hardness, unit="GPa", above=0), "GPa")
     steps = checked_loads(loads)
-    material = tuple(
-        np.atleast_1d(friction.listed_parameter(name, each)) for name, each in (("mu0", mu0), ("tau0", tau0))
-    )
-    friction.check_shear_strength(material[1], modulus)
+    rub, stick = (np.atleast_1d(friction.listed_parameter(*each)) for each in (("mu0", mu0), ("tau0", tau0)))
+    friction.check_shear_strength(stick, modulus)
     surfaces, count, made = _surfaces(upper, lower, shifts, surrogates, level)
     study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, least=0))
     if isinstance(upper, Surface) and isinstance(lower, Surface):
@@ -170,7 +168,14 @@ def pressed_maps(
     # Surrogates are not moved.
     sums = sums.assign_coords({name: sums[name].fillna(0.0) for name in ("x", "y")})
     sums.attrs = attributes
-    return _with_friction(sums, *material)
+    found = piece_at(sums, sums["load"].values, rub, stick, "elastic", ratio=False)
+    if "unanswered_count" in sums:
+        unanswered = sums["unanswered_count"] / sums["grid_minimum_count"]
+        found["share_unanswered"] = unanswered.assign_attrs(attributes_of("share_unanswered"))
+    slopes = sums["rms_slope"].transpose("repetition", "direction").values
+    gentle = by_slopes(["repetition"], sums["rms_gradient"].values, slopes, RULES, rub, stick, modulus)
+    six = {name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX}
+    return found.assign(six | gentle).transpose(*_DIMS, missing_dims="ignore")
 
 
 def overlap_area(upper: Surface | Profile, lower: Surface | Profile) -> float:
@@ -204,19 +209,6 @@ def _surfaces(
     made = whole_number("surrogates", 0 if surrogates is None else surrogates, least=0)
     count = 0 if shifts == 0 and made else whole_number("shifts", SHIFTS if shifts is None else shifts, least=1)
     return MeasuredAreas(**bodies, level=level, surrogates=made, prepared=True), count, made
-
-
-def _with_friction(sums: xarray.Dataset, mu0: Floats, tau0: Floats) -> xarray.Dataset:
-    """What the sums over contacts of every shift make, beside the six that friction follows from."""
-    result = piece_at(sums, sums["load"].values, mu0, tau0, "elastic", ratio=False)
-    if "unanswered_count" in sums:
-        unanswered = sums["unanswered_count"] / sums["grid_minimum_count"]
-        result["share_unanswered"] = unanswered.assign_attrs(attributes_of("share_unanswered"))
-    slopes = sums["rms_slope"].transpose("repetition", "direction").values
-    modulus = float(sums["effective_modulus"])
-    gentle = by_slopes(["repetition"], sums["rms_gradient"].values, slopes, RULES, mu0, tau0, modulus)
-    whole = result.assign({name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX} | gentle)
-    return whole.transpose(*_DIMS, missing_dims="ignore")
 
 
 def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None) -> xarray.Dataset:

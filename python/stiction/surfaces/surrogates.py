@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import overload
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from stiction._checks import Floats, truth
 from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.profile import Profile, Side, refuse_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
-from stiction.surfaces.surface import Surface, refuse_flat, rows_and_columns
+from stiction.surfaces.surface import AnyBody, Surface, refuse_flat, rows_and_columns
 
 _RINGS = 12  # rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring
 _SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings of one or two follow their neighbours
@@ -21,17 +20,9 @@ _SETTLED = 1e-6  # largest change of the logarithm of a density in a step at whi
 _MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space
 
 
-@overload
 def surrogate(
-    body: Profile, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
-) -> Profile: ...
-@overload
-def surrogate(
-    body: Surface, seed: int, *, repetition: int = ..., side: Side = ..., periodic: bool = ...
-) -> Surface: ...
-def surrogate(
-    body: Profile | Surface, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
-) -> Profile | Surface:
+    body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
+) -> AnyBody:
     """A profile or surface with the spectrum of a given one and new phases, with the same mean and Pq or Sq.
 
     Many of them are an ensemble of surfaces of which one has been measured.
@@ -80,7 +71,7 @@ def surrogate(
     refuse_flat(body)
     refuse_missing(body, "a surrogate")
     if isinstance(body, Surface):
-        return _surface_surrogate(body, seed, repetition, side, periodic)
+        return _surface_surrogate(body, seed, repetition, side, periodic)  # type: ignore[return-value]
     profile, mean = body, body.heights.mean()
     heights = profile.heights - mean
     points = heights.size
@@ -100,7 +91,7 @@ def surrogate(
         transform[-1] = math.copysign(amplitude[-1], math.cos(phases[-1]))
     made = np.fft.irfft(transform, points)
     made *= math.sqrt(np.mean(heights**2) / np.mean(made**2))
-    return Profile(made + mean, spacing=profile.spacing)
+    return Profile(made + mean, spacing=profile.spacing)  # type: ignore[return-value]
 
 
 def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side, periodic: bool) -> Surface:

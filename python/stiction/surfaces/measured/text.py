@@ -100,7 +100,32 @@ def read_lines(lines: list[str]) -> Table:
     dialect = _dialect(lines)
     if dialect.point == ",":
         _refuse_thousands(lines, dialect)
-    return _interpreted(_numbers(lines, dialect), lines, dialect)
+    table = _numbers(lines, dialect)
+    counts, written = (np.frombuffer(each, dtype=np.int64) for each in (table.counts, table.written))
+    columns = Counter(table.counts).most_common(1)[0][0]
+    if columns == 1 and counts.max() == 2 and (counts == 2).sum() > 1:
+        columns = 2  # most heights are missing
+    header = [text for line in lines[: table.first_line - 1] if (text := line.rstrip(" \r\t")).strip(" \t")]
+    # The last numbers of a line may be missing, with their separators there, or the height of an x.
+    short = (counts < columns) & ((written >= columns) | (columns == 2))
+    if not (short | (counts == columns)).all():
+        row = int(np.flatnonzero(~short & (counts != columns))[0])
+        raise FormatError(
+            f"the {row + 1}. line of data has {counts[row]} column(s) and most have {columns}; all need the same"
+        )
+    values = np.full((counts.size, columns), np.nan)
+    values[np.arange(columns) < counts[:, np.newaxis]] = np.array(table.values)
+    history = [line.removeprefix(_HISTORY) for line in header if line.startswith(_HISTORY)]
+    return Table(
+        values,
+        names=_names(header, columns, dialect),
+        units=tuple(_units(header, columns, dialect)),
+        digit=lambda column: _digit(values[:, column], column, lines, dialect),
+        stated=next((found for line in header if (found := _stated(line))), None),
+        size=_lengths(_SIZES, header),
+        spacings=_lengths(_SPACINGS, header),
+        history=tuple(printable(step, _LONGEST_STEP) for step in history[:_MOST_STEPS]),
+    )
 
 
 def _decoded(data: bytes) -> str:
@@ -237,38 +262,6 @@ def _numbers(lines: list[str], dialect: Dialect) -> _Numbers:
 # ---- What they mean -------------------------------------------------------------------------------------------------
 
 
-def _interpreted(table: _Numbers, lines: list[str], dialect: Dialect) -> Table:
-    counts, written = (np.frombuffer(each, dtype=np.int64) for each in (table.counts, table.written))
-    columns = Counter(table.counts).most_common(1)[0][0]
-    if columns == 1 and counts.max() == 2 and (counts == 2).sum() > 1:
-        columns = 2  # most heights are missing
-    header = [text for line in lines[: table.first_line - 1] if (text := line.rstrip(" \r\t")).strip(" \t")]
-    # The last numbers of a line may be missing, with their separators there, or the height of an x.
-    short = (counts < columns) & ((written >= columns) | (columns == 2))
-    if not (short | (counts == columns)).all():
-        row = int(np.flatnonzero(~short & (counts != columns))[0])
-        raise FormatError(
-            f"the {row + 1}. line of data has {counts[row]} column(s) and most have {columns}; all need the same"
-        )
-    values = np.full((counts.size, columns), np.nan)
-    values[np.arange(columns) < counts[:, np.newaxis]] = np.array(table.values)
-    names = _names(header, columns, dialect)
-    sizes = [next((found for line in header if (found := _length(pattern, line))), None) for pattern in _SIZES]
-    spacings = [next((found for line in header if (found := _length(pattern, line))), None) for pattern in _SPACINGS]
-    return Table(
-        values,
-        names=names,
-        units=tuple(_units(header, columns, dialect)),
-        digit=lambda column: _digit(values[:, column], column, lines, dialect),
-        stated=next((found for line in header if (found := _stated(line))), None),
-        size=(sizes[0], sizes[1]) if sizes[0] is not None and sizes[1] is not None else None,
-        spacings=(spacings[0], spacings[1]) if spacings[0] is not None and spacings[1] is not None else None,
-        history=tuple(
-            printable(line.removeprefix(_HISTORY), _LONGEST_STEP) for line in header if line.startswith(_HISTORY)
-        )[:_MOST_STEPS],
-    )
-
-
 def _digit(values: Floats, column: int, lines: list[str], dialect: Dialect) -> Floats:
     """What the last printed digit of each number of a column is worth: by its decimals or by its significant digits."""
     number = dialect.number
@@ -301,9 +294,11 @@ def _stated(line: str) -> Stated | None:
     return _with_digit(match[2], match[3])
 
 
-def _length(pattern: re.Pattern[str], line: str) -> Stated | None:
-    match = pattern.fullmatch(line)
-    return None if match is None else _with_digit(match[1], match[2])
+def _lengths(patterns: tuple[re.Pattern[str], ...], header: list[str]) -> tuple[Stated, Stated] | None:
+    """Two lengths that lines of a header say, each by the first line of its pattern; None without either."""
+    both = [[match for line in header if (match := pattern.fullmatch(line))] for pattern in patterns]
+    said = [next((length for match in each if (length := _with_digit(*match.groups()))), None) for each in both]
+    return (said[0], said[1]) if said[0] and said[1] else None
 
 
 def _with_digit(digits: str, unit: str) -> Stated | None:
