@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number
+from stiction._drawing import draw_area, draw_friction
 from stiction._shown import Readable, Shown, axes_for
 from stiction.mechanics.quantities import SUMS
 
@@ -209,8 +210,6 @@ class Curve(Shown):
 
         Into given axes, or by default new ones, which are returned; mu0 and tau0 (GPa) as for `normal_load`.
         """
-        from stiction._drawing import draw_area, draw_friction
-
         if mu0 is None:
             return draw_area(axes_for(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)

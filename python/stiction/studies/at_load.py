@@ -20,15 +20,13 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
 from stiction.mechanics.quantities import ONSET, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.maps import CELLS, cells_of, ensemble_map, head_of, material_of, means, study_of_result
+from stiction.studies.maps import CELLS, Result, cells_of, ensemble_map, head_of, material_of, means, study_of_result
 from stiction.studies.member_values import Kind, Reading, by_slopes, member_values
 from stiction.studies.result import measured
 from stiction.studies.study import Study, step_of
 
 if TYPE_CHECKING:
     import xarray
-
-    from stiction.studies.maps import Result
 
 STATISTIC = ["mean", "lower", "upper"]
 SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high

@@ -22,14 +22,13 @@ from stiction.studies.hardness import Areas
 from stiction.studies.interfaces import interface_of
 from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
 from stiction.studies.known import DRAWS, ENDS, Known, creep_of, inputs_of, relative_modulus, strata
-from stiction.studies.maps import study_of_result
+from stiction.studies.maps import Result, study_of_result
 from stiction.studies.member_values import PerLoad, member_values, six_at
 from stiction.studies.result import measured
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.maps import Result
     from stiction.studies.study import Study
 
 POSITIONS, FINER = "positions", "finer waves"

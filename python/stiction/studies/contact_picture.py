@@ -17,11 +17,11 @@ from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import Table
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.maps import cells_of, study_of_result
+from stiction.studies.maps import Result, cells_of, study_of_result
 from stiction.studies.members import bodies_of, pair_of
 from stiction.studies.pressing import OneLoad
 from stiction.studies.result import measured
-from stiction.studies.store import read_beside
+from stiction.studies.store import Stored, read_beside
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -29,9 +29,6 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import pandas
     import xarray
-
-    from stiction.studies.maps import Result
-    from stiction.studies.store import Stored
 
 FILE = "picture.nc"  # name of the file in the folder of a result
 MOST_PICTURED = 512  # rows and columns of a map that are kept

@@ -9,6 +9,7 @@ from typing import Any
 from stiction._arguments import numbers_of, quantities_of, quantity_of
 from stiction._errors import ArgumentError
 from stiction.mechanics.closed_forms import effective_modulus
+from stiction.mechanics.materials import compliance_fraction, material, softer_material
 
 
 @dataclass(frozen=True)
@@ -100,8 +101,6 @@ def _of_two(upper: float, upper_ratio: float, lower: float, lower_ratio: float) 
 
 def _of_materials(upper: str, lower: str) -> Elasticity:
     """Elasticity of two bodies by the names of their materials, and the hardness of the softer one if it yields."""
-    from stiction.mechanics.materials import compliance_fraction, softer_material
-
     above, below = _material("upper_material", upper), _material("lower_material", lower)
     modulus = _rounded(effective_modulus(above, below))
     softer = softer_material(above, below) or min((above, below), key=lambda body: body.young_modulus)
@@ -120,8 +119,6 @@ def _of_materials(upper: str, lower: str) -> Elasticity:
 
 def _material(argument: str, name: str) -> Any:
     """A material by its name, or an error that calls the argument by its own; a file is none."""
-    from stiction.mechanics.materials import material
-
     try:
         return material(name)
     except ValueError as error:

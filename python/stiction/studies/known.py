@@ -20,12 +20,11 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from stiction._checks import Floats, read_only
 from stiction._units import exactly, quantity, shortened
-from stiction.mechanics.materials import softer_material
+from stiction.mechanics.materials import Material, MaterialValue, material, softer_material
 from stiction.studies.values import Table, as_tuple
 from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
-    from stiction.mechanics.materials import Material, MaterialValue
     from stiction.studies.study import Study
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
@@ -277,8 +276,6 @@ def _bodies(study: Study) -> list[dict[str, Known]]:
 
 def materials_of(study: Study) -> tuple[Material, ...]:
     """The materials of both bodies by whose names a study was made; none of names that somebody gave himself."""
-    from stiction.mechanics.materials import material
-
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,9 +26,8 @@ from stiction.studies.study import Study, step_of, study_of
 if TYPE_CHECKING:
     import xarray
 
-    Result = xarray.Dataset | Stored
-    Change = Callable[[xarray.Dataset], xarray.Dataset]
-
+Result: TypeAlias = "xarray.Dataset | Stored"
+Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 AT_ONCE = 2**20  # numbers of curves of a cell that are in memory at a time, however many mu0 and tau0
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions

@@ -16,14 +16,12 @@ from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, loa
 from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, UNLOADED, attributes_of
 from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.intervals import Crossing
-from stiction.studies.maps import MOTIONS, cells_of, head_of, material_of
+from stiction.studies.maps import MOTIONS, Result, cells_of, head_of, material_of
 from stiction.studies.store import pieces
 from stiction.studies.study import step_of, study_of
 
 if TYPE_CHECKING:
     import xarray
-
-    from stiction.studies.maps import Result
 
 Reading = Literal["mean", "elastic", "normal"]
 Kind = Literal["shifts", "surrogates"]

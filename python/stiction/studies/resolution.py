@@ -15,15 +15,13 @@ from stiction.mechanics import brackets
 from stiction.studies.at_load import at_load
 from stiction.studies.members import about, bodies_of
 from stiction.studies.result import measured
-from stiction.studies.store import STUDY, StoreError, open_stored
+from stiction.studies.store import STUDY, Stored, StoreError, open_stored
 from stiction.studies.study import Study, computed_otherwise
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 
 if TYPE_CHECKING:
     import xarray
-
-    from stiction.studies.store import Stored
 
 FOLDER = "resolution"  # in the folder of a result: that of the same pair over cut-offs
 MEMBERS = 4  # of areas; the first ones of the result, so that what changes with the cut-off is not chance

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only
+from stiction._drawing import draw_profile, draw_surface
 from stiction._shown import Shown, axes_for
+from stiction.surfaces.foreign import data_array_of, taken_from, words_of
 
 if TYPE_CHECKING:
     import xarray
@@ -71,8 +73,6 @@ class Body(Shown):
 
     def __repr__(self) -> str:
         """Show its size, its roughness and where it is from."""
-        from stiction.surfaces.foreign import words_of
-
         return words_of(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -80,8 +80,6 @@ class Body(Shown):
 
         Into given axes, or by default new ones, which are returned.
         """
-        from stiction._drawing import draw_profile, draw_surface
-
         if self.heights.ndim == 2:
             return draw_surface(axes_for(ax), self.heights, self.spacing)
         return draw_profile(axes_for(ax), self.x, self.heights)
@@ -111,8 +109,6 @@ class Body(Shown):
         >>> Profile.from_(profile.to_xarray()).spacing
         0.5
         """
-        from stiction.surfaces.foreign import taken_from
-
         taken = taken_from("other", other, unit=unit)
         wanted, found = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, taken.heights.ndim))
         if found != wanted:
@@ -122,8 +118,6 @@ class Body(Shown):
 
     def to_xarray(self) -> xarray.DataArray:
         """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
-        from stiction.surfaces.foreign import data_array_of
-
         positions = {axis: getattr(self, axis) for axis in "yx"[2 - self.heights.ndim :]}
         return data_array_of(self.heights, self.history, **positions)
 

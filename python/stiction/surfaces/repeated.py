@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, read_only
+from stiction._drawing import draw_repeated
 from stiction._shown import Shown, axes_for
 from stiction.surfaces.cut_off import transmission
 from stiction.surfaces.preparation import levelled
@@ -76,8 +77,6 @@ class Repeated(Shown):
 
         Into given axes, or by default new ones, which are returned.
         """
-        from stiction._drawing import draw_repeated
-
         return draw_repeated(axes_for(ax), self)
 
 

@@ -231,12 +231,16 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
     squares = sum(float(np.mean(_slopes(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
     shortest, longest = _decay_lengths(deviation, surface.spacing)
     core, upper, lower = _core_line(deviation)
+    q, angle, density = surface_spectrum(surface).waves()
+    kept = q > 2.5 * 2 * math.pi / max(surface.extent)
+    sector = np.rint(angle[kept] * _SECTORS / 180).astype(np.intp) % _SECTORS
+    texture = float(int(np.argmax(np.bincount(sector, density[kept], minlength=_SECTORS))) * 180 / _SECTORS)
     peaks, valleys = np.maximum(deviation - upper, 0), np.maximum(lower - deviation, 0)
     above, below = float(np.mean(deviation > upper)), float(np.mean(deviation < lower))
     return SurfaceParameters(
         Sq=scale * rms, Sa=scale * float(np.mean(np.abs(deviation))), Sz=float(np.ptp(z)),
         Ssk=float(np.mean((deviation / rms) ** 3)), Sku=float(np.mean((deviation / rms) ** 4)), Sdq=math.sqrt(squares),
-        Sdr=_developed(z, surface.spacing), Sal=shortest, Str=shortest / longest, Std=_texture_direction(surface),
+        Sdr=_developed(z, surface.spacing), Sal=shortest, Str=shortest / longest, Std=texture,
         Sk=scale * core, Spk=scale * (2 * float(peaks.mean()) / above if above else 0.0),
         Svk=scale * (2 * float(valleys.mean()) / below if below else 0.0), Smr1=above, Smr2=1 - below,
         levelled=levelling(surface.history),
@@ -340,14 +344,6 @@ def _bilinear(correlation: Floats, y: Floats, x: Floats) -> Floats:
         (1 - y) * ((1 - x) * correlation[row, column] + x * correlation[row, column + 1])
         + y * ((1 - x) * correlation[row + 1, column] + x * correlation[row + 1, column + 1])
     )
-
-
-def _texture_direction(surface: Surface) -> float:
-    q, angle, density = surface_spectrum(surface).waves()
-    kept = q > 2.5 * 2 * math.pi / max(surface.extent)
-    sector = np.rint(angle[kept] * _SECTORS / 180).astype(np.intp) % _SECTORS
-    power = np.bincount(sector, density[kept], minlength=_SECTORS)
-    return float(int(np.argmax(power)) * 180 / _SECTORS)
 
 
 def _core_line(deviation: Floats) -> tuple[float, float, float]:

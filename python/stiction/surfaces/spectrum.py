@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, read_only, truth, whole_number
+from stiction._drawing import draw_spectrum
 from stiction._shown import Readable, Shown, Tabled, axes_for
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, refuse_flat
@@ -80,8 +81,6 @@ class PowerSpectrum(Shown):
 
         Into given axes, or by default new ones, which are returned.
         """
-        from stiction._drawing import draw_spectrum
-
         bins = self.in_bins()
         return draw_spectrum(axes_for(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))
 

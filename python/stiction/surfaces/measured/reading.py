@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from stiction._files import reason
 from stiction._text import named
 from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import read_instrument
@@ -208,8 +209,7 @@ def _read(
         raw = raw_of(_content(path), options.channel, options.columns)
         body, doubts = convert(raw, path.name, options)
     except OSError as error:
-        reason = os.strerror(error.errno) if error.errno else str(error)
-        raise FormatError(f"{named(path)}: cannot be read: {reason}") from None
+        raise FormatError(f"{named(path)}: cannot be read: {reason(error)}") from None
     except MemoryError:
         raise FormatError(f"{named(path)}: is too large for the memory of this machine") from None
     except ValueError as error:
