@@ -90,9 +90,6 @@ def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
 
-# ---- Continued by a power law ---------------------------------------------------------------------------------------
-
-
 def most_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
     """Largest true area of finer scans of a pair that yields, in F/H, from that of this scan and its contacts.
 

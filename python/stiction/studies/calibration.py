@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 LEAST_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not told apart
 NUISANCES = 128  # points of a Sobol sequence over gain of the force cell, areas of the surfaces, and hardness
 STRENGTHS, COEFFICIENTS = 161, 97  # points of the grids of tau0, and of mu0 at each of these
-
 DRAWS = 4000  # pairs of mu0 and tau0 that stand for their joint distribution
 TAIL = 1e-7  # density over its maximum, below which the grid of tau0 ends
 WIDE = 8.0  # half-width of the grid of mu0, standard deviations
@@ -43,7 +42,6 @@ EXCLUDED, UNLIKELY = 0.01, 0.05
 FREEDOM = 4.0  # degrees of freedom of Student's t for tests among which there may be outliers
 AT_BOUND = 0.01  # distance of a lower end from its bound, in widths of the interval, up to which it is the bound
 COVERAGE = 0.95  # probability of intervals
-
 RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS = "hardness of the draws"

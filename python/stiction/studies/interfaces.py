@@ -31,9 +31,7 @@ if TYPE_CHECKING:
 
 HEAD = "# stiction interface"  # first line of a file
 COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)")
-
 LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface
-
 _NUMBERS = ("area_per_load", "variation")
 
 

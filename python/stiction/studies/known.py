@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
-
 ENDS = 1.959963984540054  # standard deviations from the middle of a normal distribution to the ends of its 95 %
 DRAWS = 4096  # draws that stand for what is known
 NO_NUMBER = re.compile(r"\.\.|±|\+/?-|\b(HV|HRC)\b")  # what a text has that is more than one number with a unit

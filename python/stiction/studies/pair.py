@@ -40,7 +40,6 @@ LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decad
 LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 MECHANICS = ("half-space", "asperities")
-
 SPHERES = "contacts are taken as spheres on a strip 1 µm thick; better add --lay grooves or isotropic"
 HALF_PLANES = "taken as grooved across the scan; if not, add --lay isotropic"
 

@@ -88,10 +88,8 @@ def pressed_maps(
         As for `half_space`: it must be given of bodies that were read from files.
     compliance_share, hardness
         Of `half_space`.
-    executor : concurrent.futures.Executor, optional
-        Where shifts are computed; a thread for each core by default.
-    progress : bool
-        Whether to draw a progress bar on the terminal.
+    executor, progress
+        As for `run`.
 
     Returns
     -------
@@ -136,8 +134,11 @@ def pressed_maps(
     if hardness is not None and mechanics != "half-space":
         raise ValueError(f"hardness is for the half-space, got mechanics={mechanics!r}")
     modulus = modulus_for(effective_modulus, upper, lower)
+    angles = np.array([number("directions", each, unit="degrees") % 360 for each in np.atleast_1d(directions)])
+    if not angles.size or np.unique(angles).size < angles.size:
+        raise ValueError(f"directions must be one or several different angles, got {directions!r}")
     contact: dict[str, Any] = {
-        "mechanics": mechanics, "effective_modulus": exact(modulus, "GPa"), "direction": _angles(directions),
+        "mechanics": mechanics, "effective_modulus": exact(modulus, "GPa"), "direction": angles.tolist(),
     }  # fmt: skip
     share = part_of_one("compliance_share", compliance_share)
     if mechanics == "half-space":
@@ -182,13 +183,6 @@ def overlap_area(upper: Surface | Profile, lower: Surface | Profile) -> float:
     """The nominal area (µm²) of what `pressed_maps` presses of two maps, or of surfaces made of two profiles."""
     surfaces, count, made = _surfaces(upper, lower, None, None, "plane")
     return float(about(given_study(surfaces, {}, np.ones(1), repetitions=count + made)).nominal_area or 0.0)
-
-
-def _angles(directions: Sequence[float]) -> list[float]:
-    angles = np.array([number("directions", each, unit="degrees") % 360 for each in np.atleast_1d(directions)])
-    if not angles.size or np.unique(angles).size < angles.size:
-        raise ValueError(f"directions must be one or several different angles, got {directions!r}")
-    return [float(angle) for angle in angles]
 
 
 def _surfaces(

@@ -100,10 +100,8 @@ def traverse(
         slopes adds, or its elastic load before. Half-planes have elastic loads.
     compliance_share : float
         Of `half_space`.
-    executor : concurrent.futures.Executor, optional
-        Where positions are computed; a thread for each core by default.
-    progress : bool
-        Whether to draw a progress bar on the terminal.
+    executor, progress
+        As for `run`.
     **contact
         effective_modulus, law, detection and curvature, as for `press`; but `detection` is "gap-minimum" unless it is
         given, because contacts of a single position must not depend on the grid. `shear` is both. Of half-planes

@@ -83,9 +83,6 @@ class PowerLaw:
         return ends[0], ends[1]
 
 
-# ---- Power laws -----------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, repr=False)
 class HurstEstimate(Tabled):
     """Hurst exponent of a profile or a surface, with its uncertainty and the band of wavelengths that it holds for.
@@ -232,7 +229,12 @@ def hurst_exponent_of(
         chosen, piece = _self_affine_band(wave_number, power, alike)
         chosen, piece = _above_noise(wave_number, power, alike, chosen, piece)
     else:
-        chosen, piece = _given_band(wave_number, band), None
+        if not isinstance(band, (tuple, list)) or len(band) != 2:
+            raise ValueError(f"band must be a shortest and a longest wavelength, got {band!r}")
+        shortest = number("band", band[0], unit="µm", above=0)
+        chosen, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
+        if (count := int(chosen.sum())) < FEWEST_HARMONICS:
+            raise ValueError(f"band must hold at least {FEWEST_HARMONICS} harmonics, but {band!r} µm holds {count}")
     q, power = wave_number[chosen], power[chosen]
     bins = _Bins.of(q, power)
     exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
@@ -287,18 +289,6 @@ def _waves(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
         used = wave_number > (_UNTRUSTED + 0.5) * 2 * math.pi / min(surface.extent)
     density = np.maximum(density, np.finfo(float).eps ** 2 * density.max())
     return wave_number[used], (density * wave_number)[used], scale
-
-
-def _given_band(wave_number: Floats, band: tuple[float, float]) -> NDArray[np.bool_]:
-    if not isinstance(band, (tuple, list)) or len(band) != 2:
-        raise ValueError(f"band must be a shortest and a longest wavelength, got {band!r}")
-    shortest = number("band", band[0], unit="µm", above=0)
-    chosen = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest))
-    if chosen.sum() < FEWEST_HARMONICS:
-        raise ValueError(
-            f"band must hold at least {FEWEST_HARMONICS} harmonics, but {band!r} µm holds {int(chosen.sum())}"
-        )
-    return chosen
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,6 @@ from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 TRUSTED_POINTS = 8  # points of the shortest wave taken from a scan: a pixel that takes a mean leaves 95 % of its power
 LONGEST = 1 / 3  # longest wave that is taken from a scan, of its shortest side: longer ones are of the window
-
-
 _WAVES_OF_ONE = 4.0  # waves of a scan in one independent value: opposite ones are the same, a window joins neighbours
 
 

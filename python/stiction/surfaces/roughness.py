@@ -21,8 +21,6 @@ DECAY = 0.2  # autocorrelation at which its lengths are taken: the default of IS
 _CORE = 0.4  # fraction of the points over which the bearing curve is least steep
 _DIRECTIONS = 720  # number of directions in which the autocorrelation is followed from its middle
 _SECTORS = 90  # number of sectors, of two degrees each, over which the power of the waves is summed
-
-
 NOT_LEVELLED = "no: as they are"  # levelling of heights of which nothing was taken off
 
 
