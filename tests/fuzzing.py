@@ -3,19 +3,17 @@
 Whoever calls gives a NumPy generator, so that a seed repeats a run. A finding is an exception that escapes.
 """
 
-import contextlib
 import io
 import math
 import os
 import shutil
-import sys
 import warnings
 import zipfile
-from unittest import mock
 
 import numpy as np
 import stiction
-from stiction import Profile, Study, Surface, cli
+from command import stiction_command
+from stiction import Profile, Study, Surface
 
 # ---- Study files ----------------------------------------------------------------------------------------------------
 
@@ -69,23 +67,6 @@ def _toml(text):
     return [] if text == "[]" else int(text)
 
 
-def command(*arguments):
-    """Run the command in this process; its status, and what it said."""
-    said = io.StringIO()
-    with (
-        mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
-        contextlib.redirect_stdout(said),
-        contextlib.redirect_stderr(said),
-        warnings.catch_warnings(action="ignore"),
-    ):
-        try:
-            cli.main()
-            status = 0
-        except SystemExit as end:
-            status = end.code or 0
-    return status, said.getvalue()
-
-
 def fuzz_study_file(random, folder):
     """One file through `stiction run`; returns its status."""
     path = folder / "study.toml"
@@ -100,13 +81,13 @@ def fuzz_study_file(random, folder):
     ):
         return None  # too much to compute
     output = folder / "output"
-    status, said = command("run", path, "--output", output, "--workers", "1")
-    assert status in (0, 2), (text, status, said)
-    assert status == 0 or said.startswith("stiction: "), (text, said)
-    assert "Traceback" not in said, (text, said)
-    assert (status == 0) <= (study is not None), (text, said)
+    done = stiction_command("run", path, "--output", output, "--workers", "1", cwd=folder)
+    assert done.returncode in (0, 2), (text, done)
+    assert done.returncode == 0 or (done.stdout + done.stderr).startswith("stiction: "), (text, done)
+    assert "Traceback" not in done.stderr, (text, done)
+    assert (done.returncode == 0) <= (study is not None), (text, done)
     shutil.rmtree(output, ignore_errors=True)
-    return status
+    return done.returncode
 
 
 # ---- Stores ---------------------------------------------------------------------------------------------------------
@@ -128,11 +109,11 @@ def fuzz_store(random, pristine, folder):
     (folder / "out.nc").unlink(missing_ok=True)
     statuses = []
     for arguments in (("info", copy), ("export", copy, folder / "out.nc"), ("plot", copy)):
-        status, said = command(*arguments)
-        assert status in (0, 2), (arguments, status, said)
-        assert status == 0 or "stiction: " in said, (arguments, said)
-        assert "Traceback" not in said, (arguments, said)
-        statuses.append(status)
+        done = stiction_command(*arguments, cwd=folder)
+        assert done.returncode in (0, 2), (arguments, done)
+        assert done.returncode == 0 or "stiction: " in done.stderr, (arguments, done)
+        assert "Traceback" not in done.stderr, (arguments, done)
+        statuses.append(done.returncode)
     return statuses[-1]
 
 
