@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from stiction import Profile, Surface, self_affine
+from stiction import Profile, Surface, self_affine, self_affine_surface
 
 AMPLITUDE, WAVELENGTH = 0.1, 4.0
 
@@ -28,3 +28,9 @@ def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longes
     amplitude[0, 0] = 0
     heights = np.fft.ifft2(amplitude * np.fft.fft2(white)).real[: shape[0], : shape[1]]
     return Surface(heights / heights.std(), spacing=spacing)
+
+
+def rough_maps(seed=3, *, points=48, **changes):
+    """The upper and the lower of a pair of maps."""
+    chosen = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (points, points), "spacing": 0.1} | changes
+    return [self_affine_surface(seed, side=side, **chosen) for side in ("upper", "lower")]

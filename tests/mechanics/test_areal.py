@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from reference import areal
+from rough_bodies import rough_maps
 from scipy.special import ellipe, ellipk
 from stiction import (
     ContactModel,
@@ -18,7 +19,6 @@ from stiction import (
     force_and_area,
     press,
     self_affine,
-    self_affine_surface,
 )
 
 # Independent evaluations of the same heights: other splines, another search, another solution for the ellipse.
@@ -45,7 +45,7 @@ def rough_pair(seed=3, **changes):
     choices = {
         "hurst_exponent": 0.8, "rms": 0.05, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
     } | changes  # fmt: skip
-    return [self_affine_surface(seed, side=side, **choices) for side in ("upper", "lower")]
+    return rough_maps(seed, **choices)
 
 
 def surface_of(function, shape=(61, 81), spacing=(0.02, 0.02)):
@@ -614,13 +614,9 @@ class TestGrid:
         made = {}
         for points in (1024, 512, 256):
             spacing = 16 / points
-            upper, lower = (
-                self_affine_surface(
-                    5, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=spacing, shortest_wavelength=1.0,
-                    longest_wavelength=4.0, side=side,
-                )
-                for side in ("upper", "lower")
-            )  # fmt: skip
+            upper, lower = rough_maps(
+                5, rms=0.05, points=points, spacing=spacing, shortest_wavelength=1.0, longest_wavelength=4.0
+            )
             # A bowl keeps contacts from the edges, where splines of two grids differ.
             x = np.arange(points) * spacing - 8
             upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
@@ -696,10 +692,7 @@ def test_grooves_are_refused_instead_of_carrying_nothing():
     ],
 )
 def test_keywords_of_where_it_slides_take_precedence_over_the_model(model, given, angle):
-    upper, lower = (
-        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
-        for side in ("upper", "lower")
-    )
+    upper, lower = rough_maps(points=32)
     curve = press(upper, lower, [0.02], model=ContactModel(**model), **given)
     assert float(curve.direction) == angle
 

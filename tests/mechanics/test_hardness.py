@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from stiction import half_space, self_affine_surface
+from rough_bodies import rough_maps
+from stiction import half_space
 from stiction.mechanics.hardness import area_per_load
 from stiction.studies.hardness import NODES
 
@@ -14,12 +15,7 @@ FRICTION, AREA = 0.01, 0.03
 
 @pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # plastic throughout, between, nearly elastic
 def test_between_nodes_it_is_that_of_direct_solutions(rms: float) -> None:
-    upper, lower = (
-        self_affine_surface(
-            3, hurst_exponent=0.8, rms=rms, shape=(96, 96), spacing=0.05, shortest_wavelength=0.3, side=side
-        )
-        for side in ("upper", "lower")
-    )
+    upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 
     def ratio(hardness: float | None) -> float:
         load = 0.02 * 4.8**2

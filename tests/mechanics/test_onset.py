@@ -3,6 +3,7 @@ import pickle
 import numpy as np
 import pytest
 from reference import dense_onset
+from rough_bodies import rough_maps
 from scipy.integrate import quad
 from stiction import (
     FourParameterIwan,
@@ -449,8 +450,7 @@ def test_ellipses_give_way_by_cerrutis_force(direction):
 
 @pytest.fixture(scope="module")
 def many():
-    bodies = [self_affine_surface(2, hurst_exponent=0.8, rms=0.02, shape=(256, 256), spacing=0.05, side=side,
-                                  shortest_wavelength=0.4) for side in ("upper", "lower")]  # fmt: skip
+    bodies = rough_maps(2, points=256, spacing=0.05, shortest_wavelength=0.4)
     return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
 
 

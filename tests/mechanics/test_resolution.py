@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from rough_bodies import rough_maps
 from stiction import (
     Profile,
     Surface,
@@ -14,7 +15,6 @@ from stiction import (
     resolution_friction,
     scale_dependent_roughness,
     self_affine,
-    self_affine_surface,
 )
 from stiction.mechanics.brackets import kappa_spread, most_area
 
@@ -24,13 +24,8 @@ STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
 def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
-    return tuple(
-        self_affine_surface(
-            seed, hurst_exponent=hurst, rms=rms, shape=(points, points), spacing=spacing, side=side,
-            longest_wavelength=points * spacing / 4, shortest_wavelength=shortest,
-        )
-        for side in ("upper", "lower")
-    )  # fmt: skip
+    waves = {"longest_wavelength": points * spacing / 4, "shortest_wavelength": shortest}
+    return rough_maps(seed, hurst_exponent=hurst, rms=rms, points=points, spacing=spacing, **waves)
 
 
 @pytest.fixture(scope="module")
@@ -104,13 +99,9 @@ def test_a_bracket_holds_every_finer_answer(seen):
 
 def test_a_bracket_of_few_contacts_is_not_monotone():
     """A pair of seven contacts, of which the finest has more area than a coarser one: what the bracket is wide for."""
-    bodies = [
-        self_affine_surface(
-            28, hurst_exponent=0.8, rms=0.01, shape=(256, 256), spacing=0.01, side=side, repetition=2004,
-            longest_wavelength=0.64, shortest_wavelength=0.04,
-        )
-        for side in ("upper", "lower")
-    ]  # fmt: skip
+    bodies = rough_maps(
+        28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
+    )
     gap = Surface(bodies[0].heights - bodies[1].heights, spacing=0.01)
     factor = 0.25 / float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
     scaled = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
@@ -183,7 +174,7 @@ def test_elastic_friction_of_a_finer_scan_is_in_its_interval():
     inside = 0
     for seed in range(6):
         rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}
-        fine = [self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower")]
+        fine = rough_maps(seed, **rough)
         coarse = []
         for body in fine:
             waves = np.fft.fft2(body.heights)

@@ -5,26 +5,15 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from stiction import (
-    Profile,
-    gentle_friction,
-    resolution,
-    scale_dependent_roughness,
-    self_affine_surface,
-    spectral_resolution,
-)
+from rough_bodies import rough_maps
+from stiction import Profile, gentle_friction, resolution, scale_dependent_roughness, spectral_resolution
 
 OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "effective_modulus": 115.0}
 
 
 def pair(points=256):
-    return [
-        self_affine_surface(
-            6, hurst_exponent=0.6, rms=0.01, shape=(points, points), spacing=0.02, side=side,
-            longest_wavelength=min(1.28, 0.02 * points), shortest_wavelength=0.08,
-        )
-        for side in ("upper", "lower")
-    ]  # fmt: skip
+    waves = {"longest_wavelength": min(1.28, 0.02 * points), "shortest_wavelength": 0.08}
+    return rough_maps(6, hurst_exponent=0.6, rms=0.01, points=points, spacing=0.02, **waves)
 
 
 def both(bodies):

@@ -1,17 +1,16 @@
 import numpy as np
 import pytest
-from stiction import Profile, Surface, half_space, self_affine_surface
+from rough_bodies import rough_maps
+from stiction import Profile, Surface, half_space
 
 OFF_CENTRE = 1e-4  # of the length, what a balance leaves
 LINEAR = 0.03  # of a stiffness, taken over 2 % of the load on both sides, in which points come into contact
 DENSE = 1e-5  # of what points answer, by dense matrices
 BALL = 1e-3  # of a ball's tilt, which puts its summit in the middle
 
-ROUGH = {"hurst_exponent": 0.8, "rms": 0.02, "spacing": 0.1}
-
 
 def pair_of(seed, shape=(48, 64)):
-    return tuple(self_affine_surface(seed, side=side, shape=shape, **ROUGH) for side in ("upper", "lower"))
+    return rough_maps(seed, shape=shape)
 
 
 def resultant(curve, index, missing=None):

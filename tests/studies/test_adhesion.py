@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from rough_bodies import rough_maps
 from stiction import Study, half_space, pair, run, self_affine_surface
 from stiction.mechanics.quantities import HELD
 from stiction.studies.at_load import at_load
@@ -170,7 +171,7 @@ def test_what_adhesion_would_add_is_found_without_it():
             continue
         waves = {"longest_wavelength": 32 * spacing, "shortest_wavelength": 4 * spacing}
         seed = int(draw.integers(1e6))
-        bodies = [self_affine_surface(seed, spacing=spacing, side=side, **flat, **waves) for side in ("upper", "lower")]
+        bodies = rough_maps(seed, spacing=spacing, **flat, **waves)
         steep = [np.sqrt(sum((np.diff(each.heights, axis=a) ** 2).mean() for a in (0, 1))) for each in bodies]
         bodies = [
             each.with_amplitude(slope * spacing / np.sqrt(2) / own, measure="Sq")

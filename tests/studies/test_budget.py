@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from stiction import Study, Surface, cut_off, pair, self_affine_surface
+from rough_bodies import rough_maps
+from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.budget import _Point
 from stiction.studies.hardness import Areas, bodies_wanted
@@ -21,13 +22,9 @@ QUICK = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
 
 
 def bodies(seed: int = 5, rms: float = 0.01, points: int = 64, finer: int = 1) -> list[Surface]:
-    return [
-        self_affine_surface(
-            seed, hurst_exponent=0.7, rms=rms, shape=(points * finer, points * finer), spacing=0.05 / finer,
-            shortest_wavelength=0.3 / finer, side=side,
-        )
-        for side in SIDES
-    ]  # fmt: skip
+    return rough_maps(
+        seed, hurst_exponent=0.7, rms=rms, points=points * finer, spacing=0.05 / finer, shortest_wavelength=0.3 / finer
+    )
 
 
 def of(result, name="friction_known", rule="all"):

@@ -8,17 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stiction import (
-    Ball,
-    FrictionTest,
-    HalfSpaceCurve,
-    Interface,
-    calibrate,
-    half_space,
-    pair,
-    self_affine_surface,
-    write_interface,
-)
+from rough_bodies import rough_maps
+from stiction import Ball, FrictionTest, HalfSpaceCurve, Interface, calibrate, half_space, pair, write_interface
 from stiction.studies.calibration import HARDNESS, highest_density
 from stiction.studies.known import inputs_of
 
@@ -137,19 +128,13 @@ def test_a_second_finish_tells_them_apart_and_predicts_a_third() -> None:
 
 def rough_curve(rms: float, seed: int):
     """Rough areas by the half-space, all contacts rubbing."""
-    upper, lower = (
-        self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(64, 64), spacing=0.1, side=side)
-        for side in ("upper", "lower")
-    )
+    upper, lower = rough_maps(seed, rms=rms, points=64)
     loads = np.geomspace(0.05, 0.4, 4) * 6.4**2
     return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
 
 
 def test_a_result_of_pair_stands_for_its_surfaces() -> None:
-    upper, lower = (
-        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
-        for side in ("upper", "lower")
-    )
+    upper, lower = rough_maps()
     result = pair(
         upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
         onset=0,
@@ -167,12 +152,7 @@ def test_a_result_of_pair_stands_for_its_surfaces() -> None:
 
 
 def faces(rms: float) -> list[Any]:
-    return [
-        self_affine_surface(
-            1, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, shortest_wavelength=0.5, side=side
-        )
-        for side in ("upper", "lower")
-    ]
+    return rough_maps(1, rms=rms, shortest_wavelength=0.5)
 
 
 PRESSED = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 4,
@@ -308,12 +288,7 @@ def test_bad_input_is_refused(call, words: str) -> None:
 @cache
 def pressed(rms: float, hardness: float | None = None) -> HalfSpaceCurve:
     """Eight loads on a pair of rough faces."""
-    faces = [
-        self_affine_surface(
-            7, hurst_exponent=0.8, rms=rms, shape=(64, 64), spacing=0.1, shortest_wavelength=0.4, side=side
-        )
-        for side in ("upper", "lower")
-    ]
+    faces = rough_maps(7, rms=rms, points=64, shortest_wavelength=0.4)
     loads = np.geomspace(0.001, 0.01, 8) * 6.4**2
     return half_space(*faces, loads, effective_modulus=60.0, boundary="periodic", hardness=hardness, sliding="all")
 

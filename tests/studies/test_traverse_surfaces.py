@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from stiction import Surface, press, self_affine_surface, traverse
+from rough_bodies import rough_maps
+from stiction import Surface, press, traverse
 
 CHOICES = {
     "hurst_exponent": 0.8, "rms": 0.03, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
@@ -8,7 +9,7 @@ CHOICES = {
 
 
 def pair():
-    return [self_affine_surface(3, side=side, **CHOICES) for side in ("upper", "lower")]
+    return rough_maps(**CHOICES)
 
 
 def test_every_position_presses_what_lies_above_each_other_to_the_load():

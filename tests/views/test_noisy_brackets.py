@@ -4,8 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from rough_bodies import rough_maps
 from scipy.ndimage import grey_dilation
-from stiction import Surface, pair, self_affine_surface
+from stiction import Surface, pair
 from stiction.views.answer import headlines
 
 POINTS, SPACING = 128, 0.02
@@ -37,7 +38,7 @@ def pair_of(seed):
         "longest_wavelength": POINTS * SPACING / 4,
     }  # fmt: skip
     part, rough["shortest_wavelength"] = 10 ** random.uniform(-1.6, -1), SPACING * random.choice([8, 12, 16])
-    clean = [self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower")]
+    clean = rough_maps(seed, **rough)
     return clean, pair(*clean, cutoff="none", **ASKED).value, part
 
 
@@ -76,7 +77,7 @@ def test_what_a_blunt_tip_hides_is_in_the_bracket(hurst):
         "hurst_exponent": hurst, "rms": 0.01, "shape": (POINTS, POINTS), "spacing": SPACING,
         "longest_wavelength": POINTS * SPACING / 4, "shortest_wavelength": 6 * SPACING,
     }  # fmt: skip
-    clean = [self_affine_surface(1, side=side, **rough) for side in ("upper", "lower")]
+    clean = rough_maps(1, **rough)
     truth = pair(*clean, cutoff="none", **ASKED).value
     (said,) = headlines(pair(*(seen_by_a_ball(each, 0.3) for each in clean), tip="300 nm", **ASKED).answers)
     assert truth < said.value < truth + 0.25 * (truth - ASKED["mu0"])
