@@ -11,10 +11,19 @@ from unittest import mock
 from stiction import cli
 
 
-def stiction_command(*arguments, cwd, columns=200):
-    """The command in this process, as a shell would see it: a new interpreter for each would take most of the time."""
+def nothing_drawn():
+    """Figures have nothing on them while this is entered, and take no time."""
+    return mock.patch("matplotlib.figure.Figure.draw", return_value=None)
+
+
+def stiction_command(*arguments, cwd, columns=200, blank=False):
+    """The command in this process, as a shell would see it: a new interpreter for each would take most of the time.
+
+    Of a blank one nobody looks at what its figures and pages show.
+    """
     out, err = io.StringIO(), io.StringIO()
     with (
+        nothing_drawn() if blank else contextlib.nullcontext(),
         contextlib.chdir(cwd),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),

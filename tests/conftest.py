@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import nothing_drawn
 from small import SMALL
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 
@@ -67,7 +68,7 @@ def no_figures():
 
     @contextlib.contextmanager
     def undrawn():
-        with pytest.MonkeyPatch.context() as patch:
+        with pytest.MonkeyPatch.context() as patch, nothing_drawn():
             patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
             yield
 

@@ -43,7 +43,7 @@ def folder(tmp_path_factory, no_figures):
 
 
 def said(*arguments, cwd):
-    done = stiction_command(*arguments, cwd=cwd)
+    done = stiction_command(*arguments, cwd=cwd, blank=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -137,6 +137,7 @@ def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
     assert record["finished"] == record["repetitions"] == open_stored(folder / name).study.ensemble.repetitions
     assert record["values"]
     assert all({"verdict", "doubts", "sentence"} <= set(one) for one in record["answers"])
+    assert said("report", name, "--output", f"{name}.html", cwd=folder)
     text = said("info", name, cwd=folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name != "study":

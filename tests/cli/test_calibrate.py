@@ -33,7 +33,7 @@ def pressed(tmp_path_factory):
             write_surface(surface, where / f"{name}_{side}.csv")
         done = stiction_command(
             "pair", f"{name}_upper.csv", f"{name}_lower.csv", "--effective-modulus", "80 GPa", "--mu0", MU0, "--tau0",
-            "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where,
+            "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where, blank=True,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         result = Result(open_stored(where / name))
@@ -62,7 +62,17 @@ def test_a_ball_gives_both_and_keeps_them(tmp_path):
 
 def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
     done = stiction_command(
-        "calibrate", "forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json", cwd=pressed
+        "calibrate",
+        "forces.csv",
+        "--pair",
+        "ground",
+        "--pair",
+        "lapped/",
+        "--sliding",
+        "all",
+        "--json",
+        cwd=pressed,
+        blank=True,
     )
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)

@@ -20,7 +20,7 @@ TINY = [
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     where = tmp_path_factory.mktemp("ran")
-    done = stiction_command("run", "quick", *TINY, "--workers", 2, cwd=where)
+    done = stiction_command("run", "quick", *TINY, "--workers", 2, cwd=where, blank=True)
     assert done.returncode == 0, done.stderr
     return where, done
 
@@ -40,7 +40,7 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
 def test_run_again_does_not_compute_again(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
-        done = stiction_command("run", *again, cwd=where)
+        done = stiction_command("run", *again, cwd=where, blank=True)
         assert done.returncode == 0, done.stderr
         assert "holds this study already" in done.stdout
 
@@ -52,7 +52,7 @@ def test_run_does_not_overwrite_another_study(ran):
 
 def test_more_repetitions_are_added(ran, tmp_path):
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
-    done = stiction_command("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path)
+    done = stiction_command("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, blank=True)
     assert done.returncode == 0, done.stderr
     assert "3 of its 5 repetitions were there already" in done.stdout
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
@@ -67,7 +67,7 @@ def test_what_is_not_finished_is_said(ran, tmp_path):
     for words in ("surfaces.points = 4_000", 'surfaces.extent = "2 um"', " of 3 finished", "MiB", stiction.__version__):
         assert words in done.stdout, done.stdout
     assert "gamma" not in done.stdout
-    done = stiction_command("plot", "quick", cwd=tmp_path)
+    done = stiction_command("plot", "quick", cwd=tmp_path, blank=True)
     assert done.returncode == 0
     assert "of 3 repetitions are finished" in done.stderr
 
@@ -84,7 +84,7 @@ def test_parts_together_are_the_whole(ran, tmp_path):
 def test_plot_draws_again(ran):
     where, _ = ran
     (where / "quick" / "area.png").unlink()
-    done = stiction_command("plot", "quick", cwd=where)
+    done = stiction_command("plot", "quick", cwd=where, blank=True)
     assert done.returncode == 0
     assert (where / "quick" / "area.png").exists()
 
@@ -97,7 +97,7 @@ def test_a_study_file_runs_as_the_study_it_is(tmp_path):
         }
     )  # fmt: skip
     (tmp_path / "mine.toml").write_text(study.to_toml(), encoding="utf-8")
-    done = stiction_command("run", "mine.toml", "--output", "there", cwd=tmp_path)
+    done = stiction_command("run", "mine.toml", "--output", "there", cwd=tmp_path, blank=True)
     assert done.returncode == 0, done.stderr
     assert store.info(tmp_path / "there").study == study
 

@@ -109,7 +109,9 @@ def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces)
 
 
 def test_is_a_study_as_any_other(where):
-    done = stiction_command("pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where)
+    done = stiction_command(
+        "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, blank=True
+    )
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
     study = Study.from_toml(where / "pair" / "study.toml")
@@ -118,7 +120,7 @@ def test_is_a_study_as_any_other(where):
     assert study.ensemble.repetitions == 2
     at = stiction_command("at", "pair", "--load", "30 MPa", cwd=where)
     assert at.returncode == 0, at.stderr
-    assert stiction_command("report", "pair", cwd=where).returncode == 0
+    assert stiction_command("report", "pair", cwd=where, blank=True).returncode == 0
     at_cut_offs = resolution_at(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
     closed = limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
     assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
@@ -129,15 +131,14 @@ def test_is_a_study_as_any_other(where):
 
 def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.npy", *OPTIONS, "--surrogates", "2", "--output", "mixed"]
-    done = stiction_command(*command, cwd=where)
+    done = stiction_command(*command, cwd=where, blank=True)
     assert done.returncode == 0, done.stderr
     changed = where / "changed"
     changed.mkdir()
     for name in ("upper.csv", "lower.csv"):
         (changed / name).write_bytes((where / name).read_bytes())
-    assert (
-        stiction_command("pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", cwd=changed).returncode == 0
-    )
+    command = ["pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2"]
+    assert stiction_command(*command, cwd=changed, blank=True).returncode == 0
     (changed / "upper.csv").write_bytes((where / "lower.csv").read_bytes())
     assert_refused(stiction_command("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
 
