@@ -33,7 +33,8 @@ def pressed(tmp_path_factory):
             write_surface(surface, where / f"{name}_{side}.csv")
         done = stiction_command(
             "pair", f"{name}_upper.csv", f"{name}_lower.csv", "--effective-modulus", "80 GPa", "--mu0", MU0, "--tau0",
-            "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where, blank=True,
+            "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where,
+            blank=True,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         result = Result(open_stored(where / name))

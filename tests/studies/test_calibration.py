@@ -322,7 +322,6 @@ KINDS: dict[str, Any] = {  # bodies, and what is unlike the usual
     "a tenth outliers": ((ROUGH, SMOOTH), {"outliers": 0.1}),
     "half of them held": ((ROUGH, SMOOTH), {"held": 0.5}),
 }
-FEW = ("ball", "no adhesion", "no mu0")
 
 
 def covered(kind: str, count: int) -> np.ndarray:
@@ -352,9 +351,8 @@ def covered(kind: str, count: int) -> np.ndarray:
     return np.array(hits)
 
 
-@pytest.mark.parametrize("kind", FEW)
-def test_predictions_cover_the_truth(kind: str) -> None:
-    assert covered(kind, 40)[:, 1].sum() >= 34  # of 40 with a probability of 0.95 each, fewer are as likely as 0.4 %
+def test_predictions_cover_the_truth() -> None:
+    assert covered("ball", 40)[:, 1].sum() >= 34  # of 40 with a probability of 0.95 each, fewer are as likely as 0.4 %
 
 
 @pytest.mark.soak

@@ -181,8 +181,13 @@ def surface():
     return levelled(Surface(0.02 * heights / heights.std(), spacing=0.1), "plane")
 
 
-def test_a_surface_has_parameters_moments_and_a_dimension(surface):
-    text = characterisation_text(surface)
+@pytest.fixture(scope="module")
+def characterised(surface):
+    return Characterisation(surface)
+
+
+def test_a_surface_has_parameters_moments_and_a_dimension(surface, characterised):
+    text = characterisation_text(characterised)
     said, found, estimate = rows(text), surface_parameters(surface), hurst_exponent_of(surface)
     assert said["Sa"] == f"{1000 * found.Sa:.4g} nm"
     assert said["Sdr"] == f"{100 * found.Sdr:.4g} %"
@@ -196,8 +201,8 @@ def test_a_surface_has_parameters_moments_and_a_dimension(surface):
     assert "band found in" not in characterisation_text(surface, band=(0.4, 4.0))
 
 
-def test_the_figure_of_a_surface_shows_the_fit(surface):
-    figure = characterisation_figure(surface)
+def test_the_figure_of_a_surface_shows_the_fit(characterised):
+    figure = characterisation_figure(characterised)
     legends = [text.get_text() for ax in figure.findobj(Axes) if ax.get_legend() for text in ax.get_legend().texts]
     assert any("q^{-2-2H}" in text for text in legends)
     assert sum("q^{-1-2H}" in text for text in legends) == 2
