@@ -105,6 +105,7 @@ def test_a_study_file_runs_as_the_study_it_is(tmp_path):
 def test_studies_lists_and_prints(tmp_path):
     listed = stiction_command("studies", cwd=tmp_path).stdout.splitlines()
     assert [line.split()[0] for line in listed] == study_names()
+    assert all(re.fullmatch(r"[\w-]+ +[A-Z][^#]+\.", line) for line in listed)
     printed = stiction_command("studies", "figure5", cwd=tmp_path).stdout
     (tmp_path / "figure5.toml").write_text(printed, encoding="utf-8")
     assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")
@@ -147,11 +148,6 @@ def test_a_shell_completes_commands_and_options(monkeypatch, tmp_path):
         for name, value in (("_STICTION_COMPLETE", "complete_bash"), ("COMP_WORDS", words), ("COMP_CWORD", at)):
             monkeypatch.setenv(name, value)
         assert expected in stiction_command(cwd=tmp_path).stdout.split()
-
-
-def test_studies_says_what_each_computes(tmp_path):
-    for line in stiction_command("studies", cwd=tmp_path).stdout.splitlines():
-        assert re.fullmatch(r"[\w-]+ +[A-Z][^#]+\.", line)
 
 
 # ---- Refusals --------------------------------------------------------------------------------------------------------

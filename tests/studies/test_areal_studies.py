@@ -19,9 +19,8 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.mechanics.half_space import half_space
-from stiction.mechanics.quantities import AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, SUMS
+from stiction.mechanics.quantities import DIRECTED
 from stiction.studies import store
-from stiction.studies.study import study_from_text
 from stiction.views.figures.standard import figures_of
 
 FEW = {
@@ -127,13 +126,6 @@ def test_pairs_are_surfaces_of_their_study():
     assert lower.heights.tobytes() == alone.heights.tobytes()
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_studies_survive_their_own_text(name):
-    study = STUDIES[name]
-    assert study_from_text(study.to_toml(), "itself") == study
-    assert study_from_text(study.to_toml(), "itself").to_toml() == study.with_changes({}).to_toml() == study.to_toml()
-
-
 def test_another_kind_brings_its_own_defaults():
     there = Study().with_changes({"surfaces.kind": "surface"})
     assert (there.contact.detection, there.contact.curvature) == ("gap-minimum", "signed")
@@ -193,11 +185,6 @@ def test_stiffness_by_the_half_space_is_that_of_the_approaches():
     assert np.allclose(stiffness.values, (1 / slopes).mean(axis=-1), rtol=1e-6)
     with pytest.raises(ValueError, match="a free half-plane has no approach"):
         stiffness_map(run(HALF_PLANES), [0.01])
-
-
-def test_variables_are_those_of_the_mechanics():
-    assert set(run(SURFACES).data_vars) == {*SUMS, *AREAL_SUMS}
-    assert set(run(HALF_PLANES).data_vars) == set(HALF_SPACE_SUMS)
 
 
 def test_there_is_a_figure_for_each_rule_and_direction():

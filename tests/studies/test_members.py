@@ -1,11 +1,8 @@
-from dataclasses import FrozenInstanceError
-
 import numpy as np
 import pytest
 from stiction import Study, pair_of, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import members as bodies
-from stiction.studies.members import ProfileGenerator
 
 STUDY = Study().with_changes(
     {
@@ -76,8 +73,3 @@ def test_a_pair_is_two_profiles_of_its_study():
 def test_what_is_no_pair_is_refused(repetition, dimension, amplitude, words):
     with pytest.raises(ValueError, match=words):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
-
-
-def test_settings_are_frozen():
-    with pytest.raises(FrozenInstanceError):
-        ProfileGenerator.of(STUDY).gamma = 2.0

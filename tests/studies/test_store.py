@@ -116,11 +116,6 @@ def test_every_bit_is_kept(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_lists_of_motions_are_kept(tmp_path):
-    study = repetitions(3).with_changes({"contact.sliding": ["opposing", "all"]})
-    assert_same_bits(run(study, store=tmp_path), run(study))
-
-
 def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, monkeypatch):
     monkeypatch.setattr(results, "MOST_IN_PIECE", 9 * results.bytes_of_member(TINY))
     block_of(whole, 4).unlink()

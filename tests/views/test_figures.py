@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from measured_results import lines_result, maps_result
+from measured_results import maps_result
 from small import SMALL, empty_dataset
 from stiction import Profile
 from stiction.studies.at_load import at_load, reached_loads
@@ -21,18 +21,8 @@ from stiction.views.style import FORMATS, save_picture, spread_out
 
 
 @pytest.fixture(scope="module")
-def result(small_result):
-    return small_result
-
-
-@pytest.fixture(scope="module")
 def maps(tmp_path_factory):
     return maps_result(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
-
-
-@pytest.fixture(scope="module")
-def lines(tmp_path_factory):
-    return lines_result(tmp_path_factory.mktemp("lines"))
 
 
 # ---- Which figures ---------------------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-from measured_results import lines_result, maps_result
 from scipy.special import stdtrit
 from small import SMALL, empty_dataset
 from stiction import Study, area_map, friction_map, gentle_friction, run, stiffness_map
@@ -51,11 +50,6 @@ def invented(reached):
     data["contact_count"].values[:] = 3 * touches
     data["crossed_count"].values[:] = random.integers(0, 4, shape) * touches
     return data
-
-
-@pytest.fixture(scope="module")
-def result(small_result):
-    return small_result
 
 
 @pytest.fixture(scope="module")
@@ -255,10 +249,9 @@ def test_the_answers_on_a_page_of_measured_bodies_are_those_of_the_library(measu
 
 
 @pytest.fixture(scope="module", params=["maps", "lines"])
-def measured(request, tmp_path_factory):
+def measured(request):
     """A result of measured bodies and the numbers of its page."""
-    folder = tmp_path_factory.mktemp(request.param)
-    data = maps_result(folder) if request.param == "maps" else lines_result(folder)
+    data = request.getfixturevalue(request.param)
     return data, PageNumbers(report_page(data))
 
 

@@ -5,7 +5,6 @@ import re
 import browser
 import numpy as np
 import pytest
-from measured_results import lines_result, maps_result
 from stiction import Profile, Surface, levelled, self_affine, self_affine_surface
 from stiction.studies.contact_picture import contact_picture
 from stiction.views.characterisation import Characterisation
@@ -32,17 +31,10 @@ def surface():
 
 
 @pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
-        yield driver
-
-
-@pytest.fixture(scope="module")
-def pages(small_result, profile, surface, tmp_path_factory):
+def pages(result, maps, lines, profile, surface, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
-    maps, lines = maps_result(folder), lines_result(folder)
     texts = {
-        "study": report_page(small_result), "maps": report_page(maps, picture=contact_picture(maps)),
+        "study": report_page(result), "maps": report_page(maps, picture=contact_picture(maps)),
         "lines": report_page(lines, picture=contact_picture(lines)), "profile": surface_page(profile, **TABLE).html(),
         "surface": surface_page(surface, **TABLE).html(),
     }  # fmt: skip

@@ -8,7 +8,6 @@ import xml.etree.ElementTree
 import browser
 import numpy as np
 import pytest
-from measured_results import maps_result
 from small import SMALL, empty_dataset
 from stiction import Study, friction_map
 from stiction.studies.at_load import at_load
@@ -30,22 +29,6 @@ def in_browser(test):
 
 
 AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
-
-
-@pytest.fixture(scope="module")
-def result(small_result):
-    return small_result
-
-
-@pytest.fixture(scope="module")
-def maps(tmp_path_factory):
-    return maps_result(tmp_path_factory.mktemp("maps"))
-
-
-@pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
-        yield driver
 
 
 @pytest.fixture(scope="module")

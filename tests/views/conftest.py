@@ -1,0 +1,26 @@
+"""Results that the tests of pages and figures read."""
+
+import browser
+import pytest
+from measured_results import lines_result, maps_result
+
+
+@pytest.fixture(scope="session")
+def result(small_result):
+    return small_result
+
+
+@pytest.fixture(scope="session")
+def maps(tmp_path_factory):
+    return maps_result(tmp_path_factory.mktemp("maps"))
+
+
+@pytest.fixture(scope="session")
+def lines(tmp_path_factory):
+    return lines_result(tmp_path_factory.mktemp("lines"))
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
+        yield driver
