@@ -611,7 +611,7 @@ def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
 def test_an_afm_map_and_a_surrogate(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
-    given = ["--lines", 16, "--surrogates", "lower", "--along", "y", "--json"]
+    given = ["--lines", 4, "--surrogates", "lower", "--along", "y", "--json"]
     done = stiction_command("pair", file, file, *MATERIAL, *LOAD, *given, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert store.read(tmp_path / "pair")["surrogate"].values.all()

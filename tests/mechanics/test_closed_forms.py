@@ -13,7 +13,6 @@ from stiction import (
     HertzSphere,
     JacksonGreen,
     Profile,
-    contacts,
     effective_modulus,
     force_and_area,
     hertz_cylinder,
@@ -79,16 +78,6 @@ class TestAgainstContactMechanics:
         ours = westergaard_contact_fraction(pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0)
         theirs = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
         assert np.allclose(ours, theirs, rtol=SAME_FORMULA, atol=0)
-
-
-def test_friction_on_a_slope_is_the_models_for_one_contact(circular_arc):
-    upper = circular_arc(0.9411, 2.0, 0.002, 1000, "upper")
-    lower = circular_arc(1.0307, 3.0, 0.002, 1000, "lower")
-    table, curve = contacts(upper, lower, 1e-3), press(upper, lower, [1e-3])
-    angle = math.atan2(-table.normal[0, 0], table.normal[0, 2])
-    mu0, tau0 = np.array([[0.0], [0.3], [1.0]]), np.array([0.0, 0.05, 0.5])
-    expected = slope_friction(angle, mu0=mu0, tau0=tau0, mean_pressure=table.force / table.area)
-    assert np.allclose(curve.friction_coefficient(mu0=mu0, tau0=tau0)[..., 0], expected, rtol=1e-12, atol=0)
 
 
 def test_light_contact_of_a_sinusoid_is_westergaards_without_interaction():

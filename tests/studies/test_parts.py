@@ -1,7 +1,7 @@
 """Several processes, machines or parts that share a folder."""
 
 import itertools
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,14 +28,6 @@ def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):
     del computed[:]
     assert_same_bits(run(TINY, store=tmp_path), undisturbed)
     assert sorted(computed) == [8, 9, 10, 11, 20, 21]
-    assert not list(tmp_path.rglob("*.partial"))
-
-
-def test_parts_that_begin_at_the_same_moment(tmp_path, undisturbed):
-    with ThreadPoolExecutor(4) as pool:
-        held = list(pool.map(lambda i: fill(TINY, tmp_path, part=(i, 4)), range(1, 5)))
-    assert held == [8, 6, 4, 4]
-    assert_same_bits(store.read(tmp_path), undisturbed)
     assert not list(tmp_path.rglob("*.partial"))
 
 
