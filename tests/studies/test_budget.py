@@ -13,12 +13,14 @@ from stiction.studies.budget import _Point
 from stiction.studies.hardness import Areas, bodies_wanted
 from stiction.studies.known import ENDS, inputs_of, known
 from stiction.studies.member_values import PerLoad, six_at
+from stiction.studies.pair import pair_study
 from stiction.studies.values import StudyError
 
 SIDES = ("upper", "lower")
 BY_DRAWS = 0.02  # largest difference of an end of an interval by draws from the exact one, over its width
 BETWEEN, WIDE = 0.005, 0.008  # largest relative errors of friction between solutions; of a wide range on small maps
 QUICK = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
+FEWER = QUICK | {"shifts": 3}  # where one solution is held to another at the same positions
 
 
 def bodies(seed: int = 5, rms: float = 0.01, points: int = 64, finer: int = 1) -> list[Surface]:
@@ -63,7 +65,7 @@ def test_a_range_of_tau0_is_one_of_adhesion_on_the_true_area() -> None:
 # Plastic, between elastic and plastic, and a range of E* that needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_solutions(rms, modulus) -> None:
-    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **QUICK)
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **FEWER)
     result = pair(*bodies(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
     inputs = inputs_of(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
@@ -151,15 +153,17 @@ def test_a_gap_has_the_interval_of_its_inputs_and_says_what_is_not_in_it() -> No
 
 
 def test_one_body_by_name_and_the_other_by_numbers() -> None:
-    common = dict(load="50 kPa", mu0=0.2, tau0="0.2 MPa", **QUICK)
-    rubber = pair(*bodies(), lower="glass", young="3 MPa", poisson=0.49, **common)
-    assert rubber.study.contact.hardness is None
-    both = pair(*bodies(), young="3 MPa,69.5 GPa", poisson="0.49,0.2", **common)
-    assert float(rubber.study.contact.effective_modulus) == pytest.approx(float(both.study.contact.effective_modulus))
-    steel = pair(*bodies(), upper="brass", young="210 GPa", poisson=0.3, **common)
-    assert float(steel.study.contact.hardness) == pytest.approx(0.625)
+    def contact(**materials):
+        return pair_study(*bodies(), load="50 kPa", mu0=0.2, tau0="0.2 MPa", **materials).contact
+
+    rubber = contact(lower_material="glass", young="3 MPa", poisson=0.49)
+    assert rubber.hardness is None
+    both = contact(young="3 MPa,69.5 GPa", poisson="0.49,0.2")
+    assert float(rubber.effective_modulus) == pytest.approx(float(both.effective_modulus))
+    steel = contact(upper_material="brass", young="210 GPa", poisson=0.3)
+    assert float(steel.hardness) == pytest.approx(0.625)
     with pytest.raises(ValueError, match="beside one material young and poisson are of the other body"):
-        pair(*bodies(), lower="glass", young="3 MPa,70 GPa", poisson=0.49, **common)
+        contact(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 
 def test_hardness_by_vickers_and_rockwell() -> None:
@@ -170,12 +174,9 @@ def test_hardness_by_vickers_and_rockwell() -> None:
     assert known("hardness", "58..62 HRC", "hardness").distribution == "log-normal"
     with pytest.raises(ValueError, match="from 20 to 68 HRC"):
         known("hardness", "12 HRC", "hardness")
-    result = pair(
-        *bodies(rms=0.02), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="150±15 HV",
-        **QUICK,
-    )  # fmt: skip
-    assert float(result.study.contact.hardness) == pytest.approx(1.586, rel=1e-3)
-    assert result.study.known.hardness == "150±15 HV"
+    study = pair_study(*bodies(), load="2 MPa", mu0=0.2, effective_modulus="80 GPa", hardness="150±15 HV")
+    assert float(study.contact.hardness) == pytest.approx(1.586, rel=1e-3)
+    assert study.known.hardness == "150±15 HV"
 
 
 @pytest.mark.parametrize(
