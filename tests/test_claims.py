@@ -135,6 +135,12 @@ def made_up(**worlds):
     return result
 
 
+def judged(name, result, **options):
+    """What is found of one part, as `judge` finds it of all."""
+    (part,) = (part for part in PARTS if part.name == name)
+    return Outcome.of(part, claims.Resampled(result, 0.1, **options))
+
+
 def friction(coefficient):
     return {"tangential_elastic": lambda d, a, f: coefficient(d, a, f) * f}
 
@@ -179,18 +185,13 @@ WORLDS = {
 
 @pytest.mark.parametrize("name", WORLDS)
 def test_a_world_in_which_a_part_is_true_is_told_from_one_in_which_it_is_not(name):
-    found = []
-    for world in WORLDS[name]:
-        (outcome,) = (outcome for outcome in judge(made_up(**world)) if outcome.part.name == name)
-        found.append(outcome.verdict)
-        assert outcome.left_out == ()
-    assert found == ["true", "false"]
+    found = [judged(name, made_up(**world)) for world in WORLDS[name]]
+    assert [(outcome.verdict, outcome.left_out) for outcome in found] == [("true", ()), ("false", ())]
 
 
 def test_numbers_are_those_of_the_world():
     def number(name, **world):
-        (outcome,) = (outcome for outcome in judge(made_up(**world)) if outcome.part.name == name)
-        return outcome.value
+        return judged(name, made_up(**world)).value
 
     assert number("1b", contact_area=lambda d, a, f: f**0.7) == pytest.approx(0.7, abs=1e-3)
     assert number("2b", **WORLDS["2b"][0]) == pytest.approx(4, rel=1e-6)
@@ -210,10 +211,7 @@ def test_bands_hold_the_extreme_that_resampled_extremes_miss():
     # Nothing changes with D, but each D has its own noise: the least ratio of an ensemble falls with the noise.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = made_up(**friction(lambda d, a, f: 0.2 * noise))
-    found = {}
-    for ruling in ("percentiles", "bands"):
-        (found[ruling],) = (each for each in judge(result, ruling=ruling) if each.part.name == "6")
-    bands, percentiles = found["bands"], found["percentiles"]
+    bands, percentiles = (judged("6", result, ruling=ruling) for ruling in ("bands", "percentiles"))
     assert bands.lower < bands.value < bands.upper
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
@@ -252,12 +250,11 @@ def test_a_range_that_a_study_has_one_dimension_in_is_not_put():
     assert {name for name, verdict in found.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
     # Friction that falls up to the last D has no minimum there.
     result = made_up(**adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
-    assert {each.part.name: each.verdict for each in judge(result)}["4c"] == "undefined"
+    assert judged("4c", result).verdict == "undefined"
 
 
 def test_bands_are_for_dimensions_at_which_profiles_do_not_lock():
-    (outcome,) = (each for each in judge(made_up(), ruling="bands") if each.part.name == "3b")
-    assert outcome.verdict == "undefined"  # one D is left from 1.6 on
+    assert judged("3b", made_up(), ruling="bands").verdict == "undefined"  # one D is left from 1.6 on
     with pytest.raises(ValueError, match="ruling"):
         judge(made_up(), ruling="means")
 
