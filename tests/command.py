@@ -40,6 +40,13 @@ def stiction_command(*arguments, cwd, columns=200, blank=False):
     return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())
 
 
+def stiction_done(*arguments, **options):
+    """The same of a command that does what is asked of it."""
+    done = stiction_command(*arguments, **options)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
 def assert_refused(done, *words):
     """One message of a few lines on standard error, exit status 2, no traceback."""
     assert done.returncode == 2, done

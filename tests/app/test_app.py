@@ -15,7 +15,7 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
 from app.served import PATIENCE, served, until, write_maps, write_other_grid
-from command import stiction_command
+from command import stiction_command, stiction_done
 from stiction import Profile, Study, run, write_profile
 from stiction.app.run import ALONE, is_left
 from stiction.cli import showing
@@ -135,8 +135,7 @@ def same_as(driver, folder, monkeypatch):
     """What the line says that the page shows, of the same files: its numbers and sentence."""
     line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(showing, "draw_result", lambda *_, **__: None)
-    done = stiction_command(*shlex.split(line)[1:], "--json", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*shlex.split(line)[1:], "--json", cwd=folder)
     return of_record(json.loads(done.stdout))
 
 
@@ -225,7 +224,7 @@ def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monk
 
     # Without the page's own private names it is the study of these files, wherever they are.
     (maps[0].parent / "study.toml").write_bytes(app.ask("GET", f"/jobs/{job}/study.toml")[2])
-    assert stiction_command("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent).returncode == 0
+    stiction_done("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
 
 
 def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_path, app):

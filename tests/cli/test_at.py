@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 import xarray
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from small import SMALL
 from stiction import run, self_affine, self_affine_surface, write_profile, write_surface
 from stiction.studies.at_load import at_load
@@ -43,8 +43,7 @@ def folder(tmp_path_factory, no_figures):
 
 
 def said(*arguments, cwd):
-    done = stiction_command(*arguments, cwd=cwd, blank=True)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*arguments, cwd=cwd, blank=True)
     return done.stdout
 
 

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
 from stiction.studies.store import open_stored
 
@@ -31,12 +31,11 @@ def pressed(tmp_path_factory):
         for side, seed in (("upper", 1), ("lower", 2)):
             surface = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, side=side)
             write_surface(surface, where / f"{name}_{side}.csv")
-        done = stiction_command(
+        stiction_done(
             "pair", f"{name}_upper.csv", f"{name}_lower.csv", "--effective-modulus", "80 GPa", "--mu0", MU0, "--tau0",
             "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where,
             blank=True,
         )  # fmt: skip
-        assert done.returncode == 0, done.stderr
         result = Result(open_stored(where / name))
         for load in (40, 80, 160):
             at = result.at(f"{load} MPa", mu0=MU0, tau0="300 MPa")["friction_all_round"].sel(sliding="all")
@@ -48,8 +47,7 @@ def pressed(tmp_path_factory):
 
 def test_a_ball_gives_both_and_keeps_them(tmp_path):
     table(tmp_path / "forces.csv", ball_rows())
-    done = stiction_command("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
     first, *rest = done.stdout.splitlines()
     assert first.startswith("μ0 + τ0 A/F = ")
     assert rest[0].startswith("μ0 = 0.1")
@@ -62,7 +60,7 @@ def test_a_ball_gives_both_and_keeps_them(tmp_path):
 
 
 def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
-    done = stiction_command(
+    done = stiction_done(
         "calibrate",
         "forces.csv",
         "--pair",
@@ -75,22 +73,19 @@ def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
         cwd=pressed,
         blank=True,
     )
-    assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
     values = {each["name"]: each for each in record["values"]}
     assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
-    one = stiction_command("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
-    assert one.returncode == 0, one.stderr
+    one = stiction_done("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
     assert "Only μ0 + τ0 A/F is measured" in one.stdout
     assert "a smooth ball below yield" in one.stdout
 
 
 def test_a_ball_beyond_yield_is_told(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
-    done = stiction_command("calibrate", *options, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("calibrate", *options, cwd=tmp_path)
     assert "may be beyond yield" in done.stderr
 
 
@@ -138,8 +133,7 @@ def test_arguments_that_do_not_go_together_are_refused(tmp_path, arguments, word
 def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(f"{x};{y};{0.03 * y};1" for x, y, _ in ball_rows())
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
-    done = stiction_command("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
     assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)
 
 

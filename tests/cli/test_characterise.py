@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from matplotlib.image import imread
 from stiction import (
     Profile,
@@ -46,8 +46,7 @@ def folder(tmp_path, profile, surface):
 
 def characterise(*arguments, cwd):
     """History, the rest of the table, and the figure, beside which a page is written."""
-    done = stiction_command("characterise", *arguments, cwd=cwd, blank=True)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("characterise", *arguments, cwd=cwd, blank=True)
     assert done.stderr == ""
     lines = done.stdout.splitlines()
     table = next(at for at, line in enumerate(lines) if line.startswith("points"))
@@ -156,8 +155,7 @@ def test_a_page_says_how_it_was_made_and_not_where(folder):
 
 
 def test_json_and_a_figure_do_not_exclude_each_other(folder):
-    done = stiction_command("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
     assert done.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
     assert imread(folder / "look.png").std() > 0.05
     record = json.loads(done.stdout)
@@ -172,8 +170,7 @@ def test_json_and_a_figure_do_not_exclude_each_other(folder):
 def test_several_files_make_one_table(folder):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
-    done = stiction_command("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
     assert done.stdout == "wrote finishes.csv, 2 files\n"
     rows = list(csv.DictReader((folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
     assert [row["holds"] for row in rows] == ["profile", "surface"]
@@ -270,12 +267,10 @@ def test_several_scans_are_one_spectrum(folder):
     write_surface(Surface(fine, spacing=0.02), folder / "fine.npy")
     given = ["fine.npy", "coarse.npy", "--together"]
     assert_refused(stiction_command("characterise", "fine.npy", "--together", cwd=folder), "--together")
-    done = stiction_command("characterise", *given, cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("characterise", *given, cwd=folder)
     assert "waves taken" in done.stdout
     assert (folder / "joined.png").read_bytes().startswith(b"\x89PNG")
-    only = stiction_command("characterise", *given, "--output", "spectra.svg", cwd=folder)
-    assert only.returncode == 0, only.stderr
+    stiction_done("characterise", *given, "--output", "spectra.svg", cwd=folder)
     assert (folder / "spectra.svg").exists()
     assert_refused(stiction_command("characterise", *given, "--output", "spectra.doc", cwd=folder), "must end in")
     joined = joined_spectrum(
@@ -295,8 +290,7 @@ def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
     for name, first in (("a.csv", 0), ("b.csv", 25)):
         heights = place.heights[first : first + 2900] + 1e-3 * random.normal(size=2900)
         write_profile(Profile(heights, spacing=0.01), tmp_path / name)
-    done = stiction_command("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         "a.csv", "b.csv", "repeated.npy", "noise.csv", "noise.png",
     }  # fmt: skip

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import stiction
 import typer
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from stiction import Study, study_names
 from stiction.cli.application import COMMANDS, app
 from stiction.studies import store
@@ -20,8 +20,7 @@ TINY = [
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     where = tmp_path_factory.mktemp("ran")
-    done = stiction_command("run", "quick", *TINY, "--workers", 2, cwd=where, blank=True)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("run", "quick", *TINY, "--workers", 2, cwd=where, blank=True)
     return where, done
 
 
@@ -40,8 +39,7 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
 def test_run_again_does_not_compute_again(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
-        done = stiction_command("run", *again, cwd=where, blank=True)
-        assert done.returncode == 0, done.stderr
+        done = stiction_done("run", *again, cwd=where, blank=True)
         assert "holds this study already" in done.stdout
 
 
@@ -52,8 +50,7 @@ def test_run_does_not_overwrite_another_study(ran):
 
 def test_more_repetitions_are_added(ran, tmp_path):
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
-    done = stiction_command("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, blank=True)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, blank=True)
     assert "3 of its 5 repetitions were there already" in done.stdout
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
 
@@ -62,20 +59,17 @@ def test_what_is_not_finished_is_said(ran, tmp_path):
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
     last = sorted((tmp_path / "quick" / "blocks").iterdir())[-1]
     last.unlink()
-    done = stiction_command("info", "quick", cwd=tmp_path)
-    assert done.returncode == 0
+    done = stiction_done("info", "quick", cwd=tmp_path)
     for words in ("surfaces.points = 4_000", 'surfaces.extent = "2 um"', " of 3 finished", "MiB", stiction.__version__):
         assert words in done.stdout, done.stdout
     assert "gamma" not in done.stdout
-    done = stiction_command("plot", "quick", cwd=tmp_path, blank=True)
-    assert done.returncode == 0
+    done = stiction_done("plot", "quick", cwd=tmp_path, blank=True)
     assert "of 3 repetitions are finished" in done.stderr
 
 
 def test_parts_together_are_the_whole(ran, tmp_path):
     for part in ("1/2", "2/2"):
-        done = stiction_command("run", "quick", *TINY, "--part", part, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+        done = stiction_done("run", "quick", *TINY, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in done.stdout
         assert "μ_s" not in done.stdout
     assert store.read(tmp_path / "quick").equals(store.read(ran[0] / "quick"))
@@ -84,8 +78,7 @@ def test_parts_together_are_the_whole(ran, tmp_path):
 def test_plot_draws_again(ran):
     where, _ = ran
     (where / "quick" / "area.png").unlink()
-    done = stiction_command("plot", "quick", cwd=where, blank=True)
-    assert done.returncode == 0
+    stiction_done("plot", "quick", cwd=where, blank=True)
     assert (where / "quick" / "area.png").exists()
 
 
@@ -97,8 +90,7 @@ def test_a_study_file_runs_as_the_study_it_is(tmp_path):
         }
     )  # fmt: skip
     (tmp_path / "mine.toml").write_text(study.to_toml(), encoding="utf-8")
-    done = stiction_command("run", "mine.toml", "--output", "there", cwd=tmp_path, blank=True)
-    assert done.returncode == 0, done.stderr
+    stiction_done("run", "mine.toml", "--output", "there", cwd=tmp_path, blank=True)
     assert store.info(tmp_path / "there").study == study
 
 
@@ -115,8 +107,7 @@ def test_version_and_help(tmp_path):
     version, built = stiction_command("--version", cwd=tmp_path).stdout.splitlines()
     assert version == f"stiction {stiction.__version__}"
     assert all(value in built for value in stiction._core.build().values())
-    done = stiction_command("--help", cwd=tmp_path)
-    assert done.returncode == 0
+    done = stiction_done("--help", cwd=tmp_path)
     for name, sentence in (each for group in COMMANDS.values() for each in group.items()):
         assert re.search(rf"^  {name} +{re.escape(sentence[1])}$", done.stdout, re.MULTILINE)
 

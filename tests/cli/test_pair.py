@@ -10,7 +10,7 @@ import pandas
 import pytest
 import stiction
 import typer
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, write_profile
 from stiction._errors import ArgumentError
 from stiction.cli.application import app, tell
@@ -358,8 +358,7 @@ def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
     )
     np.save(where / "hole.npy", rows)
     options = ["--missing", "mask", "--mechanics", "half-space", "--onset", 0, "--output", tmp_path / "out"]
-    done = stiction_command("pair", *bodies, *MATERIAL, *LOAD, *options, cwd=where)
-    assert done.returncode == 0, done.stderr
+    stiction_done("pair", *bodies, *MATERIAL, *LOAD, *options, cwd=where)
     assert (tmp_path / "out" / "report.html").exists()
 
 
@@ -393,8 +392,7 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
-    done = stiction_command(*command, cwd=where, blank=True)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*command, cwd=where, blank=True)
     assert "at first, by asperities: μ_s = " in done.stderr
     assert json.loads(done.stdout)["command"] == "pair"
     with contextlib.chdir(where):
@@ -428,8 +426,7 @@ RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "20
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )  # fmt: skip
 def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where, given, tmp_path):
-    done = stiction_command("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
     answer, _, paths = (done.stderr + done.stdout).partition("wrote ")  # longer here than in a folder of one's own
     assert "report.html" in paths
     of_terminal = 1 + sum(1 + max(len(line) - 1, 0) // 80 for line in answer.splitlines())
@@ -484,19 +481,17 @@ def test_what_an_instrument_s_file_costs_is_said_once(where, monkeypatch):
 @pytest.fixture(scope="module")
 def checked(where):
     """Two profiles, pressed by both mechanics."""
-    done = stiction_command("pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", cwd=where, blank=True)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", cwd=where, blank=True)
     return done
 
 
 @pytest.fixture(scope="module")
 def areas(where):
     """Two maps, pressed as areas by asperities."""
-    done = stiction_command(
+    done = stiction_done(
         "pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--mechanics", "asperities", "-o", "areas",
         cwd=where, blank=True,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
     return done
 
 
@@ -519,16 +514,14 @@ def test_a_pair_is_the_study_in_its_folder(where, checked, areas):
 @pytest.mark.usefixtures("undrawn")
 def test_the_same_command_goes_on_and_another_is_refused(where, areas):
     again = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities", "-o", "areas"]
-    done = stiction_command(*again, "--shifts", 4, "--json", cwd=where)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*again, "--shifts", 4, "--json", cwd=where)
     assert json.loads(done.stdout)
     assert "3 of its 4 repetitions were there already" in done.stderr
     (where / "areas" / "picture.nc").unlink()
-    assert stiction_command(*again, "--shifts", 4, cwd=where).returncode == 0
+    stiction_done(*again, "--shifts", 4, cwd=where)
     assert (where / "areas" / "picture.nc").exists()
     assert_refused(stiction_command(*again, "--shifts", 4, "--rotate", 10, cwd=where), "holds another study")
-    turned = stiction_command(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
-    assert turned.returncode == 0, turned.stderr
+    stiction_done(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
     assert store.open_stored(where / "areas").finished.size == 2
 
 
@@ -536,10 +529,9 @@ def test_the_same_command_goes_on_and_another_is_refused(where, areas):
 def test_another_friction_keeps_the_positions_and_says_so(where):
     command = ("pair", *MAPS, "--effective-modulus", "10 GPa", "--mu0", "0.3", "--load", "1 MPa", "--shifts", 2)
     command += ("--mechanics", "asperities", "--onset", 0, "--output", "friction")
-    assert stiction_command(*command, "--tau0", "0 MPa", cwd=where).returncode == 0
+    stiction_done(*command, "--tau0", "0 MPa", cwd=where)
     seen = sorted((where / "friction" / "blocks").iterdir())
-    done = stiction_command(*command, "--tau0", "50 MPa", cwd=where)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*command, "--tau0", "50 MPa", cwd=where)
     assert "friction was asked for other friction; its 2 repetitions are kept" in done.stderr
     assert "friction.tau0 = " in done.stderr
     assert sorted((where / "friction" / "blocks").iterdir()) == seen
@@ -561,8 +553,7 @@ def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatc
     for module, name in ((contact_picture, "contact_picture"), (onset, "onset_of_result")):
         monkeypatch.setattr(module, name, beside(getattr(module, name), module.FILE))
     command = ("pair", *MAPS, *MATERIAL, "--load", "1 MPa", "--shifts", 2, "--mechanics", "asperities", "--onset", 2)
-    done = stiction_command(*command, "--output", "twice", cwd=where)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*command, "--output", "twice", cwd=where)
     assert "μ_s" in done.stdout
 
 
@@ -570,8 +561,7 @@ def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatc
 def test_parts_are_computed_one_after_the_other(where):
     given = ["pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
-        done = stiction_command(*given, "--part", part, cwd=where)
-        assert done.returncode == 0, done.stderr
+        stiction_done(*given, "--part", part, cwd=where)
     assert store.open_stored(where / "parts").finished.size == 4
 
 
@@ -579,7 +569,7 @@ def test_parts_are_computed_one_after_the_other(where):
 def test_another_file_of_the_same_name_is_refused(where):
     given = ["pair", "scan.npy", "lower.npy", *MAPS[2:], *MATERIAL, *LOAD, "--mechanics", "asperities", "-o", "other"]
     np.save(where / "scan.npy", surface("upper", 48).heights)
-    assert stiction_command(*given, "--shifts", 1, cwd=where).returncode == 0
+    stiction_done(*given, "--shifts", 1, cwd=where)
     np.save(where / "scan.npy", -surface("upper", 48).heights)
     more = ["run", "other", "--set", "ensemble.repetitions=2"]
     assert_refused(stiction_command(*more, cwd=where), "scan.npy", "another file")
@@ -587,10 +577,7 @@ def test_another_file_of_the_same_name_is_refused(where):
 
 @pytest.mark.usefixtures("undrawn")
 def test_what_is_seldom_meant_is_said_and_the_run_goes_on(where):
-    done = stiction_command(
-        "pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 2, "-o", "doubts", cwd=where
-    )
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 2, "-o", "doubts", cwd=where)
     assert "not in percent" in done.stdout
 
 
@@ -601,8 +588,7 @@ def test_what_is_seldom_meant_is_said_and_the_run_goes_on(where):
 def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
     file = measured("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
-    done = stiction_command("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    stiction_done("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
     result = store.read(tmp_path / "pair")
     assert float(result["x"][0]) == pytest.approx(200, abs=1)
 
@@ -611,9 +597,8 @@ def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
 def test_an_afm_map_and_a_surrogate(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
-    given = ["--lines", 4, "--surrogates", "lower", "--along", "y", "--json"]
-    done = stiction_command("pair", file, file, *MATERIAL, *LOAD, *given, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    given = ["--lines", 16, "--surrogates", "lower", "--along", "y", "--json"]
+    stiction_done("pair", file, file, *MATERIAL, *LOAD, *given, cwd=tmp_path)
     assert store.read(tmp_path / "pair")["surrogate"].values.all()
 
 
@@ -629,8 +614,7 @@ def beside(tmp_path_factory):
         np.save(folder / f"{side}.npy", made.heights)
     given = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
     given += ["--shifts", 3, "--direction", "0,180", "--onset", 3]
-    done = stiction_command("pair", *MAPS, *given, "--json", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("pair", *MAPS, *given, "--json", cwd=folder)
     return folder, given, json.loads(done.stdout)
 
 
@@ -647,8 +631,7 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     files = folder / "pair"
     assert (files / "onset.csv").exists()
     assert [path.name for path in files.glob("*.png")] == ["friction.png"]
-    done = stiction_command("plot", "pair", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    stiction_done("plot", "pair", cwd=folder)
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in files.iterdir()}
 
 

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from stiction import (
     JoinedSpectrum,
     Study,
@@ -109,18 +109,16 @@ def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces)
 
 
 def test_is_a_study_as_any_other(where):
-    done = stiction_command(
+    done = stiction_done(
         "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, blank=True
     )
-    assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
     study = Study.from_toml(where / "pair" / "study.toml")
     assert study.surfaces.press == "surrogates"
     assert study.surfaces.upper.sha256 is not None
     assert study.ensemble.repetitions == 2
-    at = stiction_command("at", "pair", "--load", "30 MPa", cwd=where)
-    assert at.returncode == 0, at.stderr
-    assert stiction_command("report", "pair", cwd=where, blank=True).returncode == 0
+    stiction_done("at", "pair", "--load", "30 MPa", cwd=where)
+    stiction_done("report", "pair", cwd=where, blank=True)
     at_cut_offs = resolution_at(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
     closed = limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
     assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
@@ -131,14 +129,13 @@ def test_is_a_study_as_any_other(where):
 
 def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.npy", *OPTIONS, "--surrogates", "2", "--output", "mixed"]
-    done = stiction_command(*command, cwd=where, blank=True)
-    assert done.returncode == 0, done.stderr
+    stiction_done(*command, cwd=where, blank=True)
     changed = where / "changed"
     changed.mkdir()
     for name in ("upper.csv", "lower.csv"):
         (changed / name).write_bytes((where / name).read_bytes())
     command = ["pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2"]
-    assert stiction_command(*command, cwd=changed, blank=True).returncode == 0
+    stiction_done(*command, cwd=changed, blank=True)
     (changed / "upper.csv").write_bytes((where / "lower.csv").read_bytes())
     assert_refused(stiction_command("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
 

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command
+from command import assert_refused, stiction_command, stiction_done
 from stiction import (
     Ball,
     FrictionTest,
@@ -81,8 +81,7 @@ def test_without_its_file_the_ranges_count(film) -> None:
     result = pair(*bodies(), interface=film, **QUICK)
     joint, path = result.interval, result.path
     film.unlink()
-    done = stiction_command("at", path, "--load", "20 MPa", "--json", cwd=film.parent)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done("at", path, "--load", "20 MPa", "--json", cwd=film.parent)
     (answer,) = json.loads(done.stdout)["answers"]
     rule = answer["rules"][0] if "rules" in answer else answer
     assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
@@ -124,8 +123,7 @@ def test_the_command_lists_them_and_takes_one(tmp_path) -> None:
     for side, body in zip(("upper", "lower"), bodies(), strict=True):
         write_surface(body, tmp_path / f"{side}.csv")
     asked = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
-    done = stiction_command(*asked, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = stiction_done(*asked, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
     assert "interface steel on ice (lumped, kinetic)" in " ".join(done.stdout.split())
     assert_refused(stiction_command(*asked, cwd=tmp_path), "give --mu0, or the --interface")
     assert_refused(stiction_command(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
