@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,21 +39,26 @@ def bodies():
     ]
 
 
-@pytest.fixture
-def film(tmp_path):
+@pytest.fixture(scope="module")
+def film(tmp_path_factory):
     """A strength whose mu0 and tau0 are correlated, from tests on a ball."""
+    path = tmp_path_factory.mktemp("film") / "film"
     ball = Ball("5 mm", "3 GPa")
     tests = [
         FrictionTest(ball, load, coefficient=y, uncertainty=0.05 * y)
         for load in (100.0, 300.0, 1000.0, 2000.0)
         for y in [0.15 + 0.012 * ball.area_per_load(load)]
     ]
-    write_interface(calibrate(tests), tmp_path / "film")
-    return tmp_path / "film"
+    write_interface(calibrate(tests), path)
+    return path
 
 
-def test_both_enter_the_interval_jointly(film) -> None:
-    result = pair(*bodies(), interface=film, **QUICK)
+@pytest.fixture(scope="module")
+def result(film):
+    return pair(*bodies(), interface=film, **QUICK)
+
+
+def test_both_enter_the_interval_jointly(film, result) -> None:
     _, adhesion, _ = result.answers[0].parts
     fit = interface(film).fits[0]
     area = adhesion / np.median(fit.tau0)
@@ -69,19 +76,19 @@ def test_both_enter_the_interval_jointly(film) -> None:
     assert "interface film (measured)" in result.answers[0].inputs
 
 
-def test_at_another_strength_the_interface_has_no_say(film) -> None:
-    result = pair(*bodies(), interface=film, **QUICK)
+def test_at_another_strength_the_interface_has_no_say(result) -> None:
     study = result.study
     again = Study.from_toml(result.path / "study.toml")
     assert interface_of(again) is interface_of(study) is not None
     assert interface_of(again.with_changes({"friction.mu0": [0.3]})) is None
 
 
-def test_without_its_file_the_ranges_count(film) -> None:
-    result = pair(*bodies(), interface=film, **QUICK)
+def test_without_its_file_the_ranges_count(film, tmp_path) -> None:
+    copy = shutil.copy(film, tmp_path)
+    result = pair(*bodies(), interface=copy, **QUICK)
     joint, path = result.interval, result.path
-    film.unlink()
-    done = stiction_done("at", path, "--load", "20 MPa", "--json", cwd=film.parent)
+    Path(copy).unlink()
+    done = stiction_done("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
     (answer,) = json.loads(done.stdout)["answers"]
     rule = answer["rules"][0] if "rules" in answer else answer
     assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
@@ -129,8 +136,7 @@ def test_the_command_lists_them_and_takes_one(tmp_path) -> None:
     assert_refused(stiction_command(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
 
 
-def test_what_calibrate_gave_is_taken_and_kept_beside_the_result(film) -> None:
-    by_file = pair(*bodies(), interface=film, **QUICK)
+def test_what_calibrate_gave_is_taken_and_kept_beside_the_result(film, result) -> None:
     in_memory = pair(*bodies(), interface=interface(film), **QUICK)
-    assert in_memory.interval == pytest.approx(by_file.interval, rel=1e-6)
+    assert in_memory.interval == pytest.approx(result.interval, rel=1e-6)
     assert (in_memory.path / "interface.csv").is_file()
