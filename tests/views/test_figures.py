@@ -47,7 +47,8 @@ def test_measured_bodies_have_the_standard_set(maps, lines):
 
 
 def test_figures_are_files_of_every_format_with_something_in_them(result, tmp_path):
-    one = result.assign_attrs(study=study_of(result).with_changes({"figures.draw": ["profiles"]}).to_toml())
+    wanted = study_of(result).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
+    one = result.assign_attrs(study=wanted.to_toml())
     paths = drawn(one, tmp_path, formats=FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
     assert imread(paths[0]).std() > 0.03

@@ -472,6 +472,7 @@ def test_a_page_carries_its_licence(opened):
 # ---- The file --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_text_of_a_study_is_text_on_the_page(result, maps):
     page = report_page(result.assign_attrs(stiction_version="<b>"), name="</script><script>alert(1)</script>")
     assert "alert(1)</script>" not in page
@@ -505,6 +506,7 @@ def test_nothing_makes_no_page(result):
         report_page(result.isel(repetition=[]))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_page_is_called_by_its_study_or_its_files(result, maps):
     assert "<title>study – static friction – stiction</title>" in report_page(result)
     assert "<title>mine – " in report_page(result, name="mine")
