@@ -15,9 +15,9 @@ def test_any_arrays_and_numbers_are_taken_or_refused_with_a_reason():
 
 
 def test_any_study_file_runs_or_is_refused_in_one_message(tmp_path):
-    outcomes = Counter(fuzzing.fuzz_study_file(np.random.default_rng([2, i]), tmp_path) for i in range(60))
-    assert outcomes[2] > 20
-    assert outcomes[0] > 2
+    outcomes = Counter(fuzzing.fuzz_study_file(np.random.default_rng([2, i]), tmp_path) for i in range(30))
+    assert outcomes[2] > 10
+    assert outcomes[0] > 1
 
 
 @pytest.fixture(scope="module")
@@ -28,5 +28,5 @@ def pristine(tmp_path_factory):
 
 
 def test_any_damage_to_a_store_is_noticed_or_harmless(tmp_path, pristine):
-    outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), pristine, tmp_path) for i in range(30))
-    assert outcomes[2] > 5
+    outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), pristine, tmp_path) for i in range(12))
+    assert outcomes[2] > 2

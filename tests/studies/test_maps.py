@@ -190,7 +190,10 @@ def synthetic(repetitions, ensembles, *, spread, scatter, seed, touching=1.0):
 
 
 @pytest.mark.parametrize("repetitions", [10, *(pytest.param(count, marks=pytest.mark.soak) for count in (5, 24, 100))])
-@pytest.mark.parametrize(("spread", "scatter"), LEAST_COVERAGE)
+@pytest.mark.parametrize(
+    ("spread", "scatter"),
+    [each if each == (0.8, 0.5) else pytest.param(*each, marks=pytest.mark.soak) for each in LEAST_COVERAGE],
+)
 def test_intervals_cover_the_truth_as_often_as_they_say(repetitions, spread, scatter):
     # At a point of the grid of approaches, in the middle, where the true curves are known exactly.
     load = APPROACH[5] ** 1.5

@@ -114,7 +114,7 @@ def test_bad_arguments_are_named(surface, options, said):
 # ---- Both directions ------------------------------------------------------------------------------------------------
 
 
-def two_scales(seed=1, points=256):
+def two_scales(seed=1, points=160):
     """Rows with a band of H = 0.8 up to 16 µm, columns with one up to 160 µm; both fall together below."""
     white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
     q = 2 * np.pi * np.fft.fftfreq(2 * points)
