@@ -4,6 +4,9 @@ import os
 import signal
 from pathlib import Path
 
+# Each core has a process of tests: threads of linear algebra in each would wait for one another.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 from command import nothing_drawn
