@@ -20,7 +20,8 @@ using std::numbers::pi;
 
 // Columns of an area that are transformed at a time: a line of the cache in single precision.
 constexpr std::size_t columns_at_once = 8;
-// Numbers of rows that are transformed at a time: shared by threads, and looked in between by the checkpoint.
+// Numbers of rows or columns that are a thread's at a time, and that lie between two looks at the checkpoint. Fewer are
+// not shared: threads would wait for each other.
 constexpr std::size_t numbers_at_once = std::size_t{1} << 15;
 // Sum of the stencil's weights over the one of the point itself: patches are many points wide.
 constexpr double stencil_sum = 0.04;
@@ -271,9 +272,13 @@ class Filter {
     });
     // Columns k and m - k at a time, which are mixed; the first is its own, and the middle one where there is one.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
-    crew.each((pairs + columns_at_once - 1) / columns_at_once, [&](std::size_t part, std::size_t thread) {
-      columns(area, stride, filled, part * columns_at_once, std::min((part + 1) * columns_at_once, pairs),
-              scratch.threads[thread]);
+    const std::size_t blocks = std::max<std::size_t>(numbers_at_once / shape_.padded_rows / columns_at_once, 1);
+    const std::size_t in_part = blocks * columns_at_once;
+    crew.each((pairs + in_part - 1) / in_part, [&](std::size_t part, std::size_t thread) {
+      const std::size_t last = std::min((part + 1) * in_part, pairs);
+      for (std::size_t first = part * in_part; first < last; first += columns_at_once) {
+        columns(area, stride, filled, first, std::min(first + columns_at_once, last), scratch.threads[thread]);
+      }
     });
     crew.each((shape_.rows + at_once - 1) / at_once, [&](std::size_t part, std::size_t thread) {
       Complex* packed = scratch.threads[thread][0].template waves<Real>(count);

@@ -18,6 +18,9 @@ namespace {
 // Steps whose best length differs more than this from the one tried are cut or the next one is lengthened by it.
 constexpr double least_change = 0.5;
 constexpr double most_change = 2.0;
+constexpr double most_regain = 100.0;  // after steps that lead nowhere
+// Of preconditioned steps one after the other that lead nowhere: twice as many plain ones follow each time.
+constexpr int most_failures = 6;
 // After a step that leads nowhere.
 constexpr double retreat = 0.25;
 // Of a free point's target over the load of all, beyond which round-off would be a part of that load. Steps that meet
@@ -393,6 +396,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   for (std::size_t k = 0; k < size; ++k) {
     most_[k] = bound_at(static_cast<std::size_t>(free_[k]));
   }
+  length_before_ = plain_length_;
   double reach = 0.0;
   const auto aim = [&] {
     const double length = plain_ ? plain_length_ : length_;
@@ -465,10 +469,14 @@ bool PressureSearch::advance(std::span<const float> response) {
   }
   const double best = descent / curvature;
   if (!(descent > 0.0) || !(curvature > 0.0) || !std::isfinite(best)) {
-    plain_ = !conjugate_;
+    (plain_ ? plain_length_ : length_) *= retreat;
+    if (!conjugate_ && !plain_) {
+      plain_ = true;
+      plain_length_ = length_before_;
+      failures_ = std::min(failures_ + 1, most_failures);
+      plain_steps_ = 1 << failures_;
+    }
     conjugate_ = false;
-    length_ *= retreat;
-    plain_length_ *= retreat;
     return false;
   }
   // A whole step that meets bounds is taken as it is where it lowers the energy: a part of it would leave a part of
@@ -482,10 +490,15 @@ bool PressureSearch::advance(std::span<const float> response) {
   }
   response_ = response;
   part_ = part;
-  (plain_ ? plain_length_ : length_) *= std::clamp(best, least_change, most_change);
+  if (plain_) {
+    plain_length_ *= std::clamp(best, least_change, most_regain);
+    plain_ = --plain_steps_ > 0;
+  } else {
+    length_ *= std::clamp(best, least_change, failures_ > 0 ? most_regain : most_change);
+    failures_ = conjugate_ ? failures_ : 0;
+  }
   curvature_ = curvature;
   conjugate_ = true;
-  plain_ = false;
   return true;
 }
 

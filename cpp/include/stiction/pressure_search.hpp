@@ -106,10 +106,13 @@ class PressureSearch {
   double part_ = 0.0;
   std::vector<std::vector<std::int32_t>> found_;  // free points of parts of the grid
   double approach_ = 0.0;
-  double mean_ = 0.0;          // potential of free points
-  double length_ = 1.0;        // of the next step, in preconditioned residuals
-  double plain_length_ = 1.0;  // the same in residuals
-  double curvature_ = 0.0;     // step·K step
+  double mean_ = 0.0;           // potential of free points
+  double length_ = 1.0;         // of the next step, in preconditioned residuals
+  double plain_length_ = 1.0;   // the same in residuals
+  double length_before_ = 1.0;  // that before the last preconditioned step
+  int failures_ = 0;            // of preconditioned steps, since one led somewhere
+  int plain_steps_ = 0;         // that are to come
+  double curvature_ = 0.0;      // step·K step
   bool conjugate_ = false;
   bool plain_ = false;
   bool clipped_ = false;
