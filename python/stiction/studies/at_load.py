@@ -128,8 +128,13 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
 
     def read(what: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
         """Where the mean normal load reaches the loads; of means over groups of directions, if there are any."""
-        change = None if groups is None else _put_together(groups)
-        return ensemble_map(result, loads, mu0, tau0, what, change)
+
+        def put_together(piece: xarray.Dataset) -> xarray.Dataset:
+            found = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
+            found = found.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
+            return found.assign_coords(direction=("direction", np.arange(found.sizes["direction"], dtype=float)))
+
+        return ensemble_map(result, loads, mu0, tau0, what, None if groups is None else put_together)
 
     head = head_of(result)
     first = read("friction_coefficient")
@@ -175,18 +180,6 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
     first = table[name]
     values = np.stack([table[each].values for each in (name, "lower", "upper")], axis=-1)
     return xarray.Variable((*first.dims, "statistic"), values, first.attrs)
-
-
-def _put_together(groups: NDArray[np.intp]) -> Any:
-    """A function that replaces the directions of a result by means over groups of them."""
-    import xarray
-
-    def change(piece: xarray.Dataset) -> xarray.Dataset:
-        found = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
-        found = found.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
-        return found.assign_coords(direction=("direction", np.arange(len(groups), dtype=float)))
-
-    return change
 
 
 def reached_loads(result: Result, steps: int = 80) -> Floats:

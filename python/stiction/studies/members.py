@@ -170,14 +170,7 @@ def pair_of(
             for side in SIDES
         )
         return one, other
-    generator = ProfileGenerator.of(study)
-    measure = profiles(study).amplitude_measure
-    bodies = []
-    for side in SIDES:
-        heights = generator.heights(fractal_dimension, repetition, side)
-        bodies.append(scaled_profile(heights, generator.spacing, amplitude, measure, np.empty_like(heights)))
-    upper, lower = bodies
-    return upper, lower
+    return next(pairs_of(study, repetition, np.array([fractal_dimension]), amplitude))
 
 
 # ---- Measured --------------------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
@@ -412,9 +412,18 @@ def step_of(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def differences(one: Study, other: Study) -> list[Difference]:
+def differences(one: Table, other: Table, prefix: str = "") -> list[Difference]:
     """Every value that differs, in the order of a study file."""
-    return list(_differences(one, other, ""))
+    texts, found = (one.model_dump(), other.model_dump()), []
+    for name in dict.fromkeys((*type(one).model_fields, *type(other).model_fields)):
+        values = getattr(one, name, None), getattr(other, name, None)
+        if values[0] == values[1]:
+            continue
+        if isinstance(values[0], Table) and isinstance(values[1], Table):
+            found += differences(values[0], values[1], f"{prefix}{name}.")
+        else:
+            found.append((f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))))
+    return found
 
 
 def computed_otherwise(one: Study, other: Study) -> list[Difference]:
@@ -433,18 +442,6 @@ def differences_text(differ: list[Difference]) -> str:
     if len(differ) > MOST_LISTED:
         lines.append(f"... and {len(differ) - MOST_LISTED} more")
     return "\n".join(lines)
-
-
-def _differences(one: Table, other: Table, prefix: str) -> Iterator[Difference]:
-    texts = one.model_dump(), other.model_dump()
-    for name in dict.fromkeys((*type(one).model_fields, *type(other).model_fields)):
-        values = getattr(one, name, None), getattr(other, name, None)
-        if values[0] == values[1]:
-            continue
-        if isinstance(values[0], Table) and isinstance(values[1], Table):
-            yield from _differences(values[0], values[1], f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))
 
 
 def study_from_text(text: str, source: str) -> Study:

@@ -57,7 +57,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         np.minimum(eroded[here], seen[there] + depth, out=eroded[here])
     touched, alone = np.zeros(seen.shape, np.int32), np.zeros(seen.shape, np.bool_)
     near = _TOUCHING * max(deepest, float(np.abs(seen).max()))
-    most = _most(seen.shape, spacing, radius, deepest)
+    _, most = _reach(seen.shape, spacing, radius, deepest)
     inside = np.zeros(seen.shape, np.bool_)
     inside[tuple(slice(each, points - each) for each, points in zip(most, seen.shape, strict=True))] = True
     for counting in (True, False):
@@ -75,7 +75,7 @@ def _ball(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Points, those beside them by each step that a ball reaches, and how far it lies above its lowest point there."""
-    most, reach = _most(shape, spacing, radius, deepest), _reach(radius, deepest)
+    reach, most = _reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * each + 1 for each in most)):
         moved = np.subtract(steps, most)
         square = float(np.square(moved * spacing).sum())
@@ -89,12 +89,7 @@ def _ball(
         yield here, there, radius - math.sqrt(max(0.0, radius**2 - square))
 
 
-def _reach(radius: float, deepest: float) -> float:
-    """How far from its lowest point a ball touches where heights span so much, µm."""
-    return math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
-
-
-def _most(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> list[int]:
-    """The same in points along each axis."""
-    reach = _reach(radius, deepest)
-    return [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]
+def _reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
+    """How far from its lowest point a ball touches where heights span so much, µm, and in points along each axis."""
+    reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
+    return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]
