@@ -43,7 +43,7 @@ def test_is_that_of_the_lines_one_by_one():
 
 
 def test_columns_are_the_rows_of_the_surface_on_its_side():
-    surface = stack(0.6, lines=30)
+    surface = stack(0.6, lines=24, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
         found, again = line_roughness(surface, one), line_roughness(on_its_side, other)
@@ -54,7 +54,7 @@ def test_columns_are_the_rows_of_the_surface_on_its_side():
 
 
 def test_levelling_does_not_matter():
-    surface = stack(0.6)
+    surface = stack(0.6, lines=24, points=300)
     for along in ("x", "y"):
         found, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
         assert again.Pq == pytest.approx(found.Pq, rel=1e-9)
