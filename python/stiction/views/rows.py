@@ -98,7 +98,8 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
             columns["value" if each == "mean" else str(each)] = along(own).astype(float)
     else:
         columns["value"] = along(table).astype(float)
-    columns["unit"] = _unit(table, name)
+    own_unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+    columns["unit"] = str(table.attrs.get("units", own_unit)).replace("um^2", "um2") or "1"
     if "status" in at and set(at["status"].dims) <= set(dims):
         columns["status"] = along(at.variables["status"])
     else:
@@ -109,11 +110,6 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
         if each in dims or (single and (name in _DIRECTED or each not in ("sliding", "direction"))):
             columns[each] = along(at.variables[each])
     return pandas.DataFrame(columns)
-
-
-def _unit(table: xarray.Variable, name: str) -> str:
-    own = QUANTITIES[name].unit if name in QUANTITIES else "1"
-    return str(table.attrs.get("units", own)).replace("um^2", "um2") or "1"
 
 
 # ---- CSV -------------------------------------------------------------------------------------------------------------

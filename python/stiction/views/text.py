@@ -7,7 +7,7 @@ import re
 import shutil
 import textwrap
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -464,10 +464,12 @@ def overview_text(at: xarray.Dataset, study: Study) -> str:
     """A table of mu_s over load and the cells of a study, one for each mu0, tau0 and sliding rule of `at`."""
     across = next(name for name in ("fractal_dimension", "cut_off") if name in at.dims)
     rest = [name for name in (*CELLS, "mu0", "tau0", "sliding") if name in at.dims and name != across]
+    is_study = across == "fractal_dimension"
+    columns = [f"D = {each:.3g}" if is_study else _coordinate(across, each) for each in at[across].values.tolist()]
     tables, marked = [], False
     for place in np.ndindex(*(at.sizes[name] for name in rest)):
         part = at.isel(dict(zip(rest, place, strict=True)))
-        rows = [["", *(_column(across, each) for each in at[across].values)]]
+        rows = [["", *columns]]
         for load in at["load"].values:
             own = part.sel(load=load)
             cells = [_overview_cell(own.isel({across: i})) for i in range(at.sizes[across])]
@@ -478,10 +480,6 @@ def overview_text(at: xarray.Dataset, study: Study) -> str:
         note = "* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing"
         tables.append(fitted(note))
     return "\n".join(tables)
-
-
-def _column(name: str, value: Any) -> str:
-    return f"D = {float(value):.3g}" if name == "fractal_dimension" else _coordinate(name, float(value))
 
 
 def _overview_title(part: xarray.Dataset) -> str:

@@ -84,7 +84,9 @@ def page_of_measured(
     picture = picture_of(result) if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.once(onset_beside) if isinstance(result, Stored) else None
-    said = "".join(f"<p>{escaped(line)}</p>" for line in (*_beside(study, onset), *_held(result, study)))
+    beside = [waves_text(found)] if (found := seen(study)) is not None else []
+    beside += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
+    said = "".join(f"<p>{escaped(line)}</p>" for line in (*beside, *_held(result, study)))
     details = said + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
         study=study, name=name, head=_head(study, facts),
@@ -130,12 +132,6 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
         "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset),
     }  # fmt: skip
-
-
-def _beside(study: Study, onset: xarray.Dataset | None) -> list[str]:
-    """Which waves were seen, and how the pair begins to slide, where that is kept beside the result."""
-    words = [waves_text(found)] if (found := seen(study)) is not None else []
-    return words if onset is None else [*words, f"{onset_text(onset)} {onset_note(onset)}"]
 
 
 def _held(result: xarray.Dataset | Stored, study: Study) -> list[str]:
