@@ -200,7 +200,6 @@ function render() {
 }
 
 const WORDS = {all: "all contacts rub", opposing: "only climbing contacts rub (the paper's rule)"};
-const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
 /** Values, verdict and reasons; what is not the last is grey, and has no verdict. */
 function say(answer, by, isLast) {

@@ -340,7 +340,8 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
     words.append(f"τ0 = {adhesion}{_asked(point, study, 'tau0')}")
     if study.known.interface is not None and all(_is_asked(point, study, name) for name in ("mu0", "tau0")):
         words.append(_interface_words(study))
-    words += filter(None, [materials_text(study)])
+    if made_of := materials_text(study):
+        words.append(made_of)
     words.append(f"E* = {with_unit(modulus_of(point, study), 'GPa')}")
     hardness = study.contact.hardness
     if hardness is not None:

@@ -44,7 +44,7 @@ def once(result: Any, read: Callable[[Any], Any]) -> Any:
 
 
 def over_and_onset(result: xarray.Dataset | Stored) -> dict[str, Any]:
-    """What lies beside a stored result: `over` cut-offs its answers, and the `onset` of sliding."""
+    """Answers over cut-offs, and onset of sliding, that lie beside a stored result; empty of a dataset."""
     if not isinstance(result, Stored):
         return {}
     return {"over": result.once(resolution_at), "onset": result.once(onset_beside)}

@@ -337,6 +337,9 @@ function doubtsOfEnsemble({checks, advice}, {status, value, lower, upper, load, 
   });
 }
 
+/** How the style calls each verdict. */
+const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
+
 /** The verdict that doubts come to. */
 function verdictOf({verdicts}, doubts) {
   const severities = doubts.map(({severity}) => severity);

@@ -169,7 +169,7 @@ function judgement(points, load, dimension) {
 const MOST_DOUBTS = 3; // that are open below the verdict
 
 function saidVerdict(verdict, doubts) {
-  const kind = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}[verdict];
+  const kind = KIND[verdict];
   const list = (some) => (some.length ? [element("ul", {class: "doubts"}, ...some.map(({text, cure, severity}) =>
     element("li", {class: severity}, `${text.replace(/^[a-z]/, (one) => one.toUpperCase())}; ${cure}.`)))] : []);
   const rest = doubts.slice(MOST_DOUBTS);
