@@ -448,8 +448,8 @@ function meanOfMembers(result, quantity, d, a, load, mu0, tau0) {
   const values = frictionOfMembers(result, d, a, step, mu0, tau0);
   const [value, lower, upper] = intervalOf(result, values);
   const answered = values.filter(Number.isFinite).length;
-  const isLocked = () => loadsOfMembers(result, result.chosen[0], d, a, step, mu0, tau0).some(([normal]) => normal <= 0);
-  const status = answered ? "ok" : isLocked() ? "self-locked" : "not-solved";
+  const loads = answered ? [] : loadsOfMembers(result, result.chosen[0], d, a, step, mu0, tau0);
+  const status = answered ? "ok" : loads.some(([normal]) => normal <= 0) ? "self-locked" : "not-solved";
   return {...said, status, value, lower, upper, answered, all: values.length};
 }
 
@@ -544,13 +544,13 @@ function gentleFriction(mu0, tau0, {gradient, slope, modulus, kappa}, sliding) {
 /** What the mean slopes of the gap alone say, on the mean over directions (indices). */
 function slopesAlone({facts, members}, d, directions, sliding, mu0, tau0) {
   if (!facts.gap) return NaN;
-  const {gradient, slope, kappa} = facts.gap;
+  const {modulus, gap: {gradient, slope, kappa}} = facts;
   const mean = (values) => {
     const known = members.map((member) => values[member]).filter(Number.isFinite);
     return sumOf(known) / known.length;
   };
   return sumOf(directions.map((way) => gentleFriction(mu0, tau0, {gradient: mean(gradient[d]),
-    slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus: facts.modulus, kappa}, sliding))) / directions.length;
+    slope: mean(slope[Math.min(way, slope.length - 1)][d]), modulus, kappa}, sliding))) / directions.length;
 }
 
 /** Position in a list of the number that is nearest to another one. */

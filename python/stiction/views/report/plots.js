@@ -13,8 +13,9 @@ const maker = (space) => (name, attributes = {}, ...children) => {
 const [element, shape] = [maker("1999/xhtml"), maker("2000/svg")];
 
 /** An empty picture of a size in pixels. */
-const pictureOf = (width, height) => shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`, "font-size": 0.8125 * rem(),
-  "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)", "aria-hidden": "true"});
+const pictureOf = (width, height) => shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`,
+  "font-size": 0.8125 * rem(), "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)",
+  "aria-hidden": "true"});
 
 /** Where an event is in a place, pixels. */
 function positionIn(place, {clientX, clientY}) {
@@ -264,7 +265,8 @@ const HATCHES = {
   "self-locked": ["#7a0019", ""],
 };
 
-const pattern = (id, ...shapes) => shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"}, ...shapes);
+const pattern = (id, ...shapes) =>
+  shape("pattern", {id, width: 8, height: 8, patternUnits: "userSpaceOnUse"}, ...shapes);
 
 function hatch(name, id) {
   const [ground, lines] = HATCHES[name];
@@ -275,7 +277,8 @@ function hatch(name, id) {
 /** White lines with dark edges over colours that stay what they are, on light and on dark pages: beyond the model. */
 function beyondModel(id) {
   const d = "M-2 6L2 10M0 0L8 8M6 -2L10 2";
-  return pattern(id, shape("path", {d, "stroke-width": 2.6, style: "stroke: #000000; stroke-opacity: 0.55; fill: none"}),
+  return pattern(id,
+    shape("path", {d, "stroke-width": 2.6, style: "stroke: #000000; stroke-opacity: 0.55; fill: none"}),
     shape("path", {d, "stroke-width": 1.3, style: "stroke: #ffffff; fill: none"}));
 }
 
