@@ -207,7 +207,8 @@ def _with_both_readings(one: Answer, found: Sequence[Answer]) -> Answer:
         return one
     rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
     both = {left.words: left for left in other.budget}
-    budget = [Left(ORIGIN, one.lower, one.upper, one.upper - one.lower)]
+    known = math.isfinite(one.upper - one.lower)  # which one or two positions leave open
+    budget = [Left(ORIGIN, one.lower, one.upper, one.upper - one.lower)] if known else []
     for left in one.budget:
         same = both.get(left.words, left)
         low, high = min(left.lower, same.lower), max(left.upper, same.upper)
