@@ -136,11 +136,12 @@ def _one(name: str, given: Any, kind: str) -> float:
                 raise ValueError(f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {number:g} HRC")
             number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
         return number * _VICKERS
+    scales = "; also taken are HV and HRC" if kind == "hardness" else ""
     kind = "pressure" if kind else ""
     try:
         value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
     except (TypeError, ValueError) as error:
-        said = str(error) if kind and isinstance(given, str) else f"must be a number, got {shortened(given)}"
+        said = f"{error}{scales}" if kind and isinstance(given, str) else f"must be a number, got {shortened(given)}"
         raise ValueError(f"{name} {said}") from None
     if not (math.isfinite(value) and value >= 0):
         raise ValueError(f"{name} must be finite and not negative, got {shortened(given)}")

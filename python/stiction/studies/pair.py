@@ -464,6 +464,7 @@ class Pair:
             return None if known is None else quantity(exactly(known, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
+        self._read("hardness")  # whose errors name scales of hardness as well
         hardness = quantity_of("hardness", self._middle("hardness"), "pressure")
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.hardness))
