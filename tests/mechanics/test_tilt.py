@@ -65,7 +65,7 @@ def test_closure_is_the_mean_gap_that_is_lost(boundary):
 
 
 def test_what_points_answer_agrees_with_dense_matrices():
-    from stiction.mechanics.tilt import Answer, arms_of
+    from stiction.mechanics.half_space_problem import Answer, arms_of
 
     one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
     problem, free = one.problem, one.on_grid(one.free)

@@ -6,17 +6,14 @@ With σ(g) = w/ρ exp(-g/ρ), press the gap g0 - Kσ, take σ of the gap that co
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats
-from stiction.mechanics.half_space import PROCESS_ZONE, resolved_range
-from stiction.mechanics.half_space_problem import Pressed, Problem, pressed_of, threads
+from stiction.mechanics.half_space_problem import Pressed, Problem, State, pressed_of, threads
 
 DEPTH = 5  # steps before that Anderson's acceleration combines
 
@@ -38,37 +35,6 @@ SHORTEST = 0.9  # stride at which a branch that does not converge ends
 RISEN = 0.02  # part of the least load by which a branch must have risen again to be known to have passed it
 REFINEMENTS = 4  # parabolas through the three lowest loads of a branch, whose least then is known to 1e-4 of itself
 SEARCHES = 60  # secants for a load between two contact loads
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A contact in equilibrium with its attraction; means over the grid in GPa, and `HalfSpaceSolution`'s words."""
-
-    pressure: Floats
-    attraction: Floats
-    contact: float
-    load: float
-    approach: float = np.nan
-    error: float = np.nan
-    iterations: int = 0
-
-
-def sticky(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """A problem with a work of adhesion (mN/µm) over a range (µm); a warning says where the grid needs a longer one."""
-    least = resolved_range(work, max(problem.spacing), effective_modulus)
-    if least > length:
-        warnings.warn(
-            f"adhesion_range = {length * 1e3:.3g} nm is raised to {least * 1e3:.3g} nm: the grid needs "
-            f"{PROCESS_ZONE:g} points in the process zone E* range²/w, as of a range of 0",
-            stacklevel=3,
-        )
-    length = max(least, length)
-    if problem.hardness is not None and not work / length < problem.hardness:
-        raise ValueError(
-            f"hardness must be above the attraction in contact, {work / length:.3g} GPa (work_of_adhesion over "
-            f"adhesion_range), under which bodies flow without a load, got {problem.hardness!r}"
-        )
-    return replace(problem, work_of_adhesion=work, adhesion_range=length)
 
 
 class Attraction:

@@ -28,7 +28,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from stiction.mechanics.half_space_problem import Pressed, Problem
+    from stiction.mechanics.half_space_problem import Asked, Pressed, Problem
     from stiction.mechanics.patches import PatchSums
 
 # The solver brings SciPy along, which takes longer to import than all else: where it is used.
@@ -39,8 +39,7 @@ Tilt = Literal["fixed", "free"]
 ADHESION_RANGE = 5e-4
 """µm over which the attraction of solids falls off unless another range is given: one to two distances of atoms."""
 
-PROCESS_ZONE = 2.0
-"""Points in E* ρ²/w, the length over which the attraction falls off at an edge; with fewer the grid decides."""
+PROCESS_ZONE = 2.0  # points in E* ρ²/w, where the attraction falls off at an edge; with fewer the grid decides
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
@@ -428,7 +427,7 @@ def half_space(
     >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
     array([0.38])
     """
-    from stiction.mechanics.half_space_problem import pressed, problem_of, steps_of
+    from stiction.mechanics.half_space_problem import problem_of, steps_of
 
     check_pair(upper, lower, whole=False)
     model = ContactModel(
@@ -456,9 +455,7 @@ def half_space(
     if work > 0:
         for body in (upper, lower):
             refuse_missing(body, "work_of_adhesion")
-        from stiction.mechanics.adhesion import sticky
-
-        problem = sticky(problem, work, length, float(model.effective_modulus))
+        problem = _sticky(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
             raise ValueError("tilt must be 'fixed' but for loads of free bodies without adhesion, got 'free'")
@@ -467,8 +464,52 @@ def half_space(
     loads = loads_in_core_units("loads", loads, problem.area)
     name, steps = steps_of(problem, loads, in_core_units("approaches", approaches, "length"))
     warn_of_one_body(upper, lower)
-    contacts = pressed(problem, name, steps, tolerance=tolerance, progress=progress)
+    contacts = _pressed(problem, name, steps, tolerance=tolerance, progress=progress)
     return _curve(problem, model, contacts, tolerance)
+
+
+def _pressed(
+    problem: Problem, name: Asked, steps: Floats, *, tolerance: float,
+    progress: Callable[[int, int, float], object] | None,
+) -> list[Pressed]:  # fmt: skip
+    """The contact at each load (mN) or approach (µm)."""
+    from stiction.mechanics.half_space_problem import Solver, pressed_of
+
+    if problem.work_of_adhesion > 0:
+        from stiction.mechanics.adhesion import sticking
+
+        return sticking(problem, steps, tolerance=tolerance, progress=progress)
+    if problem.turns:
+        from stiction.mechanics.tilt import balanced
+
+        return balanced(problem, steps, tolerance=tolerance, progress=progress)
+    contacts: list[Pressed] = []
+    report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
+    solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
+    near = None
+    for step in steps.tolist():
+        solution = solver.at(step, near)
+        near = solution.pressure
+        contacts.append(pressed_of(problem, solution, step if name == "loads" else None, scale=solver.scale))
+    return contacts
+
+
+def _sticky(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
+    """A problem with a work of adhesion (mN/µm) over a range (µm); a warning says where the grid needs a longer one."""
+    least = resolved_range(work, max(problem.spacing), effective_modulus)
+    if least > length:
+        warnings.warn(
+            f"adhesion_range = {length * 1e3:.3g} nm is raised to {least * 1e3:.3g} nm: the grid needs "
+            f"{PROCESS_ZONE:g} points in the process zone E* range²/w, as of a range of 0",
+            stacklevel=3,
+        )
+    length = max(least, length)
+    if problem.hardness is not None and not work / length < problem.hardness:
+        raise ValueError(
+            f"hardness must be above the attraction in contact, {work / length:.3g} GPa (work_of_adhesion over "
+            f"adhesion_range), under which bodies flow without a load, got {problem.hardness!r}"
+        )
+    return replace(problem, work_of_adhesion=work, adhesion_range=length)
 
 
 def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed], tolerance: float) -> HalfSpaceCurve:

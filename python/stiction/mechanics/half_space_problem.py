@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,12 +21,12 @@ from stiction.mechanics.patches import PatchSums, patch_sums, slopes
 from stiction.surfaces.profile import Profile, missing_of
 from stiction.surfaces.surface import Surface
 
-if TYPE_CHECKING:
-    from stiction.mechanics.adhesion import State
-
 MOST_KEPT = 2**20
 """Points of a grid whose kernels are kept when nobody uses them: 35 MB; a quarter of a free load takes to make them."""
 
+SMALL = 0.01  # tilt of a linear answer: what it moves an edge over what the load moves the points
+PRECISE = 1e-7  # tolerance of linear answers
+UNBOUND = 1e9  # bound of linear answers to a mean pressure of 1, which coarse grids have means of
 LONGEST_CELL = 1e6  # ratio of the sides of a grid's cell, above which heights on it are no surface
 
 
@@ -198,8 +198,6 @@ class Pressed:
         """Pressures (GPa) of sum 1 on free points under which these move alike, and by how much (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_answer(self.on_grid(free), threads=threads())
-        from stiction.mechanics.tilt import Answer
-
         return Answer.of(self.problem, self.on_grid(free)).to_load()
 
     def _stiffness_of(self, free: NDArray[np.bool_]) -> float:
@@ -274,28 +272,58 @@ def steps_of(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | 
     return name, steps
 
 
-def pressed(
-    problem: Problem, name: Asked, steps: Floats, *, tolerance: float,
-    progress: Callable[[int, int, float], object] | None,
-) -> list[Pressed]:  # fmt: skip
-    """The contact at each load (mN) or approach (µm)."""
-    if problem.work_of_adhesion > 0:
-        from stiction.mechanics.adhesion import sticking
+def arms_of(problem: Problem) -> list[Floats]:
+    """Distance of each point from the middle of what was measured along y and x, or x, µm, to be broadcast."""
+    arms = []
+    for axis, (count, spacing) in enumerate(zip(problem.gap.shape, problem.spacing, strict=True)):
+        others = tuple(each for each in range(problem.gap.ndim) if each != axis)
+        weights, places = problem.measured.sum(axis=others), spacing * np.arange(count)
+        shape = [count if each == axis else 1 for each in range(problem.gap.ndim)]
+        arms.append((places - np.average(places, weights=weights)).reshape(shape))
+    return arms
 
-        return sticking(problem, steps, tolerance=tolerance, progress=progress)
-    if problem.turns:
-        from stiction.mechanics.tilt import balanced
 
-        return balanced(problem, steps, tolerance=tolerance, progress=progress)
-    contacts: list[Pressed] = []
-    report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
-    solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
-    near = None
-    for step in steps.tolist():
-        solution = solver.at(step, near)
-        near = solution.pressure
-        contacts.append(pressed_of(problem, solution, step if name == "loads" else None, scale=solver.scale))
-    return contacts
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What points under pressure answer, as they are, to a mean load of 1 GPa and to slopes of the upper body."""
+
+    pressure: Floats  # GPa, under the load
+    approach: float  # µm
+    moments: Floats  # (n,), GPa µm, under the load
+    turned: list[Floats]  # GPa, of each slope of 1 under no load
+    turning: Floats  # (n, n), their moments, by slope and axis: negative definite but for single points
+
+    @classmethod
+    def of(cls, problem: Problem, free: NDArray[np.bool_]) -> Answer:
+        """That of free points, as a mask."""
+        bound = np.where(free, UNBOUND, 0.0)
+        arms = arms_of(problem)
+
+        def solved(gap: Floats) -> tuple[Floats, float]:
+            solver = _core.HalfSpaceSolver(gap, problem.grids, bound=bound, tolerance=PRECISE, threads=threads())
+            found = solver.at(1.0, threads=threads())
+            return found.pressure.reshape(gap.shape), found.approach
+
+        level, approach = solved(np.zeros_like(problem.gap))
+        moments = moments_of(level, arms)
+        moved = float(np.abs(problem.grids.displacement(level, threads=threads())[free]).mean())
+        turned = []
+        for arm in arms:
+            small = SMALL * moved / float(np.abs(arm).max())
+            turned.append((solved(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small)
+        turning = np.array([moments_of(each, arms) for each in turned])
+        return cls(level, approach, moments, turned, (turning + turning.T) / 2)
+
+    def to_load(self) -> tuple[Floats, float]:
+        """Pressures of sum 1 and approach of a load that stays in the middle."""
+        slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
+        pressure = self.pressure + sum(slope * each for slope, each in zip(slopes, self.turned, strict=True))
+        return pressure / pressure.size, (self.approach + float(slopes @ self.moments)) / pressure.size
+
+
+def moments_of(pressure: Floats, arms: list[Floats]) -> Floats:
+    """Mean moments about the middle, GPa µm."""
+    return np.array([float((pressure * arm).mean()) for arm in arms])
 
 
 class Solver:
@@ -333,6 +361,19 @@ class Solver:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         return solution
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A contact in equilibrium with its attraction; means over the grid in GPa, and `HalfSpaceSolution`'s words."""
+
+    pressure: Floats
+    attraction: Floats
+    contact: float
+    load: float
+    approach: float = np.nan
+    error: float = np.nan
+    iterations: int = 0
 
 
 def pressed_of(
