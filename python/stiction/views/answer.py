@@ -29,6 +29,7 @@ from stiction.views.doubts import Doubt as Doubt
 from stiction.views.point import (
     CELLS,
     STATISTICS,
+    RuleValue,
     adhesion_text,
     by_rule,
     is_capped,
@@ -58,21 +59,6 @@ OTHER_KAPPA = 0.2
 
 KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 """Usual A E* h'/F: the one with which `at_load` calls `gentle_friction`."""
-
-
-@dataclass(frozen=True)
-class RuleValue:
-    """Coefficient of static friction by one sliding rule."""
-
-    rule: str  # "all" or "opposing"
-    value: float  # mean over the directions of the result, and the 95 % interval of everything known
-    lower: float
-    upper: float
-    positions: tuple[float, float] = (math.nan, math.nan)  # of the mean over positions alone
-    next_test: tuple[float, float] = (math.nan, math.nan)  # between which one test lies, in one direction
-    low: float = math.nan  # four of five single members lie between this and the next
-    high: float = math.nan
-    slopes: float = math.nan  # by the slopes of the gap alone (`gentle_friction`); NaN of generated bodies
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,12 @@ from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.known import inputs_of, materials_of
 from stiction.views.digits import percent, significant, with_unit
-from stiction.views.point import has_nominal_area, is_capped, modulus_of, pressure_of, range_of, value_of
+from stiction.views.point import RuleValue, has_nominal_area, is_capped, modulus_of, pressure_of, range_of, value_of
 
 if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.study import Study
-    from stiction.views.answer import RuleValue
 
 Severity = Literal["caution", "fault"]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,21 @@ if TYPE_CHECKING:
 
 RULES = {"all": "if all contacts rub", "opposing": "if only climbing contacts rub (the paper's rule)"}
 """The sliding rules in words. Of measured bodies the first comes first, because mu0 is measured on smooth faces."""
+
+
+@dataclass(frozen=True)
+class RuleValue:
+    """Coefficient of static friction by one sliding rule."""
+
+    rule: str  # "all" or "opposing"
+    value: float  # mean over the directions of the result, and the 95 % interval of everything known
+    lower: float
+    upper: float
+    positions: tuple[float, float] = (math.nan, math.nan)  # of the mean over positions alone
+    next_test: tuple[float, float] = (math.nan, math.nan)  # between which one test lies, in one direction
+    low: float = math.nan  # four of five single members lie between this and the next
+    high: float = math.nan
+    slopes: float = math.nan  # by the slopes of the gap alone (`gentle_friction`); NaN of generated bodies
 
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
