@@ -1,9 +1,8 @@
 #include "stiction/near_inverse.hpp"
 
-#include "multiversion.hpp"
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <stdexcept>
 
@@ -107,12 +106,9 @@ std::span<const float> NearInverse::operator()(std::span<const std::int32_t> fre
 
 void NearInverse::renew_springs(std::span<const std::int32_t> free, const Crew& crew) {
   for (const std::int32_t point : free) {
-    rest_[static_cast<std::size_t>(point)] = 1.0F;
+    rest_[static_cast<std::size_t>(point)] = 1.0F;  // until the answer takes its place
   }
   sharpen(free, rest_, crew);
-  for (const std::int32_t point : free) {
-    rest_[static_cast<std::size_t>(point)] = 0.0F;
-  }
   gather(free, springs_);
   count_ = free.size();
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -100,6 +101,26 @@ TEST_CASE("the near inverse is symmetric and positive, to the answer of the bloc
   CHECK(square > 0.0);
   CHECK(product(points, of_right, right) > 0.0);
   CHECK(std::abs(there - product(points, of_right, left)) < 1e-3 * square);
+}
+
+TEST_CASE("its stencil adds up what is around each free point, over the edges too") {
+  // Weights of sum 0 leave the blocks nothing to answer.
+  const Grid small{3, 4, 0.1, 0.1, false, true};
+  const ElasticKernel blocks(NearInverse::blocks_of(small), modulus);
+  const std::vector<double> stencil{0.0, 0.0, 0.0, -3.0, 0.0, 1.0, 0.0, 2.0, 0.0};
+  NearInverse inverse(small, stencil, blocks);
+  std::vector<std::int32_t> points(12);
+  std::vector<float> values(12);
+  std::iota(points.begin(), points.end(), 0);
+  std::iota(values.begin(), values.end(), 0.0F);
+  Workspace workspace;
+  const auto sums = inverse(points, values, workspace);
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto left = static_cast<double>(i % 4 == 0 ? i + 3 : i - 1);
+    const auto right = static_cast<double>(i % 4 == 3 ? i - 3 : i + 1);
+    const auto below = static_cast<double>((i + 4) % 12);
+    CHECK(static_cast<double>(sums[i]) == right + 2.0 * below - 3.0 * left);
+  }
 }
 
 TEST_CASE("threads change no bits of the near inverse") {
