@@ -13,6 +13,7 @@ from stiction import Study, area_map, friction_map, run, stiffness_map
 SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
 if not SCRIPT.exists():
     pytest.skip("the documents are not here", allow_module_level=True)
+pytestmark = pytest.mark.docs
 _SPEC = importlib.util.spec_from_file_location("claims", SCRIPT)
 claims = sys.modules["claims"] = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(claims)

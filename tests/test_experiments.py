@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from stiction import Surface, self_affine_surface
 
+pytestmark = pytest.mark.docs
 SCRIPT = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
 DATA = os.environ.get("STICTION_FRACTURES")  # the folder that the script takes
 EXPONENT = 0.15  # of a spectrum of 200 points

@@ -24,41 +24,31 @@ LOADED = {
 LOADED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
 """What `stiction --help` loads: no numbers, so that it answers at once."""
 
-SOURCES = sorted(path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.py"))
-
 
 def imported(source):
-    """Full names of what a module imports from the package, inside functions too."""
+    """Full names of what a module imports from the package, inside functions too, and from where they are made."""
     for node in ast.walk(ast.parse((PACKAGE / source).read_text("utf-8"))):
+        names = []
         if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names if name.name.split(".")[0] == "stiction")
+            names = [name.name for name in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{source} does not say from where it imports {node.module}"
-            if node.module.split(".")[0] == "stiction":
-                yield from (f"{node.module}.{name.name}" for name in node.names)
-
-
-@pytest.mark.parametrize("source", [path for path in SOURCES if len(path.parts) > 1], ids=str)
-def test_nothing_points_back(source):
-    allowed = ROOMS[: ROOMS.index(source.parts[0]) + 1]
-    for name in imported(source):
-        room = name.split(".")[1]
-        assert room.startswith("_") or room in allowed, f"{source} imports {name}"
-
-
-@pytest.mark.parametrize("source", sorted(path for path in SOURCES if path.match("_[!_]*.py")), ids=str)
-def test_what_serves_all_rooms_knows_none(source):
-    assert [name for name in imported(source) if not name.split(".")[1].startswith("_")] == []
-
-
-@pytest.mark.parametrize("source", SOURCES, ids=str)
-def test_nothing_goes_through_the_face_of_the_package(source):
-    """What the package re-exports is there when all of it is imported: too late for its own modules."""
-    for node in ast.walk(ast.parse((PACKAGE / source).read_text("utf-8"))):
-        if isinstance(node, ast.Import):
-            assert "stiction" not in [name.name for name in node.names]
-        elif isinstance(node, ast.ImportFrom):
+            # What the package re-exports is there when all of it is imported: too late for its own modules.
             assert node.module != "stiction", f"{source}, line {node.lineno}: import it from where it is made"
+            names = [f"{node.module}.{name.name}" for name in node.names]
+        assert "stiction" not in names
+        yield from (name for name in names if name.split(".")[0] == "stiction")
+
+
+@pytest.mark.parametrize("room", ["", *ROOMS])
+def test_nothing_points_back(room):
+    """What serves all rooms knows none."""
+    paths = (PACKAGE / room).rglob("*.py") if room else PACKAGE.glob("_*.py")
+    allowed = ROOMS[: ROOMS.index(room) + 1] if room else ()
+    for source in sorted(path.relative_to(PACKAGE) for path in paths):
+        for name in imported(source):
+            known = name.split(".")[1]
+            assert known.startswith("_") or known in allowed or source.name == "__main__.py", f"{source}: {name}"
 
 
 def loaded_of_others(code):

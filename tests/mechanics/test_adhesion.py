@@ -227,7 +227,7 @@ def test_work_is_what_the_energy_changes_by_coming_and_going(case):
 @pytest.mark.parametrize(("modulus", "length", "rms"), [(80.0, 5e-4, 1e-3), (2.0, 2e-3, 5e-3)])
 def test_the_pull_off_force_does_not_go_with_the_spacing(modulus, length, rms):
     found = []
-    for points in (64, 128, 256):
+    for points in (64, 128):
         draw, x = np.random.default_rng(1), np.arange(points) / points
         heights = np.zeros((points, points))
         for i, j in np.ndindex(13, 7):
@@ -238,7 +238,7 @@ def test_the_pull_off_force_does_not_go_with_the_spacing(modulus, length, rms):
         adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
         found.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
     assert found[0] > 0
-    assert found[1:] == pytest.approx(found[:1] * 2, rel=OF_SPACING)
+    assert found[1] == pytest.approx(found[0], rel=OF_SPACING)
 
 
 @pytest.mark.soak

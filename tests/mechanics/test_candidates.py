@@ -28,7 +28,7 @@ from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
 # A spline by another solver.
 SAME_SPLINE = 1e-9
 # Seconds of the process's own time, because the machine may be busy with others.
-SIGNAL_AFTER = 0.5
+SIGNAL_AFTER = 0.2
 ENDED_WITHIN = 1.0
 
 
@@ -149,10 +149,10 @@ def noise(body, shape):
     "call",
     [
         lambda: press(
-            *noise(Profile, 2_000_000), np.linspace(0.5, 1.5, 400), detection="gap-minimum", curvature="signed"
+            *noise(Profile, 1_000_000), np.linspace(0.5, 1.5, 800), detection="gap-minimum", curvature="signed"
         ),
         lambda: press(
-            *noise(Surface, (2048, 2048)), np.linspace(0.01, 1.5, 400), direction=range(0, 360, 5), sliding="all"
+            *noise(Surface, (1024, 1024)), np.linspace(0.01, 1.5, 800), direction=range(0, 360, 2), sliding="all"
         ),
         lambda: weierstrass_mandelbrot(random_phases(1, directions=2000), 1.5, points=2_000_000),
         lambda: weierstrass_mandelbrot_surface(random_phases(1, directions=2000), 1.5, shape=(2000, 2000)),

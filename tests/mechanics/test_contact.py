@@ -47,25 +47,23 @@ def assert_close(actual, expected, tolerance):
 
 class TestAgainstReference:
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    @pytest.mark.parametrize("shear", ["+x", "-x"])
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
-    @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
-    def test_sums_are_those_of_the_plain_evaluation(self, rough_pair, dimension, bodies, curvature, shear, detection):
+    @pytest.mark.parametrize("dimension", [1.0, 1.7])
+    def test_sums_are_those_of_the_plain_evaluation(self, rough_pair, dimension, bodies, curvature, detection):
         upper, lower = rough_pair(dimension, points=150_000)
         flat = Profile(np.full(len(upper), 0.37), spacing=upper.spacing)
         upper = flat if bodies.startswith("flat") else upper
         lower = flat if bodies.endswith("flat") else lower
         approaches = [0.001, 0.004, 0.02]
-        curve = press(upper, lower, approaches, curvature=curvature, shear=shear, detection=detection)
         reference = PLAIN[detection]
-        total = 0
-        for k, approach in enumerate(approaches):
-            rows = reference(upper.heights, lower.heights, upper.spacing, approach, signed=curvature == "signed")
-            expected = pressing.sums(rows, 1 if shear == "+x" else -1)
-            assert_close(all_sums(curve)[:, k], np.array(list(expected.values())), INDEPENDENT[detection])
-            total += len(rows)
-        assert total >= 5
+        signed = curvature == "signed"
+        rows = [reference(upper.heights, lower.heights, upper.spacing, each, signed=signed) for each in approaches]
+        assert sum(map(len, rows)) >= 5
+        for shear, sigma in (("+x", 1), ("-x", -1)):
+            curve = press(upper, lower, approaches, curvature=curvature, shear=shear, detection=detection)
+            expected = np.transpose([list(pressing.sums(each, sigma).values()) for each in rows])
+            assert_close(all_sums(curve), expected, INDEPENDENT[detection])
 
     def test_table_is_that_of_the_plain_evaluation(self, rough_pair):
         upper, lower = rough_pair(1.4)
@@ -255,7 +253,7 @@ CHOICES = st.fixed_dictionaries(
     }
 )
 CASES = given(pair=pairs(), approach=st.floats(1e-3, 0.05), choices=CHOICES)
-IDENTITIES = settings(max_examples=60, deadline=None, derandomize=True)
+IDENTITIES = settings(max_examples=25, deadline=None, derandomize=True)
 OTHER = {"+x": "-x", "-x": "+x"}
 
 

@@ -126,10 +126,10 @@ def test_nothing_touches_where_points_are_missing(shape, boundary, hardness, pre
         press(flat_like(lower), lower, [0.1])
 
 
-@pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
+@pytest.mark.parametrize("shape", [(63,), (12, 15)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("flat", [False, True])
-@pytest.mark.parametrize("part", [0.05, 0.5, 0.95])
+@pytest.mark.parametrize("part", [0.05, 0.95])
 def test_pressures_below_a_bound_of_each_point_agree_with_dense_matrices(shape, boundary, flat, part):
     """Over a rough gap, as a hardness that varies; and over none, as a traction, with points that bear nothing."""
     random = np.random.default_rng(5)
@@ -405,7 +405,7 @@ def test_random_problems_with_a_hardness_are_solved():
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
-@pytest.mark.parametrize("ratio", [0.5, 2, 10, 50, 300, 1000])
+@pytest.mark.parametrize("ratio", [0.5, 10, 1000])
 def test_no_hardness_is_too_low(shape, boundary, ratio):
     """E* h'/H from 0.5 to 1000 and loads up to all that the hardness bears."""
     lower = rough(shape)
@@ -696,7 +696,7 @@ def test_where_all_pressure_is_at_the_hardness_the_gap_is_that_of_the_approach()
 
 
 @pytest.mark.parametrize("periodic", [True, False])
-@pytest.mark.parametrize("empty", [0, 400, 801])
+@pytest.mark.parametrize("empty", [0, 400])
 def test_displacements_are_those_of_all_cells_on_any_number_of_threads(periodic, empty):
     grids = _core.HalfSpaceGrids((801, 760), (0.1, 0.2), effective_modulus=MODULUS, periodic=periodic)
     pressure = np.random.default_rng(4).random((801, 760))
@@ -757,7 +757,7 @@ def test_approaches_are_those_of_the_loads_they_take(shape, boundary):
 
 
 @pytest.mark.parametrize("shape", [(64,), (24, 20)])
-@pytest.mark.parametrize("left", [1e-2, 1e-3, 1e-5, 1e-6, 1e-9, 1e-12, 1e-14])
+@pytest.mark.parametrize("left", [1e-2, 1e-6, 1e-14])
 def test_approaches_up_to_full_contact_are_met(shape, left):
     body = rough(shape, longest=1, shortest=5)
     full = (body.heights.max() - body.heights).mean()

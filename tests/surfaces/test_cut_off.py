@@ -73,9 +73,9 @@ def test_transmits_a_periodic_surface_whatever_the_direction():
 def test_lines_and_planes_stay_as_they_are_up_to_the_ends(wavelength):
     x = 0.1 * np.arange(400)
     line = Profile(100 + 3 * x, spacing=0.1)
-    assert cut_off(line, wavelength).heights == pytest.approx(line.heights, abs=ROUND_OFF * 200)
     plane = Surface(5 - 3 * x[:, np.newaxis] + 2 * x, spacing=0.1)
-    assert cut_off(plane, wavelength).heights == pytest.approx(plane.heights, abs=ROUND_OFF * 200)
+    for body in (line, plane):
+        assert np.abs(cut_off(body, wavelength).heights - body.heights).max() < ROUND_OFF * 200
 
 
 def test_is_linear_symmetric_and_scales():

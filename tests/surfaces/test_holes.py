@@ -122,15 +122,11 @@ def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp
 
 
 def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whole, path):
-    masked = pair(path, path, missing="mask", shifts=4, **READ, **ASKED)
-    kept = pair(
-        read_surface(path, missing="mask", **READ), read_surface(path, missing="mask", **READ), shifts=4, **ASKED
-    )
-    full, filled = (
-        pair(whole, whole, shifts=4, **ASKED),
+    scan, full = read_surface(path, missing="mask", **READ), pair(whole, whole, shifts=4, **ASKED)
+    masked, filled = (
+        pair(scan, scan, shifts=4, **ASKED),
         pair(path, path, missing="interpolate", shifts=4, **READ, **ASKED),
     )
-    assert masked.value == pytest.approx(kept.value, rel=1e-9)
     part = masked.nominal_area / full.nominal_area
     assert 0.6 < part < 0.9
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]

@@ -43,7 +43,7 @@ def test_is_that_of_the_lines_one_by_one():
 
 
 def test_columns_are_the_rows_of_the_surface_on_its_side():
-    surface = stack(0.6, lines=24, points=300)
+    surface = stack(0.6, lines=12, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
         found, again = line_roughness(surface, one), line_roughness(on_its_side, other)
@@ -54,15 +54,15 @@ def test_columns_are_the_rows_of_the_surface_on_its_side():
 
 
 def test_levelling_does_not_matter():
-    surface = stack(0.6, lines=24, points=300)
+    surface = stack(0.6, lines=12, points=300)
     for along in ("x", "y"):
         found, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
         assert again.Pq == pytest.approx(found.Pq, rel=1e-9)
         assert again.hurst_exponents == pytest.approx(found.hurst_exponents, abs=1e-6)
 
 
-@pytest.mark.parametrize("hurst", [0.4, 0.8])
-def test_lines_of_one_hurst_exponent_are_fitted_in_the_band_that_they_share(hurst):
+def test_lines_of_one_hurst_exponent_are_fitted_in_the_band_that_they_share():
+    hurst = 0.6
     found = line_roughness(stack(hurst, lines=MOST_FITTED + 9, longest_wavelength=4.0), "x")
     assert found.fitted == MOST_FITTED == found.hurst_exponents.size
     assert found.with_band > 0.9 * found.fitted
@@ -136,9 +136,9 @@ def test_lines_along_both_axes_share_a_band():
 
 
 def test_lines_along_grooves_have_no_exponent():
-    grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=400, spacing=1.0).heights + np.zeros((300, 1))
+    grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=300, spacing=1.0).heights + np.zeros((24, 1))
     along_x, along_y = lines_along_both(Surface(grooves, spacing=1.0))
-    assert along_x.hurst_exponents.size == 64
+    assert along_x.hurst_exponents.size == 24
     assert along_y.hurst_exponents.size == 0
     assert np.isnan(along_y.misfit)
 
