@@ -15,7 +15,7 @@ from stiction import (
     surrogate,
     turned_over,
 )
-from stiction.studies.pressed_maps import overlap_area
+from stiction.studies.traverse import overlap_area
 from stiction.views.style import STYLE
 
 plt.rcParams.update(STYLE)

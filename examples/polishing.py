@@ -6,7 +6,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import pressed_maps, self_affine_surface
-from stiction.studies.pressed_maps import overlap_area
+from stiction.studies.traverse import overlap_area
 from stiction.views.style import AREA, STRENGTHS, STYLE
 
 plt.rcParams.update(STYLE)

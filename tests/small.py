@@ -2,7 +2,8 @@
 
 import numpy as np
 from stiction import Study
-from stiction.studies.result import OF_MEMBERS, About, dataset_of, variables_of
+from stiction.studies.measured_surfaces import About
+from stiction.studies.result import OF_MEMBERS, dataset_of, variables_of
 
 SMALL = Study.named("quick").with_changes(
     {

@@ -32,9 +32,8 @@ from stiction import (
     write_surface,
 )
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.at_load import at_load
+from stiction.studies.at_load import at_load, member_values
 from stiction.studies.contact_picture import contact_picture
-from stiction.studies.member_values import member_values
 
 NAMES = [name for name in stiction.__all__ if name != "__version__"]
 ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from stiction import pressed_maps, pressed_maps_mean, self_affine_surface
-from stiction.studies.pressed_maps import overlap_area
+from stiction.studies.traverse import overlap_area
 
 OUT = Path(__file__).parent.parent / "generated/map_intervals.md"
 PAIRS, SHIFTS, TAKEN = 40, 400, 16

@@ -19,9 +19,8 @@ from stiction.mechanics.law import NAMED
 from stiction.studies import values
 from stiction.studies.contact_tables import CONTACTS, KEYS, LAW_TABLES
 from stiction.studies.known import KnownTable
-from stiction.studies.measured_files import MeasuredFile
-from stiction.studies.study import FRICTION_KEYS, Ensemble, Figures, Friction, study_names, study_summary
-from stiction.studies.surface_tables import SURFACES
+from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.study import FRICTION_KEYS, SURFACES, Ensemble, Figures, Friction, study_names, study_summary
 
 ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """A name in a page of the reference."""

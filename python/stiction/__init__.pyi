@@ -49,14 +49,10 @@ from stiction.mechanics.closed_forms import (
     westergaard_gap as westergaard_gap,
     westergaard_pressure as westergaard_pressure,
 )
-from stiction.studies.calibration import (
-    Ball as Ball,
-    FrictionTest as FrictionTest,
-    Interface as Interface,
-    calibrate as calibrate,
-)
+from stiction.studies.interfaces import Ball as Ball, FrictionTest as FrictionTest, Interface as Interface
+from stiction.studies.calibration import calibrate as calibrate
 from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
-from stiction.studies.pressed_maps import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
+from stiction.studies.traverse import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
 from stiction.studies.interfaces import (
     interface as interface,
     interfaces as interfaces,
@@ -64,7 +60,7 @@ from stiction.studies.interfaces import (
     write_interface as write_interface,
 )
 from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
-from stiction.studies.nondimensional import nondimensional as nondimensional
+from stiction.studies.result import nondimensional as nondimensional
 from stiction.studies.members import pair_of as pair_of
 from stiction.studies.runner import run as run
 from stiction.studies.study import Study as Study, study_names as study_names

@@ -17,10 +17,10 @@ from stiction.cli.application import app, tell
 from stiction.cli.options import announce_reader
 from stiction.studies import store
 from stiction.studies.at_load import at_load
-from stiction.studies.export import export
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import ARGUMENTS, Pair
-from stiction.studies.pressing import Pressing
+from stiction.studies.pressed import Pressing
+from stiction.studies.store import export
 from stiction.studies.values import StudyError
 from stiction.views.digits import quoted
 from stiction.views.inputs import doubts_of_inputs

@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 from stiction import Study
 from stiction.studies import pressed, store
-from stiction.studies.netcdf import decoded
+from stiction.studies.store import decoded
 
 KILLS = 200
 OF_A_FOLDER = 20  # kills, before a new one is begun: so that many fall into its beginning

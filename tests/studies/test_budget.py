@@ -9,10 +9,10 @@ import pytest
 from rough_bodies import rough_maps
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
+from stiction.studies.at_load import PerLoad, six_at
 from stiction.studies.budget import _Point
-from stiction.studies.hardness import Areas, bodies_wanted
-from stiction.studies.known import ENDS, inputs_of, known
-from stiction.studies.member_values import PerLoad, six_at
+from stiction.studies.hardness import Areas, bodies_wanted, inputs_of
+from stiction.studies.known import ENDS, known
 from stiction.studies.pair import pair_study
 from stiction.studies.values import StudyError
 
@@ -237,7 +237,7 @@ def test_it_covers_the_truth_of_inputs_drawn_from_their_ranges(truths) -> None:
 
 def one_test(truth, rng) -> float:
     """The coefficient of one member in one direction, of which the result has many."""
-    from stiction.studies.member_values import member_values
+    from stiction.studies.at_load import member_values
 
     members = member_values(truth.source, truth._asked["load"].values).sel(sliding="all").squeeze()
     assert (members["status"] == STATUS_OK).all()

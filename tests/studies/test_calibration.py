@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from rough_bodies import rough_maps
 from stiction import Ball, FrictionTest, HalfSpaceCurve, Interface, calibrate, half_space, pair, write_interface
-from stiction.studies.calibration import HARDNESS, highest_density
-from stiction.studies.known import inputs_of
+from stiction.studies.hardness import inputs_of
+from stiction.studies.interfaces import HARDNESS, highest_density
 
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)

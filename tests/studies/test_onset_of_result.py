@@ -10,13 +10,12 @@ import xarray
 from measured_studies import study_of, write_maps, write_profiles
 from stiction import Profile, Study, approach_at_load, contacts, half_space, read_result, self_affine
 from stiction.studies.executors import threads
-from stiction.studies.export import export
 from stiction.studies.intervals import of_sample
 from stiction.studies.members import bodies_of
 from stiction.studies.onset import FILE, backbone, onset_beside, onset_of_result
 from stiction.studies.pair import pair_study
 from stiction.studies.runner import fill
-from stiction.studies.store import open_stored
+from stiction.studies.store import export, open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from stiction import Result, Study, contacts, pair_of, press, read_result, run
 from stiction.mechanics.quantities import ONSET
-from stiction.studies.at_load import at_load
-from stiction.studies.member_values import member_values
+from stiction.studies.at_load import at_load, member_values
 from stiction.studies.study import StudyError
 from stiction.views.report import report_page
 from stiction.views.text import quantities_text

@@ -5,6 +5,7 @@ import pytest
 from measured_studies import study_of, write_maps, write_profiles
 from stiction import Profile, approach_at_load, half_space, levelled, press, turned_over
 from stiction.mechanics.friction import STATUSES
+from stiction.studies import pressed
 from stiction.studies.members import about, bodies_of
 from stiction.studies.pressed import cost_of_member, member_sums
 from stiction.studies.result import OF_MEMBERS, dataset_of, names_of, stacked, variables_of
@@ -75,14 +76,13 @@ def test_a_dataset_has_what_the_study_says(tmp_path):
 def test_a_load_without_a_solution_leaves_the_others_theirs(tmp_path, monkeypatch):
     study = study_of(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.steps()
-    from stiction.studies import pressing
 
     def fails(upper, lower, loads, **rest):
         if np.isclose(loads, study.contact.steps()[1]).any():
             raise RuntimeError("no solution")
         return half_space(upper, lower, loads, **rest)
 
-    monkeypatch.setattr(pressing, "half_space", fails)
+    monkeypatch.setattr(pressed, "half_space", fails)
     values = member_sums(study, 0)
     assert values["status"][0].tolist() == [
         STATUSES.index("not-solved" if index == 1 else "ok") for index in range(loads.size)

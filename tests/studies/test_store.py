@@ -20,11 +20,10 @@ import numpy as np
 import pytest
 import xarray
 from stiction import _files, run
-from stiction.studies import netcdf, runner, store
 from stiction.studies import result as results
-from stiction.studies.export import ExportError, export
+from stiction.studies import runner, store
 from stiction.studies.runner import fill
-from stiction.studies.store import BLOCKS, STUDY, Block, StoreError
+from stiction.studies.store import BLOCKS, STUDY, Block, ExportError, StoreError, export
 from tiny import TINY, Inline, assert_same_bits, repetitions, rewritten
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
@@ -131,8 +130,8 @@ def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, mo
 def test_a_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
     """And what becomes of it in the hands of a caller is not what the next one sees."""
     stored, reads = store.open_stored(whole), []
-    decoded = netcdf.decoded
-    monkeypatch.setattr(netcdf, "decoded", lambda content: reads.append(content) or decoded(content))
+    decoded = store.decoded
+    monkeypatch.setattr(store, "decoded", lambda content: reads.append(content) or decoded(content))
     stored.dataset()["contact_area"].values[:] = 7.0
     assert len(reads) == len(stored.blocks)
     (piece,) = stored.pieces()
@@ -686,9 +685,9 @@ def test_a_file_of_something_else_is_no_result(tmp_path, undisturbed):
 def test_equal_members_give_equal_bytes_whenever_they_are_written(undisturbed):
     """Files are named by their bytes, in which old versions of h5py put the second."""
     first, second = io.BytesIO(), io.BytesIO()
-    netcdf.write(undisturbed, first)
+    store.write(undisturbed, first)
     time.sleep(1.01)
-    netcdf.write(undisturbed, second)
+    store.write(undisturbed, second)
     assert first.getvalue() == second.getvalue()
 
 
@@ -700,7 +699,7 @@ def test_a_file_is_that_which_xarray_writes(undisturbed):
     )
     for dataset in (part, kinds, part.mean("repetition")):
         ours, theirs = io.BytesIO(), io.BytesIO()
-        netcdf.write(dataset, ours)
+        store.write(dataset, ours)
         dataset.to_netcdf(
             theirs, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in dataset.variables}
         )
@@ -712,5 +711,5 @@ def test_a_file_is_that_which_xarray_writes(undisturbed):
                 assert one[name].dtype == other[name].dtype
                 assert one[name].attrs.keys() == other[name].attrs.keys()
     image = io.BytesIO()
-    netcdf.write(part, image)
-    assert netcdf.encoded(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()
+    store.write(part, image)
+    assert store.encoded(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()

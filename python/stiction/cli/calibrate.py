@@ -55,10 +55,10 @@ def calibrate(
     What tests know is mu0 + tau0 A/F at the true area A under the load F. Both are told apart where A/F differs among
     tests; elsewhere it says what would tell them apart.
     """
-    from stiction.studies.calibration import Ball, FrictionTest
     from stiction.studies.calibration import calibrate as fitted
+    from stiction.studies.calibration import friction_tests
     from stiction.studies.elasticity import elasticity_of
-    from stiction.studies.interfaces import friction_tests, write_interface
+    from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.known import ENDS, known
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.result import Result

@@ -24,9 +24,10 @@ from stiction.cli.options import (
     with_options,
 )
 from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
-from stiction.studies.pair import LAW, SEED, SHIFTS, Pair
+from stiction.studies.measured_surfaces import SHIFTS
+from stiction.studies.pair import LAW, Pair
 from stiction.studies.store import STUDY, Stored
-from stiction.studies.study import Study
+from stiction.studies.study import SEED, Study
 
 UpperFile = Annotated[Path | None, typer.Argument(
     metavar="UPPER", help="A measured profile or surface: the slider. Scans of several places: a.csv,b.csv or a folder."

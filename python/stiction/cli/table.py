@@ -46,9 +46,9 @@ def table_command(
     and tau0 cost nothing.
     """
     from stiction.cli.running import executor_of, fill_folder
-    from stiction.studies import export as exports
     from stiction.studies.elasticity import elasticity_of
     from stiction.studies.friction_table import friction_table, table_study
+    from stiction.studies.store import export
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = elasticity_of(**asked).effective_modulus
@@ -67,7 +67,7 @@ def table_command(
         stored = fill_folder(study, output, executor)
     table = friction_table(stored.dataset(), **materials)
     tell(friction_table_text(table))
-    exports.export(table, output / TABLE, replace=(output / TABLE).exists())
+    export(table, output / TABLE, replace=(output / TABLE).exists())
     for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):
         (output / name).write_text(text, encoding="utf-8")
     for name in (TABLE, NUMBERS, LAWS):

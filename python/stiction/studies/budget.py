@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
-from stiction.studies.calibration import HARDNESS
-from stiction.studies.hardness import Areas
-from stiction.studies.interfaces import interface_of
+from stiction.studies.at_load import PerLoad, member_values, six_at
+from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
+from stiction.studies.interfaces import HARDNESS, interface_of
 from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
-from stiction.studies.known import DRAWS, ENDS, Known, creep_of, inputs_of, relative_modulus, strata
+from stiction.studies.known import DRAWS, ENDS, Known, strata
 from stiction.studies.maps import Result, study_of_result
-from stiction.studies.member_values import PerLoad, member_values, six_at
-from stiction.studies.result import measured
+from stiction.studies.study import measured
 
 if TYPE_CHECKING:
     import xarray

@@ -13,7 +13,7 @@ from stiction._files import replace as put
 from stiction._text import duration_text
 from stiction.studies.pressed import cost_of_member
 from stiction.studies.runner import fill, filled, prepared
-from stiction.studies.store import BLOCKS, STUDY, Stored, open_stored
+from stiction.studies.store import BLOCKS, STUDY, Stored, export, open_stored
 from stiction.studies.study import Study, computed_otherwise, differences, differences_text
 
 Say = Callable[[str], Any]  # a function that tells a person a line
@@ -72,8 +72,6 @@ def fill_hardness(stored: Stored, executor: Executor) -> None:
 
 def _put_beside(stored: Stored, name: str, make: Callable[[], Any]) -> None:
     """Write what is made of a result beside it, if there is anything, and the files of its bodies are still there."""
-    from stiction.studies.export import export
-
     with contextlib.suppress(ValueError):
         if (made := make()) is not None:
             export(made, stored.path / name, replace=True)
@@ -84,7 +82,6 @@ def fill_beside(
     say: Say = _nothing,
 ) -> None:  # fmt: skip
     """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset."""
-    from stiction.studies.export import export
     from stiction.studies.onset import FILE, TABLE, backbone, onset_beside, onset_of_result
     from stiction.studies.resolution import FOLDER, resolution_study
 

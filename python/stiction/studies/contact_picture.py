@@ -19,10 +19,9 @@ from stiction.studies.contact_statistics import Table
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.maps import Result, cells_of, study_of_result
 from stiction.studies.members import bodies_of, pair_of
-from stiction.studies.pressing import OneLoad
-from stiction.studies.result import measured
+from stiction.studies.pressed import OneLoad
 from stiction.studies.store import Stored, read_beside
-from stiction.studies.study import Study
+from stiction.studies.study import Study, measured
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 

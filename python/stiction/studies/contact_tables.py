@@ -16,8 +16,8 @@ from stiction._units import exact, quantity, shortened
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
-from stiction.studies.generated_surfaces import Profiles
-from stiction.studies.surface_tables import Measured, Surfaces, pressed
+from stiction.studies.generated_surfaces import Generated, Profiles
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.values import (
     REQUIRED,
     ApproachesOrRange,
@@ -335,14 +335,14 @@ KEYS: Keys = {
 """Keys that not every table `[contact]` has, with their defaults."""
 
 
-def contact_case(surfaces: type[Surfaces], given: Mapping[str, Any]) -> tuple[type[Contact], str]:
+def contact_case(surfaces: type[Generated | Measured], given: Mapping[str, Any]) -> tuple[type[Contact], str]:
     """The case of a table by its key `mechanics`, and its place, as in "asperities of generated lines"."""
-    bodies = pressed(surfaces)
+    bodies = surfaces.bodies
     mechanics = chosen("mechanics", given, CONTACTS, "half-space" if bodies == "measured areas" else "asperities")
     return CONTACTS[mechanics], f"{'the ' * (mechanics == 'half-space')}{mechanics} of {bodies}"
 
 
-def read_contact(value: Mapping[str, Any], surfaces: Surfaces) -> Contact:
+def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Contact:
     """A table that goes with the surfaces."""
     case, place = contact_case(type(surfaces), value)
     contact = case.model_validate(completed(KEYS, place, value))

@@ -48,6 +48,7 @@ MOST_HARMONICS = 1_000_000  # largest product of directions and frequencies; eac
 class FractalParameters(Table):
     """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
 
+    bodies: ClassVar[str] = "generated areas"
     is_areal: ClassVar[bool] = True
     """Whether members are pairs of areas, and not of lines."""
 
@@ -93,6 +94,7 @@ class Profiles(FractalParameters):
     """Pairs of fractal profiles by Eq. 1 of the paper."""
 
     case: ClassVar[str] = "fractal profiles"
+    bodies: ClassVar[str] = "generated lines"
     is_areal: ClassVar[bool] = False
 
     kind: Literal["profile"] = Field(default="profile", description="What is pressed together: lines or areas.")

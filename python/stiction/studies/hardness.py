@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,13 +14,15 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space import half_space, solved
 from stiction.mechanics.hardness import area_per_load
+from stiction.mechanics.materials import Material, MaterialValue, material, softer_material
 from stiction.mechanics.resolution import KAPPA
+from stiction.studies.at_load import member_values
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.known import creep_of, inputs_of, relative_modulus
-from stiction.studies.member_values import member_values
+from stiction.studies.known import Distribution, Known, known
 from stiction.studies.members import bodies_of
 from stiction.studies.store import Stored, read_beside
 from stiction.studies.study import Study
+from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
     import xarray
@@ -40,6 +43,93 @@ NARROW = 0.2
 
 OUTER = (0.005, 0.995)
 """Quantiles of a range between which solutions are wanted."""
+_MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
+ROUNDED = 0.006  # relative difference between a number and itself in three digits, at most
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input of a study with its name in words."""
+
+    words: str
+    known: Known
+
+
+def inputs_of(study: Study) -> dict[str, Input]:
+    """What is known of the inputs of a study of measured bodies that are no exact numbers, by their names."""
+    if not study.is_measured:
+        return {}
+    table, contact = study.known, study.contact
+    bodies = materials_of(study)
+    found: dict[str, Input] = {}
+    for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure"), ("effective_modulus", "E*", "modulus")):
+        if (text := getattr(table, name)) is not None:
+            found[name] = Input(words, known(name, text, kind))  # type: ignore[arg-type]
+    if contact.hardness is not None:
+        softer = softer_material(*bodies)
+        words = f"the hardness of the {softer.name}" if softer else "the hardness"
+        if table.hardness is not None:
+            found["hardness"] = Input(words, known("hardness", table.hardness, "hardness"))
+        elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < ROUNDED:
+            found["hardness"] = Input(words, _of_material(softer.hardness, "log-normal"))
+    for index, each in enumerate(_bodies(study)):
+        for name, value in each.items():
+            words = f"{_MODULI[name]} of the {bodies[index].name if bodies else f'{SIDES[index]} body'}"
+            if index == 0 or not (bodies and bodies[0] == bodies[1]):
+                found[f"{name}_{SIDES[index]}"] = Input(words, value)
+    return {name: each for name, each in found.items() if not each.known.is_exact}
+
+
+def creep_of(study: Study) -> Known | None:
+    """What is known of the exponent of indentation creep, where the study waits."""
+    return known("creep", study.known.creep) if study.friction.wait and study.known.creep else None
+
+
+def _bodies(study: Study) -> list[dict[str, Known]]:
+    """Young's modulus and Poisson's ratio of the upper and the lower body; none where only E* is known."""
+    table, materials = study.known, materials_of(study)
+    if table.young is not None and table.poisson is not None:
+        given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
+        return [{"young": known("young", e, "modulus"), "poisson": known("poisson", nu)} for e, nu in given]
+    return [
+        {"young": _of_material(each.young_modulus, "log-normal"), "poisson": _of_material(each.poisson_ratio, "normal")}
+        for each in materials
+    ]
+
+
+def materials_of(study: Study) -> tuple[Material, ...]:
+    """The materials of both bodies by whose names a study was made; none of names that somebody gave himself."""
+    try:
+        return tuple(material(name) for name in study.contact.materials or ())
+    except ValueError:
+        return ()
+
+
+def _of_material(value: MaterialValue, distribution: Distribution) -> Known:
+    """The range of a property of a material."""
+    low, high = float(value.low), float(value.high)
+    return Known(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
+
+
+def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
+    """E* over that of the study, of draws of its inputs by their names."""
+    if "effective_modulus" in drawn:
+        return drawn["effective_modulus"] / float(study.contact.effective_modulus)
+    bodies, materials = _bodies(study), materials_of(study)
+    ones = [SIDES[0]] * 2 if materials and materials[0] == materials[1] else SIDES
+    middle = [_compliance(body["young"].value, body["poisson"].value) for body in bodies]
+    now = [
+        _compliance(*(drawn.get(f"{name}_{side}", body[name].value) for name in _MODULI))
+        for side, body in zip(ones, bodies, strict=False)
+    ]
+    return sum(middle) / sum(now) if bodies else 1.0
+
+
+def _compliance(young: Any, poisson: Any) -> Any:
+    return (1 - poisson**2) / young
+
+
+# ---- Areas over hardness
 
 
 def bodies_wanted(study: Study) -> tuple[Floats, Floats]:

@@ -10,29 +10,385 @@ import contextlib
 import csv
 import io
 import math
-import re
 import tomllib
-from collections.abc import Iterator, Mapping
-from functools import cache, lru_cache
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property, lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._files import NotReadableError, content, reason, replaced_file
-from stiction._text import named, printable
-from stiction._units import shortened
-from stiction.studies.calibration import Fit, FrictionTest, Interface, highest_density
+from stiction._checks import Floats, number
+from stiction._files import content, reason, replaced_file
+from stiction._text import named
+from stiction._units import in_core_units, loads_in_core_units
+from stiction.mechanics.closed_forms import hertz_sphere
+from stiction.mechanics.friction import SIX, Curve
+from stiction.mechanics.model import Sliding
+from stiction.studies.at_load import PerLoad, member_values, six_at
+from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
 from stiction.studies.known import Known, draws, known
+from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
+    import pandas
+
     from stiction.studies.study import Study
 
 HEAD = "# stiction interface"  # first line of a file
 COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)")
 LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface
 _NUMBERS = ("area_per_load", "variation")
+EXCLUDED, UNLIKELY = 0.01, 0.05
+"""Probabilities of residuals as large: a rule is excluded by the first, errors are scaled by the second."""
+AT_BOUND = 0.01  # distance of a lower end from its bound, in widths of the interval, up to which it is the bound
+COVERAGE = 0.95  # probability of intervals
+RULES: tuple[Sliding, ...] = ("all", "opposing")
+HARDNESS = "hardness of the draws"
+"""Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
+Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A smooth ball on a smooth flat below yield, whose true contact is Hertz's.
+
+    Attributes
+    ----------
+    radius : float or str, µm
+    effective_modulus : float or str, GPa
+
+    Examples
+    --------
+    >>> from stiction import Ball
+    >>> round(Ball("5 mm", "3 GPa").area_per_load(100.0), 2)  # µm²/mN
+    78.54
+    """
+
+    radius: float | str
+    effective_modulus: float | str
+
+    def __post_init__(self) -> None:
+        """Numbers in core units."""
+        for name, kind, unit in (("radius", "length", "µm"), ("effective_modulus", "pressure", "GPa")):
+            value = number(name, in_core_units(name, getattr(self, name), kind), unit=unit, above=0)
+            object.__setattr__(self, name, value)
+
+    def area_per_load(self, load: float) -> float:
+        """A/F (1/GPa) at a load (mN)."""
+        radius, modulus = float(self.radius), float(self.effective_modulus)
+        overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
+        force, area = hertz_sphere(overlap, radius, modulus)
+        return float(area / force)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Friction(PerLoad):
+    """What the surfaces of a test do at its load."""
+
+    scatter: float = 0.0  # relative standard error of `stick`
+    hardness: float = math.nan
+    yields: _Yields | None = None
+
+    def area(self, columns: Mapping[str, Floats]) -> Any:
+        """True area over the computed one, of probabilities of what is known of hardness, creep and moduli."""
+        return 1.0 if self.yields is None else self.yields.area(columns)
+
+
+@dataclass(frozen=True)
+class _Yields:
+    """How the true area of a result at a load goes with what is not known of its bodies."""
+
+    areas: Areas
+    study: Study
+    known: Mapping[str, Known]  # hardness, creep and moduli that are ranges
+    wait: float
+
+    @classmethod
+    def of(cls, result: Any, load: float, wait: float) -> _Yields | None:
+        """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
+        source = getattr(result, "source", result)
+        study = study_of(getattr(result, "dataset", result))
+        known = {name: each.known for name, each in inputs_of(study).items() if name not in ("mu0", "tau0")}
+        fall = creep_of(study)
+        if wait != 1 and fall is None:
+            raise ValueError("wait needs a pair that was pressed with wait and creep")
+        if not known and fall is None:
+            return None
+        members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
+        at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
+        return cls(Areas.of(at, study, source), study, known | ({} if fall is None else {"creep": fall}), wait)
+
+    def key(self, name: str) -> str:
+        """Name of a nuisance: what two results know alike is one."""
+        return f"{name} {self.known[name].text}"
+
+    def area(self, columns: Mapping[str, Floats]) -> Floats:
+        """As `_Friction.area`, of probabilities by `key`."""
+        return self.area_of({name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()})
+
+    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
+        """The same of values of what is known."""
+        hardness = drawn.get("hardness", np.asarray(self.areas.hardness or math.nan))
+        hardness = hardness * self.wait ** -drawn["creep"] if "creep" in drawn else hardness
+        modulus = relative_modulus(self.study, drawn)
+        return self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
+
+
+@dataclass(frozen=True)
+class FrictionTest:
+    """One friction test: what was pressed, under which load, and what was measured.
+
+    Attributes
+    ----------
+    result : Result, HalfSpaceCurve, LoadCurve or Ball
+        What the surfaces of the test do under load; several tests on the same surfaces share it.
+    load : float or str, mN
+        "10 mN", or per nominal area "10 MPa" where the result has one.
+    coefficient : float, optional
+    force : float or str, mN, optional
+        Tangential force at which it slid, in place of the coefficient. The first peak is the static one.
+    uncertainty : float, optional
+        Standard uncertainty of the coefficient, or of the force where that is given. None: it is found from the scatter
+        of all tests.
+    slid : bool
+        Whether it slid; if it held, the coefficient is a lower bound.
+    run : str or int, optional
+        Specimen or series; tests of one run share an unknown offset.
+    wait : float or str, s
+        Time under load before it was sheared, of a result that was pressed with waiting and creep.
+
+    Examples
+    --------
+    >>> from stiction import Ball, FrictionTest
+    >>> FrictionTest(Ball("5 mm", "3 GPa"), "100 mN", force="20 mN").coefficient
+    0.2
+    """
+
+    result: Any
+    load: float | str
+    coefficient: float | None = None
+    force: float | str | None = None
+    uncertainty: float | None = None
+    slid: bool = True
+    run: str | int | None = None
+    wait: float | str = 1.0
+
+    def __post_init__(self) -> None:
+        """Load and coefficient as numbers."""
+        area = getattr(self.result, "nominal_area", None)
+        given = (
+            in_core_units("load", self.load, "force") if area is None else loads_in_core_units("load", self.load, area)
+        )
+        load = number("load", given, unit="mN", above=0)
+        object.__setattr__(self, "wait", number("wait", in_core_units("wait", self.wait, "time"), unit="s", above=0))
+        if (self.coefficient is None) == (self.force is None):
+            raise ValueError("one of coefficient and force is needed")
+        scale = 1.0
+        if self.force is not None:
+            scale = load
+            force = number("force", in_core_units("force", self.force, "force"), unit="mN")
+            object.__setattr__(self, "coefficient", force / load)
+        found = number("coefficient", self.coefficient)
+        if not found >= 0:
+            raise ValueError(f"the measured coefficient must not be negative, got {found:g}")
+        object.__setattr__(self, "coefficient", found)
+        object.__setattr__(self, "load", load)
+        if self.uncertainty is not None:
+            of_force = isinstance(self.uncertainty, str)
+            error = in_core_units("uncertainty", self.uncertainty, "force") if of_force else self.uncertainty
+            object.__setattr__(self, "uncertainty", number("uncertainty", error, above=0) / scale)
+
+    @cached_property
+    def yields(self) -> _Yields | None:
+        """How the true area goes with what is not known of the bodies, of a result of `pair`."""
+        return _Yields.of(self.result, float(self.load), float(self.wait))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What the tests say by one sliding rule."""
+
+    sliding: Sliding
+    chi_squared: float  # of the most likely mu0 and tau0, with the errors that were given
+    freedom: int  # tests that slid less what was fitted
+    probability: float  # of residuals as large or larger; NaN without errors or freedom
+    scale: float  # by which errors were multiplied because residuals are larger than they allow
+    trend: float  # probability that residuals vary as much with the load by chance: small where the law does not fit
+    mu0: Floats  # draws
+    tau0: Floats  # of the same draws, GPa
+    hardness: Floats  # of the same draws, GPa; NaN where there is none, or another in other tests
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The strength of an interface as tests know it: mu0 and tau0 jointly.
+
+    Attributes
+    ----------
+    fits : tuple of Fit
+        By each sliding rule that was asked for, the one that is used first.
+    area_per_load : float, 1/GPa
+        A/F of the tests, at which mu0 + tau0 A/F is identified.
+    variation : float
+        Standard deviation over mean of A/F among the tests.
+    separated : bool
+        Whether both are known, and not only mu0 + tau0 A/F.
+    advice : tuple of (str, float, float)
+        Tests that would tell them apart: what, and the expected standard errors of mu0 and tau0 (GPa) after as many
+        tests as there are.
+    tests : tuple of (float, float, float, bool)
+        A/F (1/GPa), coefficient, its standard uncertainty (NaN where none was given) and whether it slid, of each test.
+    about : mapping of str to str
+        Kind ("measured", "lumped" or "bound"), materials, conditions, source: what a reader must know.
+
+    Examples
+    --------
+    >>> from stiction import interface
+    >>> strength = interface("MoS2 on bearing steel, dry air")
+    >>> strength.separated, round(strength.tau0[0], 4)
+    (True, 0.0248)
+    """
+
+    fits: tuple[Fit, ...]
+    area_per_load: float
+    variation: float
+    separated: bool
+    advice: tuple[tuple[str, float, float], ...] = ()
+    tests: tuple[tuple[float, float, float, bool], ...] = ()
+    about: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """Show what is identified, and mu0 and tau0 where they are separated."""
+        known = [("mu0 + tau0 A/F", self.identified, "")]
+        if self.separated:
+            known += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
+        rows = [
+            f"  {name:<14}  {value:.4g} [{low:.4g}, {high:.4g}]{unit}"
+            for name, (value, low, high), unit in known
+            if math.isfinite(value)
+        ]
+        return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
+
+    @property
+    def identified(self) -> Interval:
+        """mu0 + tau0 A/F at the A/F of the tests, and its 95 % interval."""
+        return highest_density(self.fits[0].mu0 + self.fits[0].tau0 * self.area_per_load, 0.0)
+
+    @property
+    def mu0(self) -> Interval:
+        """Molecular friction coefficient and its interval; NaN where the two are not separated."""
+        return highest_density(self.fits[0].mu0, 0.0) if self.separated else (math.nan,) * 3
+
+    @property
+    def tau0(self) -> Interval:
+        """Adhesive shear strength (GPa) and its interval; NaN where the two are not separated."""
+        return highest_density(self.fits[0].tau0, 0.0) if self.separated else (math.nan,) * 3
+
+    @property
+    def excluded(self) -> tuple[Sliding, ...]:
+        """Sliding rules that the tests exclude, while another one fits them."""
+        likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY]
+        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED and likely)
+
+    @cached_property
+    def draws(self) -> pandas.DataFrame:
+        """The joint distribution, a row a draw: mu0, tau0 (GPa) and hardness (GPa, NaN without one of all tests)."""
+        import pandas
+
+        fit = self.fits[0]
+        return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
+
+    def predict(self, result: Any, load: float | str) -> Interval:
+        """mu_s of other surfaces at a load, with its 95 % interval.
+
+        Parameters
+        ----------
+        result : Result, HalfSpaceCurve, LoadCurve or Ball
+        load : float or str, mN
+
+        Returns
+        -------
+        (float, float, float)
+            Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
+        """
+        fit, random = self.fits[0], np.random.default_rng(1)
+        found = _friction_of(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        area = np.exp(found.scatter * random.standard_normal(len(fit.mu0)))
+        if (own := found.yields) is not None:
+            drawn = {name: each.quantile(random.random(len(fit.mu0))) for name, each in own.known.items()}
+            if "hardness" in drawn and own.known["hardness"].says(self.about.get(HARDNESS, "")):
+                drawn["hardness"] = fit.hardness  # what is common to tests and prediction is drawn once
+            area = area * own.area_of(drawn)
+        return highest_density(found.coefficient(fit.mu0, fit.tau0, area), 0.0)
+
+
+def highest_density(values: Floats, bound: float = -math.inf) -> Interval:
+    """Median of draws and the shortest interval that holds 95 % of them; a lower end beside the bound is the bound."""
+    ordered = np.sort(values)
+    inside = math.ceil(COVERAGE * len(ordered)) - 1
+    start = int((ordered[inside:] - ordered[: len(ordered) - inside]).argmin())
+    low, high = float(ordered[start]), float(ordered[start + inside])
+    if low - bound < AT_BOUND * (high - low):
+        low, high = bound, float(ordered[inside])
+    return float(np.median(ordered)), low, high
+
+
+def _rules_of(result: Any) -> tuple[str, ...]:
+    """Sliding rules of which a result has sums."""
+    if isinstance(result, Ball):  # on which all rubs
+        return RULES
+    if isinstance(result, Curve):
+        return (str(getattr(result, "sliding", "all")),)
+    return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
+
+
+def _friction_of(test: FrictionTest, sliding: Sliding) -> _Friction:
+    """What the surfaces of a test do at its load, by a sliding rule."""
+    result, load = test.result, float(test.load)
+    if isinstance(result, (Ball, Curve)) and test.wait != 1:
+        raise ValueError("wait needs a result of pair, which knows the creep")
+    if isinstance(result, Ball):
+        return _Friction(stick=result.area_per_load(load))
+    if isinstance(result, Curve):
+        return _of_curve(result, load)
+    return replace(_of_members(result, load, sliding), yields=test.yields)
+
+
+def _of_curve(curve: Curve, load: float) -> _Friction:
+    """A curve has one rule, its own, and one direction, the first."""
+    loads = np.asarray(curve.normal_elastic)
+    if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
+        raise ValueError(
+            f"load must be one that the curve reaches, {loads.min():g} to {loads.max():g} mN, got {load:g}"
+        )
+    order = np.argsort(loads)
+
+    def at(name: str) -> float:
+        values = np.asarray(getattr(curve, name))
+        values = values.reshape(-1, values.shape[-1])[0] / loads
+        return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
+
+    return _Friction.of({name: at(name) for name in SIX}, hardness=float(getattr(curve, "hardness", None) or math.nan))
+
+
+def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
+    """Means of a result over members and directions, and the scatter of the adhesive sum over members."""
+    dataset = getattr(result, "dataset", result)
+    there = six_at(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
+    six = {str(name): each.mean("direction").values.reshape(-1) for name, each in there.data_vars.items()}
+    reached = np.isfinite(list(six.values())).all(axis=0)
+    if not reached.any():
+        raise ValueError(f"load must be one that the result reaches, got {load:g} mN")
+    stick = six["tangential_adhesive"][reached]
+    spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
+    means = {name: each[reached].mean() for name, each in six.items()}
+    return _Friction.of(means, scatter=spread, hardness=float(study_of(dataset).contact.hardness or math.nan))
+
+
+# ---- Files
 
 
 def write_interface(interface: Interface, path: str | Path, about: Mapping[str, str] | None = None) -> None:
@@ -201,100 +557,3 @@ def medians(found: Interface) -> tuple[float, float]:
     """Medians of mu0 and of tau0 (GPa), in four digits."""
     mu0, tau0 = (float(f"{np.median(each):.4g}") for each in (found.fits[0].mu0, found.fits[0].tau0))
     return mu0, tau0
-
-
-# ---- Friction tests --------------------------------------------------------------------------------------------------
-
-TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
-"""Names of columns; load and force need a unit, uncertainty may be in percent."""
-
-LONGEST_TABLE = 10_000_000  # largest number of bytes of a table of tests
-_TITLE = re.compile(r"\s*([^()]*?)\s*(?:\(\s*([^()]*?)\s*\))?\s*")
-_SLID = {"": True, "1": True, "yes": True, "true": True, "0": False, "no": False, "false": False}
-
-
-def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """The tests of a table with the columns load and force or coefficient, and others of `TEST_COLUMNS`.
-
-    Its pair names one of the bodies, results or balls. A `ValueError` says which line is not what its columns say.
-    """
-    try:
-        text = content(Path(path), LONGEST_TABLE).decode("utf-8-sig")
-    except OSError as error:
-        raise ValueError(f"{named(path)}: cannot be read: {reason(error)}") from None
-    except (UnicodeDecodeError, NotReadableError) as error:
-        raise ValueError(f"{named(path)}: is no table of friction tests: {error}") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
-    if len(lines) < 2:
-        raise ValueError(f"{named(path)}: has no tests: a line of names and a line for each test are needed")
-    separator = next((each for each in "\t;" if each in lines[0][1]), ",")
-    table = zip(
-        (number for number, _ in lines), csv.reader((line for _, line in lines), delimiter=separator), strict=False
-    )
-    try:
-        titles = _titles(next(table)[1])
-        return tuple(_tests(table, titles, bodies))
-    except (ValueError, csv.Error) as error:
-        raise ValueError(f"{named(path)}: {error}") from None
-
-
-def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
-    """Place and unit of each column."""
-    found: dict[str, tuple[int, str]] = {}
-    for place, cell in enumerate(head):
-        match = _TITLE.fullmatch(cell)
-        name = match[1].lower() if match else ""
-        if not match or name not in TEST_COLUMNS or name in found:
-            raise ValueError(
-                f"has the column {shortened(printable(cell))}, and may have each of {', '.join(TEST_COLUMNS)}"
-            )
-        found[name] = place, match[2] or ""
-    if "load" not in found or len({"force", "coefficient"} & set(found)) != 1:
-        raise ValueError("needs the columns load and either force or coefficient")
-    for name in {"load", "force", "wait"} & set(found):
-        if not found[name][1]:
-            raise ValueError(f'the column {name} needs its unit, as in "{name} ({"s" if name == "wait" else "mN"})"')
-    if "force" in found and "uncertainty" in found and not found["uncertainty"][1]:
-        raise ValueError('uncertainty beside force needs a unit, as in "uncertainty (mN)" or "uncertainty (%)"')
-    return found
-
-
-def _tests(rows: Any, titles: dict[str, tuple[int, str]], bodies: Mapping[str, Any]) -> Iterator[FrictionTest]:
-    for number, row in rows:
-        try:
-            if len(row) != len(titles):
-                raise ValueError(f"has {len(row)} cells, and the first line {len(titles)}")
-            cells = {name: row[place].strip() for name, (place, _) in titles.items()}
-            yield _test(cells, {name: unit for name, (_, unit) in titles.items()}, bodies)
-        except ValueError as error:
-            raise ValueError(f"line {number}: {error}") from None
-
-
-def _test(cells: dict[str, str], units: dict[str, str], bodies: Mapping[str, Any]) -> FrictionTest:
-    name = cells.get("pair", "").rstrip("/") or (next(iter(bodies)) if len(bodies) == 1 else "")
-    if name not in bodies:
-        raise ValueError(f"pair must be one of {', '.join(bodies)}, got {shortened(name)}")
-    if (slid := _SLID.get(cells.get("slid", "").lower())) is None:
-        raise ValueError(f"slid must be 1, or 0 where it held, got {shortened(cells['slid'])}")
-    asked: dict[str, Any] = {"slid": slid, "run": cells.get("run") or None}
-    if cells.get("wait"):
-        asked["wait"] = f"{cells['wait']} {units['wait']}"
-    measured: dict[str, Any] = {}
-    for each in {"force", "coefficient"} & set(cells):
-        measured[each] = f"{cells[each]} {units[each]}" if each == "force" else _number(each, cells[each])
-    test = FrictionTest(bodies[name], f"{cells['load']} {units['load']}", **measured, **asked)
-    if not (error := cells.get("uncertainty")):
-        return test
-    unit, value = units["uncertainty"], float(test.coefficient or 0.0)
-    if unit == "%":
-        measured, uncertainty = {"coefficient": value}, 0.01 * _number("uncertainty", error) * value
-    else:
-        uncertainty = f"{error} {unit}" if unit else _number("uncertainty", error)  # type: ignore[assignment]
-    return FrictionTest(bodies[name], test.load, uncertainty=uncertainty, **measured, **asked)
-
-
-def _number(name: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise ValueError(f"{name} must be a number, got {shortened(text)}") from None

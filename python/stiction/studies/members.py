@@ -16,10 +16,8 @@ import numpy as np
 
 from stiction._checks import Floats, read_only
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.measured_files import Member, Members
-from stiction.studies.result import About, areas, measured, profiles
-from stiction.studies.study import Study
-from stiction.studies.surface_tables import Measured
+from stiction.studies.measured_surfaces import About, Measured, Member, Members
+from stiction.studies.study import Study, areas, measured, profiles
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, missing_of, scaled_profile

@@ -18,17 +18,16 @@ from stiction.studies.at_load import OverMembers
 from stiction.studies.contact_picture import MOST_PICTURED
 from stiction.studies.executors import sharing
 from stiction.studies.members import bodies_of, points_of_member
-from stiction.studies.pressing import OneLoad
-from stiction.studies.result import measured
+from stiction.studies.pressed import OneLoad
 from stiction.studies.store import read_beside
-from stiction.studies.study import Study
+from stiction.studies.study import Study, measured
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     import xarray
 
     from stiction.mechanics.onset import Onset
-    from stiction.studies.pressing import OneLoad
+    from stiction.studies.pressed import OneLoad
     from stiction.studies.store import Stored
 
 FILE = "onset.nc"  # name of the file in the folder of a result

@@ -14,17 +14,15 @@ import numpy as np
 from stiction._arguments import at_least_0, listed, load_of, numbers_of, quantities_of, quantity_of
 from stiction._checks import Floats, whole_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exact, exactly, quantity
+from stiction._units import Quantity, exactly, quantity
 from stiction.mechanics.law import NAMED, JacksonGreen
-from stiction.studies.calibration import Interface, highest_density
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.interfaces import interface, interfaces, medians
+from stiction.studies.interfaces import Interface, highest_density, interface, interfaces, medians
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
-from stiction.studies.measured_files import Body, MeasuredFile
+from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, Body, MeasuredFile
 from stiction.studies.members import about
-from stiction.studies.study import Study
-from stiction.studies.surface_tables import Measured
+from stiction.studies.study import SEED, Study
 from stiction.studies.values import validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES, SIDES
@@ -33,9 +31,6 @@ from stiction.surfaces.scale import unknown_below
 from stiction.surfaces.surface import Surface
 
 OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
-SHIFTS = 16  # relative positions of two maps by default
-SURROGATES = 16  # pairs of surrogates of profiles, which have no areas of their own, by default
-SEED = 2016  # start of the random numbers of surrogates by default
 LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
 LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
@@ -516,18 +511,6 @@ def pair_study(upper: Any = None, lower: Any = None, **asked: Any) -> Study:
     study = Pair(upper=upper, lower=lower, **asked).study
     about(study)
     return study
-
-
-def given_study(
-    surfaces: Measured, contact: dict[str, Any], loads: Floats, *, repetitions: int, seed: int = SEED
-) -> Study:
-    """The study of bodies in memory that are pressed to these loads (mN) and no others."""
-    load = [exact(load, "mN") for load in loads.tolist()]
-    data = {
-        "surfaces": surfaces, "contact": contact | {"load": load}, "friction": {"mu0": [0.0], "load": load[:1]},
-        "ensemble": {"repetitions": repetitions, "seed": seed},
-    }  # fmt: skip
-    return validated(Study, data, "bodies in memory")
 
 
 ARGUMENTS = tuple(each.name for each in fields(Pair))  # names of what may be asked of a pair

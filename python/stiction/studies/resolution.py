@@ -14,9 +14,8 @@ from stiction._units import exactly
 from stiction.mechanics import brackets
 from stiction.studies.at_load import at_load
 from stiction.studies.members import about, bodies_of
-from stiction.studies.result import measured
 from stiction.studies.store import STUDY, Stored, StoreError, open_stored
-from stiction.studies.study import Study, computed_otherwise
+from stiction.studies.study import Study, computed_otherwise, measured
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 

@@ -322,7 +322,7 @@ class Folder:
 
 def block_task(version: str, study: Study, folder: Folder | None, members: range) -> bytes | None:
     """The file of a block of members; None where it was written into the folder, because that is seen from here."""
-    from stiction.studies.netcdf import encoded
+    from stiction.studies.store import encoded
 
     is_seen = folder is not None and folder.is_seen()
     content = encoded(study, members, arrays_task(version, study, members))

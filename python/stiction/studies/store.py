@@ -10,11 +10,15 @@ Files may overlap, for example where a study was extended; each member is then r
 
 from __future__ import annotations
 
+import functools
+import io
 import os
 import re
+import threading
 import warnings
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,9 +29,20 @@ from numpy.typing import NDArray
 
 import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import NotReadableError, content, reason
+from stiction._files import NotReadableError, content, new_file, reason, replaced_file
 from stiction._text import named, printable
-from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, piece_of, variables_of
+from stiction.studies.measured_surfaces import About
+from stiction.studies.members import about
+from stiction.studies.result import (
+    OF_MEMBERS,
+    TITLE,
+    Arrays,
+    bytes_of_member,
+    coordinates_of,
+    dataset_of,
+    piece_of,
+    variables_of,
+)
 from stiction.studies.study import (
     LONGEST_FILE,
     Difference,
@@ -38,9 +53,8 @@ from stiction.studies.study import (
 )
 
 if TYPE_CHECKING:
+    import h5py
     import xarray
-
-    from stiction.studies.netcdf import Members
 
 STUDY = "study.toml"
 BLOCKS = "blocks"
@@ -208,8 +222,6 @@ class Stored:
 
     def _read(self, block: Block) -> Members:
         """A block whose checksum is that of its name: it is ours, and taken as it is."""
-        from stiction.studies.netcdf import DamageError, decoded
-
         try:
             written = content(self.path / BLOCKS / block.name, MOST_MEMORY)
             if zlib.crc32(written) != block.checksum:
@@ -252,8 +264,6 @@ def read(path: str | Path) -> xarray.Dataset:
     """
     path = Path(path)
     if path.is_file():
-        from stiction.studies.netcdf import DamageError, decoded
-
         try:
             members = decoded(content(path, MOST_MEMORY))
         except (OSError, NotReadableError, DamageError) as error:
@@ -273,8 +283,6 @@ def read(path: str | Path) -> xarray.Dataset:
 
 def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     """The small dataset with these variables beside a result; None without one, a `StoreError` if it is damaged."""
-    from stiction.studies.netcdf import DamageError, decoded_beside
-
     try:
         return decoded_beside(content(path, MOST_BESIDE), names)
     except FileNotFoundError:
@@ -438,3 +446,198 @@ def put(path: Path, first: int, written: bytes, count: int) -> None:
                 raise StoreError(f"{named(path)}: was removed or replaced while it was being written") from None
         except OSError as error:
             raise StoreError(f"{named(path)}: cannot be written: {reason(error)}") from None
+
+
+# ---- The file of a block ---------------------------------------------------------------------------------------------
+
+OF_EVERY_RESULT = ("title", "study", "stiction_version", "_NCProperties")  # attributes; others are of bodies
+
+SEAL = b"stiction crc32 "
+"""End of an exported file, before the checksum of all that precedes: HDF5 may run for ever in a damaged file. HDF5
+reads no further than its own end, and whatever else writes into the file takes the seal off."""
+
+_making = threading.Lock()  # so that threads whose first blocks end at once make one template, not one each
+
+
+class DamageError(Exception):
+    """Why a file is not the result that its study says."""
+
+
+@dataclass(frozen=True)
+class Members:
+    """Some members of a result, as a file holds them."""
+
+    study: Study  # that they were computed for
+    version: str  # of stiction that computed them
+    numbers: NDArray[np.int64]
+    arrays: Arrays
+    about: About
+    is_exact: bool  # whether its coordinates are those of the study to the last bit
+
+
+# ---- Writing --------------------------------------------------------------------------------------------------------
+
+
+def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """The file of some members, from arrays as `stacked` makes them; equal members give equal bytes."""
+    import h5py
+
+    with _making:
+        template = _template(study, len(numbers))
+    image = io.BytesIO(template)
+    with h5py.File(image, "r+") as file:
+        file["repetition"][...] = numbers
+        for name, values in arrays.items():
+            file[name][...] = values
+    return image.getvalue()
+
+
+@functools.lru_cache(maxsize=4)
+def _template(study: Study, count: int) -> bytes:
+    """The file of so many members, filled with zeros: most of the time of a file goes for names and units."""
+    numbers = range(count)
+    arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
+    if study.is_measured:
+        arrays |= {name: np.zeros(count, dtype) for name, dtype in OF_MEMBERS.items()}
+    image = io.BytesIO()
+    write(dataset_of(study, numbers, arrays, about(study)), image)
+    return image.getvalue()
+
+
+def write(dataset: xarray.Dataset, file: io.BytesIO) -> None:
+    """Write a dataset to a netCDF file as xarray does, but for its locks, for which workers of Dask ask a scheduler."""
+    import h5netcdf
+    import h5py
+    from xarray.conventions import cf_encoder, encode_dataset_coordinates
+
+    variables, attributes = encode_dataset_coordinates(dataset)
+    for variable in variables.values():
+        variable.encoding = {"_FillValue": None}
+    variables, attributes = cf_encoder(variables, attributes)
+    with h5netcdf.File(file, "w") as made:
+        made.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
+        for name, value in attributes.items():
+            made.attrs[str(name)] = value
+        for name, variable in variables.items():
+            values = variable.values
+            dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
+            data = values.astype(object) if values.dtype.kind == "U" else values
+            written = made.create_variable(str(name), variable.dims, dtype, data=data)
+            for attribute, value in variable.attrs.items():
+                written.attrs[attribute] = value
+
+
+def seal(file: io.BytesIO) -> None:
+    """Put the checksum of a file at its end."""
+    file.seek(0, io.SEEK_END)
+    file.write(SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
+
+
+# ---- Reading --------------------------------------------------------------------------------------------------------
+
+
+def decoded(content: bytes) -> Members:
+    """The members in a file; a `DamageError` if it is not the result of the study that it says."""
+    with _opened(content) as file:
+        title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
+        if title != TITLE or not isinstance(text, str):
+            raise DamageError("does not say of what study it is")
+        study = _parsed(text)
+        numbers = _values(file, "repetition")
+        arrays = {name: _values(file, name, each.shape) for name, each in variables_of(study, numbers).items()}
+        of_bodies = About()
+        if study.is_measured:
+            arrays |= {name: _values(file, name, numbers.shape).astype(dtype) for name, dtype in OF_MEMBERS.items()}
+            known = {name: file.attrs[name] for name in file.attrs if name not in OF_EVERY_RESULT}
+            attributes = {name: each if isinstance(each, str) else np.atleast_1d(each) for name, each in known.items()}
+            of_bodies = About(float(_values(file, "nominal_area")), attributes)
+        steps = {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
+        is_exact = [np.array_equal(_values(file, name), values) for name, (_, values) in steps.items()]
+    return Members(study, str(version), numbers, arrays, of_bodies, all(is_exact))
+
+
+def decoded_beside(content: bytes, names: Iterable[str]) -> xarray.Dataset:
+    """The dataset in a small file beside a result; a `DamageError` if it lacks one of these variables."""
+    import xarray
+
+    with _opened(content) as file:
+        for name in names:
+            _values(file, name)
+        options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
+        with xarray.open_dataset(io.BytesIO(content), **options) as dataset:
+            dataset.load()
+    attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
+    dataset.attrs = {name: each.item() if each.size == 1 else each for name, each in attributes.items()}
+    return dataset
+
+
+@contextmanager
+def _opened(content: bytes) -> Iterator[h5py.File]:
+    import h5py
+
+    end = len(content) - len(SEAL) - 8
+    if content[end:-8] == SEAL and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
+        raise DamageError("is not what was written")
+    try:
+        with h5py.File(io.BytesIO(content), "r") as file:
+            yield file
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
+        # All that HDF5 is known to answer to a file that is none.
+        raise DamageError("is no netCDF file that can be read") from None
+
+
+@functools.lru_cache(maxsize=8)
+def _parsed(text: str) -> Study:
+    try:
+        return study_from_text(text, "its study")
+    except ValueError as error:
+        raise DamageError(f"has a study that cannot be read: {error}") from None
+
+
+def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
+    """Numbers or words of a variable that stands in the file itself, and in no other one."""
+    import h5py
+
+    found = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
+        raise DamageError(f"has no variable {name}")
+    if found.id.get_storage_size() < found.nbytes:  # a small file may claim any size
+        raise DamageError(f"has {name} that was never written")
+    if shape not in (None, found.shape):
+        raise DamageError(f"has {name} of another shape: {found.shape}, not {shape}")
+    return np.asarray(found.asstr()[...] if h5py.check_string_dtype(found.dtype) else found[...])
+
+
+# ---- Export ----------------------------------------------------------------------------------------------------------
+
+
+class ExportError(ValueError):
+    """A file that cannot be written."""
+
+
+def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool = False) -> None:
+    """Write a result to a netCDF file, with every variable, coordinate and attribute; its numbers keep every bit.
+
+    Parameters
+    ----------
+    result : xarray.Dataset or Stored
+        What `run` returns, or a folder that it was written to.
+    path : path
+        Must not exist yet. It appears when it is whole.
+    replace : bool
+        Whether it may exist, and be a netCDF file, which it then takes the place of.
+
+    Raises
+    ------
+    ExportError
+        If it exists or cannot be written.
+    StoreError
+        If a stored result takes more than 2 GiB of memory.
+    """
+    path = Path(path)
+    dataset = result.dataset() if isinstance(result, Stored) else result
+    with replaced_file(path, b"\x89HDF", ExportError) if replace else new_file(path, ExportError) as partial:
+        whole = io.BytesIO()  # because HDF5 may crash where a disk is full
+        write(dataset, whole)
+        seal(whole)
+        partial.write_bytes(whole.getbuffer())

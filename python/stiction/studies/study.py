@@ -7,19 +7,20 @@ from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from stiction._checks import Floats
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
-from stiction._units import exactly, quantity, shortened
+from stiction._units import exact, exactly, quantity, shortened
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import KEYS, Contact, contact_case, ladder, read_contact
-from stiction.studies.generated_surfaces import Profiles
+from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.known import KnownTable
-from stiction.studies.surface_tables import Measured, Surfaces, pressed, read_surfaces, surfaces_case
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.values import (
     REQUIRED,
     Coefficients,
@@ -31,6 +32,7 @@ from stiction.studies.values import (
     Times,
     as_toml,
     as_tuple,
+    chosen,
     completed,
     defaults,
     fault_at,
@@ -55,8 +57,45 @@ _FIRST = (
 """Keys that stand first in their tables."""
 
 _LIBRARY = resources.files("stiction.studies") / "library"
+SEED = 2016  # where random numbers start by default
 Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
 MOST_LISTED = 4  # differences that a message lists
+
+
+Surfaces = Generated | Measured  # the table `[surfaces]` of a study
+SURFACES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
+
+
+def _by(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
+    return key, {case.model_fields[key].default: case for case in cases}
+
+
+_CASES = {
+    "profile": _by("kind", Profiles),
+    "surface": _by("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
+    "measured": _by("press", *get_args(Measured)),
+}
+"""By its key `kind` another key that says which case a table is of, and the cases, the first of them by default."""
+
+
+def surfaces_case(given: Mapping[str, Any]) -> type[Surfaces]:
+    """The case of a table, by its keys `kind`, `generator` and `press`."""
+    key, cases = _CASES[chosen("kind", given, _CASES)]
+    return cases[chosen(key, given, cases)]
+
+
+def read_surfaces(value: object) -> Surfaces:
+    """A table of the case that it says."""
+    if isinstance(value, SURFACES):
+        return value
+    if not isinstance(value, Mapping):
+        raise ValueError(f"must be a table, got {shortened(value)}")
+    case = surfaces_case(value)
+    for key in value:
+        owners = [each.case for each in SURFACES if key in each.model_fields]
+        if owners and key not in case.model_fields:
+            raise fault_at(str(key), f"belongs to {' and '.join(owners)}, not to {case.case}")
+    return case.model_validate(value)
 
 
 class Friction(Table):
@@ -92,7 +131,7 @@ class Ensemble(Table):
         description="Pairs for each fractal dimension and amplitude, or of measured surfaces relative positions.",
     )  # fmt: skip
     seed: int = Field(
-        default=2016, ge=0, lt=2**63,
+        default=SEED, ge=0, lt=2**63,
         description="Where the random numbers start; the same seed gives the same surfaces.",
     )  # fmt: skip
 
@@ -178,7 +217,7 @@ class Study(Table):
             return read_contact(value, surfaces)
         if value.get("load") == []:
             raise fault_at("load", "must have at least one load, got []")
-        return completed(FRICTION_KEYS, pressed(type(surfaces)), value)
+        return completed(FRICTION_KEYS, surfaces.bodies, value)
 
     @model_validator(mode="after")
     def _goes_together(self) -> Study:
@@ -451,3 +490,39 @@ def study_from_text(text: str, source: str) -> Study:
     except ValueError as error:
         raise StudyError(f"{named(source)}: is not TOML: {printable(error, LONGEST_NAME)}") from None
     return validated(Study, data, source)
+
+
+def generated(study: Study) -> Generated:
+    """The surfaces of a study of which it is known that they are generated."""
+    assert isinstance(study.surfaces, Generated)
+    return study.surfaces
+
+
+def profiles(study: Study) -> Profiles:
+    """The surfaces of a study of which it is known that they are generated profiles."""
+    assert isinstance(study.surfaces, Profiles)
+    return study.surfaces
+
+
+def areas(study: Study) -> WeierstrassMandelbrotSurfaces | SelfAffineSurfaces:
+    """The surfaces of a study of which it is known that they are generated areas."""
+    assert isinstance(study.surfaces, (WeierstrassMandelbrotSurfaces, SelfAffineSurfaces))
+    return study.surfaces
+
+
+def measured(study: Study) -> Measured:
+    """The surfaces of a study of which it is known that they are measured."""
+    assert isinstance(study.surfaces, Measured)
+    return study.surfaces
+
+
+def given_study(
+    surfaces: Measured, contact: dict[str, Any], loads: Floats, *, repetitions: int, seed: int = SEED
+) -> Study:
+    """The study of bodies in memory that are pressed to these loads (mN) and no others."""
+    load = [exact(load, "mN") for load in loads.tolist()]
+    data = {
+        "surfaces": surfaces, "contact": contact | {"load": load}, "friction": {"mu0": [0.0], "load": load[:1]},
+        "ensemble": {"repetitions": repetitions, "seed": seed},
+    }  # fmt: skip
+    return validated(Study, data, "bodies in memory")

@@ -18,9 +18,9 @@ import numpy as np
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
+from stiction.studies.hardness import inputs_of
 from stiction.studies.interfaces import interface_of
-from stiction.studies.known import inputs_of
-from stiction.studies.result import measured
+from stiction.studies.study import measured
 from stiction.surfaces.pairing import SIDES
 from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.doubts import VERDICTS, doubts_of

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._shown import png_of
-from stiction.studies.calibration import EXCLUDED, LEAST_VARIATION, UNLIKELY, Fit, Interface, highest_density
+from stiction.studies.calibration import LEAST_VARIATION
+from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface, highest_density
 from stiction.views.digits import finite, percent, with_interval, with_unit
 from stiction.views.point import RULES
 from stiction.views.rows import entry, record

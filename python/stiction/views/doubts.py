@@ -13,7 +13,7 @@ import numpy as np
 from stiction.mechanics import friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
-from stiction.studies.known import inputs_of, materials_of
+from stiction.studies.hardness import inputs_of, materials_of
 from stiction.views.digits import percent, significant, with_unit
 from stiction.views.point import RuleValue, has_nominal_area, is_capped, modulus_of, pressure_of, range_of, value_of
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stiction._text import named
-from stiction.studies.export import export
+from stiction.studies.store import export
 from stiction.views.asked import at_asked_loads
 from stiction.views.inputs import doubts_of_study
 from stiction.views.rows import csv_text

@@ -22,7 +22,7 @@ from stiction.views.doubts import Doubt
 from stiction.views.joined import spectra_differ
 
 if TYPE_CHECKING:
-    from stiction.studies.measured_files import Body, MeasuredFile
+    from stiction.studies.measured_surfaces import Body, MeasuredFile
     from stiction.studies.study import Study
 
 IMPOSSIBLE = 10.0  # height over extent from which on no scan has it

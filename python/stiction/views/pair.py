@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from warnings import warn
 
 from stiction._errors import ArgumentError
-from stiction.studies.calibration import Interface
-from stiction.studies.interfaces import write_interface
+from stiction.studies.interfaces import Interface, write_interface
 from stiction.studies.pair import ARGUMENTS, pair_study
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.profile import Profile

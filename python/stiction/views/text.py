@@ -13,9 +13,9 @@ import numpy as np
 
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, ONSET, QUANTITIES
+from stiction.studies.at_load import PER_AREA
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.contact_statistics import FRACTIONS
-from stiction.studies.member_values import PER_AREA
 from stiction.studies.resolution import seen
 from stiction.views.answer import ORIGIN, Answer, Doubt, answers, bracket_text, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import few_ticks
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
-from stiction.studies.at_load import means, reached_loads
-from stiction.studies.maps import area_map, friction_map
+from stiction.studies.at_load import reached_loads
+from stiction.studies.maps import area_map, friction_map, means
 from stiction.studies.study import Study, study_of
 from stiction.views.digits import with_unit
 from stiction.views.doubts import HALF

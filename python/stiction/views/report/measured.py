@@ -12,10 +12,9 @@ from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
 from stiction.mechanics.quantities import DIRECTED, HELD, QUANTITIES
-from stiction.studies.at_load import at_load
+from stiction.studies.at_load import PER_AREA, at_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
-from stiction.studies.member_values import PER_AREA
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
