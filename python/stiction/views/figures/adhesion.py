@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray
+from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction.studies.contact_picture import IN_PULL_OFFS
 from stiction.views.digits import prefix
 from stiction.views.style import ALL, AREA, OPPOSING, label, new_figure
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 
 def adhesion_figure(ways: xarray.Dataset, *, title: str = "") -> Figure:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from matplotlib.figure import Figure
+
+from stiction.views.answer import Answer
 from stiction.views.digits import duration, quoted
 from stiction.views.style import AREA, FRICTION, LEANING, OPPOSING, label, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from stiction.views.answer import Answer
 
 SHOWN = 0.02  # part of the width that an input has to take away to be drawn
 MOST = 5  # most inputs that are drawn

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction.views.digits import with_unit
 from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import RULE_WORDS, RULES, friction_parameters_text, label, new_figure
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 FEWEST_DIRECTIONS = 3  # from which on there is a compass to draw
 RINGS = 5

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
@@ -25,11 +30,6 @@ from stiction.views.style import (
     new_figure,
 )
 
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 _ZOOM = 40  # spacings on both sides of the contact that is drawn large, at least
 _FINE = 0.5  # heights (µm) below which an axis is in nm
 _LONGEST = 0.45  # inches of the longest arrow
@@ -44,9 +44,6 @@ def contact_figure(
     They are on the same grid, at an approach (µm) at which they carry a load (mN), as the title says; where the upper
     one lies on a longer one it is moved by an offset (µm). Contacts are as `contacts` finds them; tau0 is in GPa.
     """
-    import matplotlib as mpl
-    from matplotlib.lines import Line2D
-
     touching = contacts(upper, lower, approach, **contact)
     x = lower.x
     drop = float((upper.heights - lower.heights).min()) + approach

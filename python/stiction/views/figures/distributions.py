@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.figure import Figure
 
 from stiction._drawing import few_ticks
 from stiction.views.digits import with_unit
 from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import RULE_WORDS, RULES, dimension_colours, friction_parameters_text, label, new_figure
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:

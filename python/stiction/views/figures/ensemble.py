@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch, Rectangle
+from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
@@ -30,11 +39,6 @@ from stiction.views.style import (
     new_figure,
     spread_out,
 )
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MOST_CURVES = 8
 
@@ -219,8 +223,6 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
 
 
 def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
-    from matplotlib.cm import ScalarMappable
-
     axes = figure.add_axes(place, label="<colorbar>")
     bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
     ticks = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
@@ -235,8 +237,6 @@ def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: 
 
 def _norm(maps: xarray.Dataset) -> Any:
     """Colours in equal ratios over what is to be trusted, or over all where that is little; the highest share one."""
-    from matplotlib.colors import LogNorm
-
     values = maps["friction_coefficient"].values
     known = np.isfinite(values) & (values > 0)
     trusted = known & ~(maps["share_beyond_hertz"].values > FRACTION_LIMIT)
@@ -248,9 +248,6 @@ def _norm(maps: xarray.Dataset) -> Any:
 
 
 def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
-    from matplotlib import colormaps
-    from matplotlib.colors import to_rgb
-
     panel = panel.transpose("load", "fractal_dimension")
     values, status = panel["friction_coefficient"].values, panel["status"].values
     edges = _edges(panel["fractal_dimension"].values), np.exp(_edges(np.log(panel["load"].values)))
@@ -278,9 +275,6 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> None:
     """White lines over cells (rows, columns) between edges: their colours stay what they are."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path
-
     vertices: list[tuple[float, float]] = []
     for row, column in np.argwhere(cells):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
@@ -315,18 +309,11 @@ def _faded(colours: Floats, fading: Floats) -> Floats:
 
 
 def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
-    from matplotlib.patches import Rectangle
-
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
 def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     """What a legend says of the marks on maps, of those that are there."""
-    from matplotlib import colormaps
-    from matplotlib.colors import to_rgb
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
     handles: list[Any] = []
     if asperities and (maps["share_beyond_hertz"].values > FRACTION_LIMIT).any():

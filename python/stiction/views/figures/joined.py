@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from stiction._drawing import few_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA
+from stiction.surfaces.joined import JoinedSpectrum
 from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from stiction.surfaces.joined import JoinedSpectrum
 
 MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials whose hardness over E*, pressed on themselves, is a line."""
@@ -32,8 +29,6 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
     The surface is pressed on one like it. The elastic pressure over E* is h'/κ of the gap, by `spectral_resolution`;
     where it reaches the hardness of a material over E*, the material yields, and finer waves no longer matter.
     """
-    import matplotlib as mpl
-
     with mpl.rc_context(STYLE):
         figure = new_figure(66, width=FULL_WIDTH)
         spectra, slopes, pressure = figure.subplots(1, 3)

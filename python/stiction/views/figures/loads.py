@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from stiction._checks import Floats
 from stiction._drawing import few_ticks
 from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import AREA, RULE_WORDS, RULES, direction_text, friction_parameters_text, label, new_figure
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MOST_SHOWN = 4.0
 """Times the highest mean that the axis of coefficients reaches at most: an interval of few members may be wider."""
@@ -188,8 +187,6 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, along: str, x: Floats) 
 
 def _plain_log(axis: Any) -> None:
     """Numbers in place of powers of ten on an axis, several of them also within a decade."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
-
     low, high = axis.get_view_interval()
     several = high >= 10 * low
     axis.set_major_locator(

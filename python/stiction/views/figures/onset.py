@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction._drawing import scale_bar
@@ -26,12 +32,6 @@ from stiction.views.figures.ensemble import (
 from stiction.views.onset import AMPLITUDES
 from stiction.views.point import STATISTICS
 from stiction.views.style import AREA, FORCE, FRICTION, SLIP_MAP, friction_parameters_text, label, new_figure
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.colors import BoundaryNorm
-    from matplotlib.figure import Figure
 
 CYCLES = ("0.55", FRICTION)  # colours of the cycles
 
@@ -123,10 +123,6 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     It is of what `onset_of_result` returns of areas. Of asperities each contact is a mark, at the load at which it
     slides as a whole.
     """
-    import matplotlib as mpl
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import BoundaryNorm
-
     of_points = "slip" in onset
     figure = new_figure(144 if of_points else 86)
     drawn = figure.subplots(2 if of_points else 1, 1, squeeze=False)[:, 0]

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
@@ -14,10 +18,6 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, characterisation_of, length_text
 from stiction.views.style import AXES, FULL_WIDTH, STYLE, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MOST_POINTS = 1500  # points of a profile that are drawn; of more, means of neighbours
 HEIGHTS = 40  # bins of the distribution of heights
@@ -30,8 +30,6 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
     The parameters are those of `characterisation_text`.
     """
-    import matplotlib as mpl
-
     found = characterisation_of(body, **options)
     with mpl.rc_context(STYLE):
         if isinstance(found.body, Profile):
@@ -84,8 +82,6 @@ def _draw_distribution(axes: Axes, heights: Floats) -> None:
 
 
 def _few_ticks(axes: Axes) -> None:
-    from matplotlib.ticker import MaxNLocator
-
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(4))
 
@@ -143,8 +139,6 @@ def _finish_spectrum(axes: Axes, unit: str, density: Floats | None = None) -> No
 
 
 def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
-    from matplotlib.ticker import MaxNLocator
-
     unit, size = ("mm", 1e3) if max(surface.extent) >= MILLIMETRES else ("µm", 1.0)
     heights = 1000 * (surface.heights - surface.heights.mean())
     along_y, along_x = (length / size for length in surface.extent)

@@ -6,9 +6,12 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+import xarray
+from matplotlib.figure import Figure
 
 from stiction.studies.at_load import at_load, member_values
 from stiction.studies.contact_picture import coming_and_going, picture_beside
@@ -31,10 +34,6 @@ from stiction.views.figures.surfaces import length_scales_figure, profiles_figur
 from stiction.views.inputs import doubts_of_study
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 
 def drawn(
@@ -66,8 +65,6 @@ def drawn(
     ValueError
         If a format is unknown, there is nothing to draw, or a file cannot be written.
     """
-    import matplotlib as mpl
-
     endings = checked_formats(formats)
     paths: list[Path] = []
     for name, draw in figures_of(result, picture_of(result) if picture is None else picture):

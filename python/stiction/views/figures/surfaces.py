@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from stiction._drawing import HEIGHT_MAP
 from stiction.studies.members import ProfileGenerator, pair_of
@@ -11,9 +14,6 @@ from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
 from stiction.views.style import evenly_spread, label, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LENGTH_SCALES = (0.5, 1.0, 2.0)  # of the study's own, in the figure of length scales
 AREAL_POINTS = 400  # rows and columns of a surface in a figure
@@ -45,8 +45,6 @@ def profiles_figure(study: Study) -> Figure:
 
 def length_scales_figure(study: Study) -> Figure:
     """Eq. 1, unscaled, for three length scales and the same phases: profiles, and surfaces without aliases."""
-    from matplotlib.ticker import MaxNLocator
-
     bodies: Any = study.surfaces
     dimension = bodies.fractal_dimensions()[0]
     extent = float(bodies.extent)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
 from stiction.views.figures.contact import box_of, draw_bodies
 from stiction.views.style import LEANING, OPPOSING, label, new_figure
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 CUT = "#e00030"  # contacts that the edge cuts
 AROUND = 5  # contacts near the strongest that are magnified with it, where they are not far
@@ -33,8 +33,6 @@ def touching_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figur
 
     It is of what `contact_picture` returns, for a motion of the upper body in a direction (degrees); 80 mm wide.
     """
-    from matplotlib.patches import Patch
-
     climbs, cut = climbing(picture, direction), picture["contact_at_edge"].values > 0
     kinds = [(OPPOSING, "has to climb"), (LEANING, "does not")] + [(CUT, "cut by the edge")] * bool(cut.any())
     if "gap" in picture:
@@ -51,8 +49,6 @@ def touching_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figur
 
 def _map(axes: Axes, picture: xarray.Dataset, climbs: NDArray[np.bool_], cut: NDArray[np.bool_]) -> None:
     """Patches over the heights of the lower body."""
-    from matplotlib.colors import ListedColormap
-
     heights, patch = (picture[name].transpose("height_y", "height_x").values for name in ("lower_height", "patch"))
     place: dict[str, Any] = {"extent": box_of(picture, "height"), "origin": "lower"}
     axes.imshow(heights, cmap=HEIGHT_MAP, **place)

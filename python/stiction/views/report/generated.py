@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 from numpy.typing import NDArray
 
 from stiction.mechanics.quantities import AREAL_VALIDITY, ONSET, QUANTITIES, VALIDITY
@@ -20,9 +21,6 @@ from stiction.views.point import rules_of, way_text
 from stiction.views.report.page import AXES, BYTES, PageResult, ReportError, counted, motions_of, packed
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.sums import CELLS, PAGE_RATIOS, sums_of_ensemble
-
-if TYPE_CHECKING:
-    import xarray
 
 MOST_MEANS = 1_000_000
 """Pairs of surfaces times steps times motions, of which a page can make a map between two pictures."""

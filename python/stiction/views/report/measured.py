@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from stiction._checks import Floats
 from stiction._text import printable
@@ -42,9 +43,6 @@ from stiction.views.report.page import (
 from stiction.views.report.pictures import adhesion_panel, onset_panels, positions_panel, touching_panel
 from stiction.views.resolution import waves_text
 from stiction.views.text import budget_text, waited_text
-
-if TYPE_CHECKING:
-    import xarray
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 

@@ -6,9 +6,11 @@ import html
 import io
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
+import xarray
+from matplotlib.figure import Figure
 
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
@@ -24,10 +26,6 @@ from stiction.views.figures.touching import climbing, touching_figure
 from stiction.views.point import way_text
 from stiction.views.report.page import counted
 from stiction.views.style import STYLE
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 
 def profiles_panel(study: Study, approach: float) -> str:

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING
+
+import xarray
 
 from stiction.mechanics import friction
 from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
@@ -22,9 +23,6 @@ from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
 from stiction.views.report.measured import page_of_measured
 from stiction.views.report.page import BYTES, Page, ReportError, escaped, panel, part, scripts
-
-if TYPE_CHECKING:
-    import xarray
 
 LOAD_STEPS = 80  # loads of a map
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.friction import RATIOS, SIX
 from stiction.mechanics.quantities import DIRECTED
 from stiction.studies.maps import MOTIONS, solved_pieces
-
-if TYPE_CHECKING:
-    import xarray
-
-    from stiction.studies.store import Stored
+from stiction.studies.store import Stored
 
 AT_HARDNESS = ("load_share_at_hardness", "area_share_at_hardness")
 
