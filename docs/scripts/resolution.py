@@ -155,7 +155,7 @@ def continuing():
 def joining():
     """One surface seen by three simulated instruments, and its spectrum from them."""
     from scipy.ndimage import grey_dilation
-    from stiction.views.figures.joined import joined_figure
+    from stiction.views.scans import joined_figure
     from stiction.views.style import save_picture
 
     points, radius = 2048, 0.01  # µm

@@ -28,8 +28,8 @@ from stiction import (
 )
 from stiction.surfaces.spectrum import peak_of
 from stiction.views.characterisation import HARMLESS, Characterisation, characterisation_text
-from stiction.views.figures.joined import joined_figure
 from stiction.views.figures.roughness import characterisation_figure
+from stiction.views.scans import joined_figure
 
 NO_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 

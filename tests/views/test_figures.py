@@ -13,10 +13,9 @@ from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views import style
 from stiction.views.figures import drawn
-from stiction.views.figures.contact import contact_figure, contacts_figure
+from stiction.views.figures.contact import climbing, contact_figure, contacts_figure, touching_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
 from stiction.views.figures.standard import figures_of
-from stiction.views.figures.touching import climbing, touching_figure
 from stiction.views.style import FORMATS, save_picture, spread_out
 
 

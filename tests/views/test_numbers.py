@@ -313,9 +313,9 @@ def test_friction_by_the_slope_alone_is_that_of_the_library(numbers, sliding):
 @pytest.mark.parametrize("sample", [[0.1, 0.2, 0.4], [0.1, 0.5], [-1.0, 2.0, 3.0, np.nan], [0.0, 0.01, 3.0]])
 def test_means_of_a_sample_are_those_of_the_library(numbers, sample):
     found = numbers(
-        "(sample, fewest) => ofSample(sample.map((x) => (x === null ? NaN : x)), facts.confidence, fewest)",
-        [None if np.isnan(x) else x for x in sample], intervals.FEWEST_OF_SAMPLE,
-    )  # fmt: skip
+        "(sample) => ofSample(sample.map((x) => (x === null ? NaN : x)), facts)",
+        [None if np.isnan(x) else x for x in sample],
+    )
     assert found == pytest.approx([float(x) for x in intervals.of_sample(np.array(sample))], rel=1e-9, nan_ok=True)
 
 
@@ -323,7 +323,7 @@ def test_means_of_a_sample_are_those_of_the_library(numbers, sample):
     "values", [np.sin(np.arange(9.0)), np.exp(np.sin(np.arange(40.0))), [1.0] * 9, [0.1, 0.2, 0.3]]
 )
 def test_means_of_neighbours_are_those_of_the_library(numbers, values):
-    found = numbers("(values, fewest) => ofNeighbours(values, 0.95, fewest)", list(values), intervals.FEWEST_NEIGHBOURS)
+    found = numbers("(values) => ofNeighbours(values, facts)", list(values))
     assert found == pytest.approx([float(x) for x in intervals.of_neighbours(np.array(values))], rel=1e-9, nan_ok=True)
 
 
@@ -357,7 +357,7 @@ def test_ticks_are_round(numbers, low, high, is_log, texts):
 
 def test_quantiles_of_student(numbers):
     freedom = np.concatenate([np.linspace(1, 12, 50), np.geomspace(13, 1e5, 30)])
-    found = numbers("(list) => list.map((freedom) => studentQuantile(0.975, freedom))", freedom.tolist())
+    found = numbers("(list) => list.map((freedom) => studentQuantile(facts, freedom))", freedom.tolist())
     assert found == pytest.approx(stdtrit(freedom, 0.975), rel=1e-10)
 
 

@@ -13,9 +13,8 @@ from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.answer import answers, headlines
 from stiction.views.asked import at_asked_loads, over_and_onset
-from stiction.views.first import first_result
 from stiction.views.report import report_page
-from stiction.views.result import Result, read_result
+from stiction.views.result import Result, first_result, read_result
 from stiction.views.rows import answer_record, csv_text, record_text
 
 

@@ -127,9 +127,8 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
     """Say what several scans of one surface are together, and write their spectrum."""
     from stiction.surfaces.joined import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
-    from stiction.views.figures.joined import joined_figure
-    from stiction.views.joined import joined_record, joined_text
     from stiction.views.rows import record
+    from stiction.views.scans import joined_figure, joined_record, joined_text
     from stiction.views.style import save_picture
 
     names = [file.name for file in files]
@@ -148,8 +147,8 @@ def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Pa
     """Say what two scans of one place have in common, and write their mean and the noise of one."""
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated import repeated
-    from stiction.views.repeated import octaves_csv, repeated_figure, repeated_record, repeated_text
     from stiction.views.rows import record
+    from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
     from stiction.views.style import save_picture
 
     twice = repeated(found[0].body, found[1].body)

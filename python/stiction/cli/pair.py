@@ -224,7 +224,7 @@ def pair(
 
 def announce_first(study: Study | None, executor: Executor) -> None:
     """Have a worker tell whoever watches a terminal what asperities say, while the others solve the half-space."""
-    from stiction.views.first import first_text
+    from stiction.views.result import first_text
 
     def told(done: Future[str]) -> None:
         if not done.cancelled() and done.exception() is None:  # where nothing touches there is nothing to say

@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import REASONS
 from stiction.views.digits import percent, with_unit
 from stiction.views.doubts import Doubt
-from stiction.views.joined import spectra_differ
+from stiction.views.scans import spectra_differ
 
 if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import Body, MeasuredFile

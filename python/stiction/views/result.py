@@ -17,6 +17,8 @@ from stiction.studies.maps import study_of_result
 from stiction.studies.study import Study
 from stiction.views import answer, rows, text
 from stiction.views.asked import asked_loads, at_asked_loads, over_and_onset
+from stiction.views.digits import quoted
+from stiction.views.point import RULES
 
 if TYPE_CHECKING:
     import pandas
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
     from stiction.studies.store import Stored
     from stiction.views.answer import Answer, Doubt
+
+FIRST_MEMBERS = 4  # whose mean is the first answer
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,3 +292,23 @@ def read_result(directory: str | Path) -> Result:
 
     stored = open_stored(Path(directory))
     return Result(stored, doubts_of_study(stored.study))
+
+
+def first_result(study: Study) -> Result:
+    """What the first members of a study of asperities give, in memory; a `ValueError` if they cannot be pressed.
+
+    It is there within a second, while the half-space is being solved.
+    """
+    from stiction.studies.members import about
+    from stiction.studies.pressed import member_sums
+    from stiction.studies.result import dataset_of, stacked
+
+    members = range(min(FIRST_MEMBERS, study.ensemble.repetitions))
+    arrays = stacked(study, [member_sums(study, member) for member in members])
+    return Result(dataset_of(study, members, arrays, about(study)))
+
+
+def first_text(study: Study) -> str:
+    """The answer that the first members of a study of asperities give, in a line; an error if nothing touches."""
+    one = first_result(study).answers[0]
+    return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rule]}"

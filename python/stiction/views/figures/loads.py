@@ -1,4 +1,4 @@
-"""Friction and true contact area against load, or against the cut-off, of any result read at loads."""
+"""Friction and true contact area against load or the cut-off, closure, and the coming and going of adhesion."""
 
 from __future__ import annotations
 
@@ -14,8 +14,20 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from stiction._checks import Floats
 from stiction._drawing import few_ticks
+from stiction.studies.contact_picture import IN_PULL_OFFS
+from stiction.views.digits import prefix
 from stiction.views.point import STATISTICS, by_rule
-from stiction.views.style import AREA, RULE_WORDS, RULES, direction_text, friction_parameters_text, label, new_figure
+from stiction.views.style import (
+    ALL,
+    AREA,
+    OPPOSING,
+    RULE_WORDS,
+    RULES,
+    direction_text,
+    friction_parameters_text,
+    label,
+    new_figure,
+)
 
 MOST_SHOWN = 4.0
 """Times the highest mean that the axis of coefficients reaches at most: an interval of few members may be wider."""
@@ -57,6 +69,39 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     bands = "bands: 95 %" if np.isfinite(low).any() else ""
     figure.suptitle("\n".join(filter(None, (title, bands))), fontsize=6)
     return figure
+
+
+def adhesion_figure(ways: xarray.Dataset, *, title: str = "") -> Figure:
+    """Load against the approach, where it is known, and against the true area, coming and going; 80 mm wide.
+
+    It is of what `coming_and_going` returns; the pull-off force is marked.
+    """
+    going = ways["going"].values
+    load, area = ways["load"].values, ways["contact_area"].values
+    near = load <= IN_PULL_OFFS[-1] * -load.min() * 1.001  # loads that are seen
+    core, unit = prefix(float(abs(load[near]).max()), "mN")
+    figure = new_figure(70)
+    across = [(ways["approach"].values * 1000, "approach (nm)")] if ways["approach"].notnull().all() else []
+    panels: Any = figure.subplots(1, len(across) + 1, sharey=True, squeeze=False)[0]
+    nominal = float(ways.attrs["nominal_area"])
+    across.append((100 * area / nominal, label("contact_area_fraction")))
+    for axes, (x, words) in zip(panels, across, strict=True):
+        axes.axhline(0, color="0.6", linewidth=0.5)
+        axes.plot(x[~going], load[~going] / core, "o-", color=ALL, markersize=3, linewidth=1, label="coming")
+        axes.plot(x[going], load[going] / core, "--", color=OPPOSING, linewidth=1.2, label="going")
+        last = int(load.argmin())
+        axes.plot(x[last], load[last] / core, "v", color=AREA, markersize=5, label="pull-off force")
+        axes.set(xlim=_wider(x[near]), xlabel=words)
+    panels[0].set(ylim=_wider(load[near] / core), ylabel=f"load ({unit})")
+    figure.suptitle(title, fontsize=6)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _wider(values: Floats) -> tuple[float, float]:
+    low, high = float(values.min()), float(values.max())
+    room = 0.06 * (high - low) or 1.0
+    return low - room, high + room
 
 
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:

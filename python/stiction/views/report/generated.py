@@ -1,4 +1,7 @@
-"""What a page knows of a result of generated bodies: means over its members, their sums, and some pairs to look at."""
+"""What a page knows of a result of generated bodies: means over its members, their sums, and some pairs to look at.
+
+Both are in the order of `numbers.js`: variables one after the other, plain ones first, then those of each motion.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,11 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from stiction.mechanics.quantities import AREAL_VALIDITY, ONSET, QUANTITIES, VALIDITY
+from stiction._checks import Floats
+from stiction.mechanics.friction import RATIOS, SIX
+from stiction.mechanics.quantities import AREAL_VALIDITY, DIRECTED, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.at_load import reached_loads
-from stiction.studies.maps import head_of
+from stiction.studies.maps import MOTIONS, head_of, solved_pieces
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
 from stiction.views.digits import with_unit
@@ -20,7 +25,6 @@ from stiction.views.figures.ensemble import FRACTION_LIMIT
 from stiction.views.point import rules_of, way_text
 from stiction.views.report.page import AXES, BYTES, PageResult, ReportError, counted, motions_of, packed
 from stiction.views.report.pictures import dimension_panel, profiles_panel
-from stiction.views.report.sums import CELLS, PAGE_RATIOS, sums_of_ensemble
 
 MOST_MEANS = 1_000_000
 """Pairs of surfaces times steps times motions, of which a page can make a map between two pictures."""
@@ -31,6 +35,11 @@ MOST_SUMS = 12_000_000
 PER_MEMBER = 7  # sums of each member at each step
 MOST_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; of the fractions it is `FRACTION_LIMIT`
 DRAWN = ("share_beyond_hertz", "share_below_grid")  # figures of validity that hatch the map and dot the curves
+CELLS = ("fractal_dimension", "amplitude")
+AT_HARDNESS = ("load_share_at_hardness", "area_share_at_hardness")
+
+PAGE_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = RATIOS | {name: (name, ()) for name in AT_HARDNESS}
+"""Numerator of each figure of a page, and sums that are its denominator."""
 
 
 def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) -> PageResult:
@@ -51,21 +60,74 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
             f"the {MOST_MEANS} that a page can hold; choose fewer fractal dimensions, amplitudes, directions or steps"
         )
     has_sums = there > 1 and values * there * PER_MEMBER <= MOST_SUMS
-    found = sums_of_ensemble(result, step, motions, has_sums=has_sums)
-    if not (members := found.members):
+    averages, sums, facts, members = _sums_of(result, step, motions, has_sums=has_sums)
+    if not members:
         raise ReportError("no member of the result has a solution at every load")
-    means = found.plain_means()
-    has_intervals = members > 1 and found.sums.size > 0
-    numbers = {"means": packed(found.means, BYTES["means"]), "sums": packed(found.sums, BYTES["sums"])}
-    facts = found.facts | _facts_of(head, means, study, result)
+    means = dict(zip(facts["variables"]["plain"], averages, strict=False))
+    facts |= _facts_of(head, means, study, result)
     facts |= {
-        "name": name or _name_of(study), "hasIntervals": has_intervals, "repetitions": members,
+        "name": name or _name_of(study), "hasIntervals": members > 1 and sums.size > 0, "repetitions": members,
         "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
     }  # fmt: skip
     return PageResult(
-        study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, numbers=numbers,
-        there=there, pictures=_pictures(result, study, head, means),
+        study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts,
+        numbers={"means": packed(averages, BYTES["means"]), "sums": packed(sums, BYTES["sums"])}, there=there,
+        pictures=_pictures(result, study, head, means),
     )  # fmt: skip
+
+
+def _sums_of(
+    result: xarray.Dataset | Stored, step: str, motions: int, *, has_sums: bool
+) -> tuple[NDArray[Any], NDArray[Any], dict[str, Any], int]:
+    """Means (variable, cell, cell, step) over the members that are solved at every step, the sums of each, and both.
+
+    Sums (variable, cell, cell, member, step) are empty unless they are to be there; facts name the variables. One piece
+    of the result is in memory at a time. Last comes how many members there are.
+    """
+    total: Any = 0.0
+    members, kept = 0, []
+    facts: dict[str, Any] = {}
+    for piece in solved_pieces(result):
+        if number := piece.sizes["repetition"]:
+            directed = [dim for dim in MOTIONS if dim in piece.dims]
+            ordered = piece.transpose(*directed, *CELLS, "repetition", step)
+            means, sums, facts = _of_piece(ordered, piece[step].values, motions)
+            members, total = members + number, total + means * number
+            kept += [sums] * has_sums
+    return total / max(members, 1), np.concatenate(kept, axis=3) if kept else np.empty(0), facts, members
+
+
+def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArray[Any], NDArray[Any], dict[str, Any]]:
+    columns = {str(name): values.values for name, values in data.data_vars.items() if values.dtype.kind in "fi"}
+    approach = columns.get("approach")
+    has_stiffness = steps.size >= 3 and (approach is None or bool(np.isfinite(approach).all()))
+    along = np.gradient(approach, steps, axis=-1, edge_order=2) if has_stiffness and approach is not None else None
+
+    def stiffness(values: NDArray[Any]) -> Any:
+        found = np.gradient(values, steps, axis=-1, edge_order=2)
+        return np.mean(found if along is None else found / along, axis=2)
+
+    needed = {part for of, over in PAGE_RATIOS.values() if {of, *over} <= set(columns) for part in (of, *over)}
+    plain = sorted({"contact_area", "normal_elastic", "contact_count"} | needed)
+    of_sums, directed = ["contact_area", "normal_elastic"], [name for name in SIX if name in DIRECTED]
+    parts = ("frictional", "adhesive") if has_stiffness else ()
+    averages, sums = [columns[name].mean(axis=2) for name in plain], [columns[name] for name in of_sums]
+    averages += [stiffness(columns["normal_elastic"])] if has_stiffness else []
+    sums += [] if along is None else [along]
+    by_motion = {name: columns[name].reshape(motions, *columns[name].shape[-4:]) for name in directed}
+    for m in range(motions):
+        averages += [by_motion[name][m].mean(axis=2) for name in directed]
+        averages += [stiffness(by_motion[f"normal_{part}"][m]) for part in parts]
+        sums += [by_motion[name][m] for name in directed]
+    facts = {
+        "variables": {
+            "plain": plain + ["stiffness_elastic"] * has_stiffness,
+            "directed": directed + [f"stiffness_{part}" for part in parts],
+        },
+        "perRepetition": {"plain": of_sums + ["compliance"] * (along is not None), "directed": directed},
+        "hasStiffness": has_stiffness,
+    }
+    return np.stack(averages), np.stack(sums), facts
 
 
 def _pictures(
@@ -111,7 +173,7 @@ def _facts_of(
 def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
     """What the page says of each figure of validity, and from where on it warns."""
     figures = {}
-    for name in (*VALIDITY, *AREAL_VALIDITY, "load_share_at_hardness", "area_share_at_hardness"):
+    for name in (*VALIDITY, *AREAL_VALIDITY, *AT_HARDNESS):
         of, over = PAGE_RATIOS[name]
         if not {of, *over} <= means.keys() or (not over and not means[of].any()):
             continue

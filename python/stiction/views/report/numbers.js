@@ -121,7 +121,7 @@ function jackknife({facts, sums}, d, a, quantity, mu0, tau0) {
   const [meanNormal, meanValues] = [normal, values].map(
     (each) => totals(each, count).map((total) => total / repetitions));
   return {
-    repetitions, count, confidence: facts.confidence, around: facts.stepsAround, normal, values, meanNormal, meanValues,
+    facts, repetitions, count, around: facts.stepsAround, normal, values, meanNormal, meanValues,
     least: values.some((value) => value < 0) ? -Infinity : 0,
   };
 }
@@ -175,7 +175,7 @@ function slopeAround({meanNormal, meanValues, around, count}, index) {
 /** Ends of the interval of a mean that is read off at a load, where the mean load reaches it. */
 function interval(jack, mean, load) {
   if (jack === null) return [NaN, NaN];
-  const {repetitions, count, meanNormal, confidence} = jack;
+  const {facts, repetitions, count, meanNormal} = jack;
   const index = crossing(meanNormal, 0, count, load);
   if (index < 0) return [NaN, NaN];
   const fraction = fractionOf(meanNormal, 0, index, load);
@@ -187,72 +187,44 @@ function interval(jack, mean, load) {
   const logarithms = without(values).map(
     (other, r) => Math.log(other / mean) - ((slope * load) / mean) * Math.log(othersLoad[r]));
   if (logarithms.every(Number.isFinite)) {
-    const half = halfWidth(logarithms, confidence);
+    const half = halfWidth(logarithms, facts);
     return [mean * Math.exp(-half), mean * Math.exp(half)].sort((one, other) => one - other);
   }
   // What is not positive has no logarithm.
-  const half = halfWidth(without(values.map((value, r) => value - slope * loads[r])), confidence);
+  const half = halfWidth(without(values.map((value, r) => value - slope * loads[r])), facts);
   return [Math.max(mean - half, jack.least), mean + half];
 }
 
 /** Half the interval of a mean from its leave-one-out values. */
-function halfWidth(values, confidence) {
+function halfWidth(values, facts) {
   const repetitions = values.length;
   const centre = sumOf(values) / repetitions;
   const each = values.map((value) => (value - centre) ** 2);
   const squares = sumOf(each);
   const kurtosis = squares > 0 ? (repetitions * sumOf(each.map((power) => power ** 2))) / squares ** 2 : 3;
   const freedom = Math.min(Math.max((2 * repetitions) / Math.max(kurtosis - 1, 1e-9), 1), repetitions - 1);
-  return studentQuantile(0.5 + confidence / 2, freedom) * Math.sqrt(((repetitions - 1) / repetitions) * squares);
+  return studentQuantile(facts, freedom) * Math.sqrt(((repetitions - 1) / repetitions) * squares);
 }
 
-/** Quantile of Student's t above the median, for any degrees of freedom from 1 on. */
-function studentQuantile(probability, freedom) {
-  // The distribution is concave above 0, so Newton's steps from the left never pass the quantile.
-  const scale = Math.exp(logGamma((freedom + 1) / 2) - logGamma(freedom / 2)) / Math.sqrt(freedom * Math.PI);
-  let t = 0;
-  for (let step = 0; step < 200; step++) {
-    const tail = incompleteBeta(freedom / (freedom + t * t), freedom / 2, 0.5) / 2;
-    const density = scale * (1 + (t * t) / freedom) ** (-(freedom + 1) / 2);
-    const change = (tail - (1 - probability)) / density;
-    t += change;
-    if (Math.abs(change) <= 1e-14 * t) break;
+/** The upper end of the interval of Student's t, for any degrees of freedom from 1 on: facts.student are the coefficients
+ * of its Chebyshev polynomials over the inverse of the freedom, which Clenshaw's recurrence sums. */
+function studentQuantile({student}, freedom) {
+  const x = 2 / freedom - 1;
+  const [first, second] = student.slice(1).reduceRight(([one, other], each) => [2 * x * one - other + each, one], [0, 0]);
+  return student[0] + x * first - second;
+}
+
+/** Probability that Student's t of a whole number of degrees of freedom is below t > 0; Abramowitz & Stegun, 26.7.3-4. */
+function studentBelow(t, freedom) {
+  const angle = Math.atan(t / Math.sqrt(freedom));
+  const [sine, cosine, isOdd] = [Math.sin(angle), Math.cos(angle), freedom % 2 === 1];
+  let term = isOdd ? cosine : 1;
+  let sum = freedom === 1 ? 0 : term;
+  for (let k = isOdd ? 3 : 2; k < freedom; k += 2) {
+    term *= (cosine * cosine * (k - 1)) / k;
+    sum += term;
   }
-  return t;
-}
-
-/** Regularised incomplete beta function I_x(a, b); DLMF 8.17.22 by the algorithm of Lentz. */
-function incompleteBeta(x, a, b) {
-  if (x <= 0 || x >= 1) return x <= 0 ? 0 : 1;
-  if (x > (a + 1) / (a + b + 2)) return 1 - incompleteBeta(1 - x, b, a);
-  const front = Math.exp(logGamma(a + b) - logGamma(a) - logGamma(b) + a * Math.log(x) + b * Math.log1p(-x)) / a;
-  const tiny = 1e-300;
-  let c = 1;
-  let d = 1 / (1 - ((a + b) * x) / (a + 1) || tiny);
-  let value = d;
-  for (let m = 1; m < 10_000; m++) {
-    let ratio = 1;
-    for (const term of [
-      (m * (b - m) * x) / ((a + 2 * m - 1) * (a + 2 * m)),
-      (-(a + m) * (a + b + m) * x) / ((a + 2 * m) * (a + 2 * m + 1)),
-    ]) {
-      d = 1 / (1 + term * d || tiny);
-      c = 1 + term / c || tiny;
-      ratio = d * c;
-      value *= ratio;
-    }
-    if (Math.abs(ratio - 1) < 1e-15) break;
-  }
-  return front * value;
-}
-
-/** Logarithm of the gamma function above 0: Stirling's series (DLMF 5.11.1) where it is exact, and recurrence below. */
-function logGamma(x) {
-  let shift = 0;
-  for (; x < 12; x++) shift += Math.log(x);
-  const u = 1 / (x * x);
-  const series = (1 / 12 - u * (1 / 360 - u * (1 / 1260 - u * (1 / 1680 - u * (1 / 1188 - u * 691 / 360360))))) / x;
-  return (x - 0.5) * Math.log(x) - x + Math.log(2 * Math.PI) / 2 + series - shift;
+  return 0.5 + (isOdd ? (angle + sine * sum) / Math.PI : (sine * sum) / 2);
 }
 
 // ---- The map and the curves as numbers -----------------------------------------------------------------------------
@@ -455,7 +427,7 @@ function meanOfMembers(result, quantity, d, a, load, mu0, tau0) {
 
 /** Mean and interval of values of members: of independent ones, or of neighbours along lines. */
 function intervalOf({facts, members}, values) {
-  if (facts.interval !== "neighbours") return ofSample(values, facts.confidence, facts.fewest);
+  if (facts.interval !== "neighbours") return ofSample(values, facts);
   const known = members.map((member, i) => ({line: facts.lines[member], x: facts.offsets[0][member], y: facts.offsets[1][member], value: values[i]}))
     .filter(({value}) => Number.isFinite(value)).sort((one, other) => one.y - other.y || one.line - other.line || one.x - other.x);
   const lines = [...new Set(known.map(({line}) => line))];
@@ -466,19 +438,19 @@ function intervalOf({facts, members}, values) {
     const mean = sumOf(sums) / known.length;
     independent = sums.map((sum, i) => mean + ((sum - of[i].length * mean) * lines.length) / known.length);
   }
-  const [mean, lower, upper] = ofNeighbours(independent, facts.confidence, facts.fewestNeighbours);
+  const [mean, lower, upper] = ofNeighbours(independent, facts);
   const all = known.map(({value}) => value);
   return [mean, Math.max(lower, Math.min(...all)), Math.min(upper, Math.max(...all))];
 }
 
 /** Mean of a sample, without what is not finite, and its interval by Student's t; as `intervals.of_sample`. */
-function ofSample(values, confidence, fewest) {
+function ofSample(values, facts) {
   const known = values.filter(Number.isFinite);
   const count = known.length;
   const mean = sumOf(known) / count;
-  if (count < fewest) return [mean, NaN, NaN];
+  if (count < facts.fewest) return [mean, NaN, NaN];
   const squares = sumOf(known.map((value) => (value - mean) ** 2));
-  const half = studentQuantile(0.5 + confidence / 2, count - 1) * Math.sqrt(squares / (count - 1) / count);
+  const half = studentQuantile(facts, count - 1) * Math.sqrt(squares / (count - 1) / count);
   const least = known.some((value) => value < 0) ? -Infinity : 0;
   return [mean, Math.max(mean - half, least), mean + half];
 }
@@ -486,10 +458,10 @@ function ofSample(values, confidence, fewest) {
 const CORRELATIONS = Array.from({length: 20}, (_, i) => 0.05 * i);
 
 /** Mean of values in the order in which they are neighbours, and its interval; as `intervals.of_neighbours`. */
-function ofNeighbours(values, confidence, fewest) {
+function ofNeighbours(values, facts) {
   const count = values.length;
   const mean = sumOf(values) / count;
-  if (count < fewest || values.every((value) => value === values[0])) return [mean, NaN, NaN];
+  if (count < facts.fewestNeighbours || values.every((value) => value === values[0])) return [mean, NaN, NaN];
   const spread = Math.sqrt(sumOf(values.map((value) => (value - mean) ** 2)) / (count - 1));
   if (!(spread > 0)) return [mean, NaN, NaN];
   const y = values.map((value) => (value - mean) / spread);
@@ -511,20 +483,12 @@ function ofNeighbours(values, confidence, fewest) {
   const least = Math.min(...processes.map(({weight}) => weight));
   for (const each of processes) each.weight = Math.exp(-0.5 * (each.weight - least));
   const total = sumOf(processes.map(({weight}) => weight));
-  const freedom = count - 1;
-  const density = Math.exp(logGamma(count / 2) - logGamma(freedom / 2)) / Math.sqrt(Math.PI * freedom);
-  const below = (t) => 1 - incompleteBeta(freedom / (freedom + t * t), freedom / 2, 0.5) / 2;
-  let high = studentQuantile(0.5 + confidence / 2, freedom) * Math.min(...processes.map(({error}) => error));
-  for (let step = 0; step < 50; step++) {
-    let [slope, probability] = [0, 0];
-    for (const {weight, error} of processes) {
-      const t = high / error;
-      slope += (weight / total) * density * (1 + (t * t) / freedom) ** (-count / 2) / error;
-      probability += (weight / total) * below(t);
-    }
-    const change = (0.5 + confidence / 2 - probability) / slope;
-    high += change;
-    if (change <= 1e-15 * high) break;
+  const below = (half) => sumOf(processes.map(({weight, error}) => (weight / total) * studentBelow(half / error, count - 1)));
+  let [low, high] = [0, studentQuantile(facts, count - 1) * Math.max(...processes.map(({error}) => error))];
+  for (let step = 0; step < 45; step++) {
+    const middle = (low + high) / 2;
+    if (below(middle) < 0.5 + facts.confidence / 2) low = middle;
+    else high = middle;
   }
   const power = (n) => sumOf(y.map((value) => value ** n)) / count;
   const bend = power(3) / power(2) ** 1.5 / 3;

@@ -18,11 +18,10 @@ from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.asked import at_asked_loads
 from stiction.views.digits import percent, with_unit
-from stiction.views.figures.adhesion import adhesion_figure
-from stiction.views.figures.contact import contact_figure
+from stiction.views.figures.contact import climbing, contact_figure, touching_figure
+from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.figures.standard import drawn_positions
-from stiction.views.figures.touching import climbing, touching_figure
 from stiction.views.point import way_text
 from stiction.views.report.page import counted
 from stiction.views.style import STYLE

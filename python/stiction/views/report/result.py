@@ -12,6 +12,8 @@ from pathlib import Path
 from string import Template
 
 import xarray
+from numpy.polynomial.chebyshev import chebinterpolate
+from scipy.special import stdtrit
 
 from stiction.mechanics import friction
 from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
@@ -25,6 +27,7 @@ from stiction.views.report.measured import page_of_measured
 from stiction.views.report.page import BYTES, Page, ReportError, escaped, panel, part, scripts
 
 LOAD_STEPS = 80  # loads of a map
+STUDENT_DEGREE = 24  # degree from which on quantiles of Student's t are exact to 1e-13
 
 STATUSES = {
     friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
@@ -100,9 +103,10 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
     version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     modulus = float(study.contact.effective_modulus)
     facts = {
-        "confidence": CONFIDENCE, "fewest": FEWEST_OF_SAMPLE, "fewestNeighbours": FEWEST_NEIGHBOURS,
-        "stepsAround": AROUND, "bytes": BYTES, "ticks": TICKS, "colourQuantiles": COLOUR_QUANTILES,
-        "loadSteps": LOAD_STEPS, "advice": ADVICE, "verdicts": VERDICTS, "ruleWords": RULES,
+        "confidence": CONFIDENCE, "student": _student(), "fewest": FEWEST_OF_SAMPLE,
+        "fewestNeighbours": FEWEST_NEIGHBOURS, "stepsAround": AROUND, "bytes": BYTES, "ticks": TICKS,
+        "colourQuantiles": COLOUR_QUANTILES, "loadSteps": LOAD_STEPS, "advice": ADVICE, "verdicts": VERDICTS,
+        "ruleWords": RULES,
         "statuses": {name: {"short": short, "why": ADVICE.get(name, ("",))[0]} for name, short in STATUSES.items()},
         "mu0": list(study.friction.mu0),
         "tau0": [1000 * float(value) for value in study.friction.tau0],
@@ -124,3 +128,8 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
         versions=f"Computed by stiction {version}",
         scripts=scripts(facts | made.facts, made.numbers),
     )  # fmt: skip
+
+
+def _student() -> list[float]:
+    """Chebyshev coefficients of the upper end of the interval of Student's t over the inverse of its freedom."""
+    return chebinterpolate(lambda x: stdtrit(2 / (1 + x), 0.5 + CONFIDENCE / 2), STUDENT_DEGREE).tolist()  # type: ignore[no-any-return]
