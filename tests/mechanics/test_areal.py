@@ -113,17 +113,6 @@ class TestAgainstReference:
         assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
-    def test_no_minimum_of_rough_maps_is_missed(self):
-        # Roughness down to the grid, where many minima are small and near to saddles.
-        upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
-        gap = upper.heights - lower.heights
-        deepest = 2 * np.ptp(gap)
-        found = candidates(upper, lower, deepest=deepest)
-        places = areal.minima(gap, (0.05, 0.05))
-        assert len(found) >= len(places) > 100
-        apart = np.abs(found.position[:, None, :2] - places).max(axis=2)
-        assert apart.min(axis=0).max() < 1e-6
-
     def test_grid_minima_without_an_answer_are_counted(self):
         upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
@@ -153,8 +142,7 @@ def hertz(k, longer, overlap, modulus):
 
 
 class TestExact:
-    @pytest.mark.parametrize("k", [1.0, 0.9, 0.5, 0.2, 0.05, 0.02])
-    @pytest.mark.parametrize("angle", [0.0, 25.0])
+    @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
     def test_an_ellipsoid_on_a_flat_carries_what_hertz_says(self, k, angle):
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter = hertz(k, 2.0, overlap, modulus)
@@ -181,23 +169,6 @@ class TestExact:
         assert_close(table.radii[0], (2.0, shorter), SMOOTH)
         assert_close(table.overlap, overlap, SMOOTH)
         assert table.normal[0].tolist() == [0, 0, 1]
-
-    def test_a_contact_of_two_tilted_bodies_has_their_curvatures_in_the_tangent_plane(self):
-        # Two spheres side by side: seen along the line of centres the relative curvature is the same both ways.
-        spacing, radii, centre = 0.005, (2.0, 3.0), np.array([0.2, 0.1])
-
-        def cap(x, y, radius, at, sign):
-            return sign * np.sqrt(radius**2 - (x - at[0]) ** 2 - (y - at[1]) ** 2)
-
-        middle = np.array([0.4013, 0.4027])
-        lower = surface_of(lambda x, y: cap(x, y, radii[0], middle - centre, 1), (161, 161), (spacing, spacing))
-        upper = surface_of(lambda x, y: cap(x, y, radii[1], middle + 1.5 * centre, -1), (161, 161), (spacing, spacing))
-        table = contacts(upper, lower, 1e-6)
-        assert len(table) == 1
-        sine = np.hypot(*(2.5 * centre)) / sum(radii)
-        normal = [*(2.5 * centre / sum(radii)), math.sqrt(1 - sine**2)]
-        assert np.allclose(table.normal[0], normal, atol=SMOOTH)
-        assert_close(table.radii[0], 1.2, 1e-5)
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
     def test_one_contact_on_a_slope_slides_at_the_sum_of_the_angles(self, angle):
@@ -281,32 +252,6 @@ class TestIdentities:
     def pressed(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
-    @pytest.mark.parametrize("sliding", ["opposing", "all"])
-    def test_rotation_by_90_degrees(self, sliding):
-        upper, lower = rough_pair()
-        # x -> y, y -> -x: rows run backwards, then become columns.
-        turned = [Surface(one.heights.T[:, ::-1], spacing=one.spacing[::-1]) for one in (upper, lower)]
-        plain = self.pressed(upper, lower, sliding=sliding)
-        rotated = self.pressed(*turned, angles=[angle + 90 for angle in ANGLES], sliding=sliding)
-        assert_sums_close(rotated, plain, IDENTITY)
-
-    @pytest.mark.parametrize("sliding", ["opposing", "all"])
-    def test_mirror(self, sliding):
-        upper, lower = rough_pair()
-        mirrored = [Surface(one.heights[:, ::-1], spacing=one.spacing) for one in (upper, lower)]
-        plain = self.pressed(upper, lower, sliding=sliding)
-        other = self.pressed(*mirrored, angles=[180 - angle for angle in ANGLES], sliding=sliding)
-        for name in ("lateral_elastic", "lateral_frictional", "lateral_adhesive"):  # left becomes right
-            assert np.abs(getattr(other, name) + getattr(plain, name)).max() < IDENTITY
-        assert_sums_close(other, plain, IDENTITY, [n for n in COMMON + DIRECTED if not n.startswith("lateral")])
-
-    def test_exchange_of_the_bodies(self):
-        upper, lower = rough_pair()
-        inverted = [Surface(-one.heights, spacing=one.spacing) for one in (lower, upper)]
-        plain = self.pressed(upper, lower)
-        other = self.pressed(*inverted, angles=[angle + 180 for angle in ANGLES])
-        assert_sums_close(other, plain, IDENTITY)
-
     def test_scaling_and_modulus(self):
         upper, lower = rough_pair()
         large = [Surface(7 * one.heights, spacing=(7 * one.spacing[0], 7 * one.spacing[1])) for one in (upper, lower)]
@@ -350,24 +295,6 @@ class TestIdentities:
         shear = self.pressed(upper, lower, angles=None, shear="-x")
         assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
 
-    def test_superposition_of_both_loads(self):
-        upper, lower = rough_pair()
-        found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
-        curve = press(upper, lower, [0.1], direction=33)
-        s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
-        total = np.zeros(3)
-        for one in found:
-            n = one["normal"]
-            total[2] += one["force"] * n[2]
-            if s @ n < 0:
-                t = -s + (s @ n) * n
-                friction = (0.3 * one["force"] + 0.07 * one["area"]) * t / np.linalg.norm(t)
-                total[:2] += (one["force"] * n)[:2]
-                total += friction
-        assert_close(curve.normal_load(mu0=0.3, tau0=0.07), total[2], INDEPENDENT)
-        assert_close(curve.tangential_load(mu0=0.3, tau0=0.07), -s @ total + s[2] * total[2], INDEPENDENT)
-        assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, INDEPENDENT)
-
     def test_a_map_in_parts_is_the_map(self):
         # More than one part of 256 cells a side, with a minimum on the seam of two.
         size = 300
@@ -407,21 +334,6 @@ class TestLaws:
 
 
 class TestValidity:
-    def test_overlapping_ellipses_are_counted(self):
-        # Two summits side by side whose ellipses meet, and one far away.
-        def bumps(x, y):
-            centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
-            return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
-
-        lower = surface_of(bumps, (121, 261), (0.01, 0.01))
-        flat = Surface(np.zeros_like(lower.heights), spacing=0.01)
-        table = contacts(flat, lower, 0.02)
-        assert len(table) == 3
-        # The nearer two meet where 2 sqrt(R d) = 0.2, R = 0.2.
-        approach = [0.04, 0.049, 0.052, 0.06]
-        curve = press(flat, lower, approach)
-        assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
-
     def test_ellipses_overlap_as_points_on_them_say(self):
         upper, lower = rough_pair(6)
         approaches = np.linspace(0.05, 0.25, 9)
@@ -485,25 +397,6 @@ class TestValidity:
             for name in ("contact_count", "contact_area", "normal_elastic"):
                 values = getattr(curve, name)
                 assert (np.diff(values) >= -ROUND_OFF * values[1:]).all(), name
-
-    def test_a_long_valley_carries_what_lies_on_the_map(self):
-        # Bowed ever less along the valley, all of the ellipse carries ever more, and its part here that of a line.
-        y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
-        flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))
-        load = []
-        for bow in (1e2, 1e3, 1e4, 1e5):
-            body = Surface(-(x**2) / 2 - y**2 / (2 * bow), spacing=(0.05, 0.02))
-            curve = press(flat, body, [0.02])
-            assert (curve.contact_count[0], curve.validity.share_at_edge[0]) == (1, 1)
-            load.append(curve.normal_elastic[0])
-            # Of a line of length l at the pressure of the ellipse's middle: the half-width b of a cylinder of radius 1.
-            overlap = 0.02 - body.heights.max()
-            a, b, first = areal.semi_axes(bow, 1.0, overlap)
-            middle = 10 * overlap / first / b  # 3 F / (2 π a b)
-            line = np.pi / 2 * middle * b * 2.0
-            assert 1 - 0.2 * 2.0 / a < load[-1] / line < 1 + 1e-6
-        assert (np.diff(load) < 0).all()
-        assert 1.1 < load[0] / load[-1] < 4
 
 
 class TestLoading:

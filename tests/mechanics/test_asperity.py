@@ -29,12 +29,6 @@ def test_a_circle_has_its_radius_and_centre(circular_arc):
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
-def test_the_same_bump_is_convex_below_and_concave_above():
-    bump = Profile(np.cos(np.linspace(-1, 1, 101)), spacing=0.02)
-    assert (asperities(bump, "lower").radius[20:-20] > 0).all()
-    assert (asperities(bump, "upper").radius[20:-20] < 0).all()
-
-
 def test_ends_are_without_curvature_and_arrays_read_only():
     profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
     lower = asperities(profile, "lower")

@@ -12,6 +12,7 @@ from reference.boundary_elements import (
 )
 from stiction import westergaard_contact_fraction
 
+pytestmark = pytest.mark.docs
 WAVELENGTH, AMPLITUDE = 1.0, 0.01
 FULL_CONTACT = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH  # p* of Westergaard
 FRACTION, COUNT, STIFFNESS = range(3)
