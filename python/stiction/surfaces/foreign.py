@@ -79,12 +79,10 @@ def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Taken:
     if np.ma.is_masked(given):
         raise ValueError(f"{name} has points without a height; fill them first, as by interpolate_undefined_data()")
     heights = np.asarray(np.ma.getdata(given), dtype=np.float64)
-    if heights.ndim == 2:
-        x, y = (float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True))
-        return _taken(name, heights.T, (y, x), factor, kind)
-    if not other.is_uniform:
+    if heights.ndim == 1 and not other.is_uniform:
         return _taken(name, heights, (_step(name, "x", other.positions()),), factor, kind)
-    return _taken(name, heights, (float(other.physical_sizes[0]) / heights.size,), factor, kind)
+    steps = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
+    return _taken(name, heights.T, tuple(steps[::-1]), factor, kind)
 
 
 def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Taken:
@@ -102,11 +100,9 @@ def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Taken:
         spacing.append(_step(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
     factor = _factor(name, other.attrs.get("units", unit), kind)
     taken = _taken(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
-    history = other.attrs.get("history")
-    if history is None:
+    if other.attrs.get("history") is None:
         return taken
-    made = tuple(each for each in str(history).split("\n") if each)
-    return taken._replace(history=made)
+    return taken._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
 
 
 def _step(name: str, axis: str, positions: Any) -> float:

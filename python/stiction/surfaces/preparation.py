@@ -146,19 +146,16 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     >>> cropped(Profile([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], spacing=0.5), 0.5, 2.5).heights
     array([1., 2., 3., 4.])
     """
-    if isinstance(body, Profile):
-        first, end, words = piece_of("", len(body), body.spacing, start, stop)
-        missing = part(body.missing, slice(first, end))
-        return body.changed(body.heights[first:end], f"cropped to {words}", missing=missing)
-    starts, stops = ((each, each) if np.ndim(each) == 0 else each for each in (start, stop))
-    if len(starts) != 2 or len(stops) != 2:
-        raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
-    (top, bottom, along_y), (left, right, along_x) = (
-        piece_of(f" along {axis}", body.heights.shape[at], body.spacing[at], starts[at], stops[at])
-        for at, axis in enumerate("yx")
-    )
-    kept = slice(top, bottom), slice(left, right)
-    step = f"cropped to {along_y} and {along_x}"
+    axes: tuple[str, ...] = ("",)
+    starts, stops = [start], [stop]
+    if isinstance(body, Surface):
+        axes = " along y", " along x"
+        starts, stops = ([each, each] if np.ndim(each) == 0 else each for each in (start, stop))
+        if len(starts) != 2 or len(stops) != 2:
+            raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
+    pieces = [piece_of(*each) for each in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)]
+    kept = tuple(slice(first, end) for first, end, _ in pieces)
+    step = f"cropped to {' and '.join(words for _, _, words in pieces)}"
     return body.changed(body.heights[kept], step, missing=part(body.missing, kept))
 
 
@@ -221,44 +218,41 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
     array([0. , 0.5, 1. , 1.5, 2. ])
     """
     choice("align", align, Align)
-    if isinstance(a, Profile) and isinstance(b, Profile):
-        spacing, points = _finer((len(a), a.spacing), (len(b), b.spacing))
-        return _on_grid(a, spacing, points, align), _on_grid(b, spacing, points, align)
-    if not (isinstance(a, Surface) and isinstance(b, Surface)):
+    if not any(isinstance(a, kind) and isinstance(b, kind) for kind in (Profile, Surface)):
         raise ValueError(f"both must be a Profile or both a Surface, got {type(a).__name__} and {type(b).__name__}")
-    grids = [
-        _finer((a.heights.shape[axis], a.spacing[axis]), (b.heights.shape[axis], b.spacing[axis])) for axis in (0, 1)
-    ]
-    shape = grids[0][1], grids[1][1]
-    if shape[0] * shape[1] > MOST_POINTS or min(shape) < 2:
+    spacing = tuple(map(min, a.spacings, b.spacings))
+    lengths = (
+        [(points - 1) * step for points, step in zip(each.heights.shape, each.spacings, strict=True)] for each in (a, b)
+    )
+    shape = tuple(_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
+    if len(shape) == 2 and (math.prod(shape) > MOST_POINTS or min(shape) < 2):
         raise ValueError(
             f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MOST_POINTS} are allowed"
         )
-    spacings = grids[0][0], grids[1][0]
-    return _area_on_grid(a, spacings, shape, align), _area_on_grid(b, spacings, shape, align)
+    return _on_grid(a, spacing, shape, align), _on_grid(b, spacing, shape, align)
 
 
-def _finer(a: tuple[int, float], b: tuple[int, float]) -> tuple[float, int]:
-    """The finer spacing of two grids of so many points, and the points of it that both reach."""
-    spacing = min(a[1], b[1])
-    last = min((points - 1) * step for points, step in (a, b))
-    return spacing, math.floor(last / spacing + ON_POINT) + 1
+def _points(length: float, spacing: float) -> int:
+    """Points of a spacing from 0 to a length (µm), its end included whatever the round-off."""
+    return math.floor(length / spacing + ON_POINT) + 1
 
 
-def _area_on_grid(surface: Surface, spacing: tuple[float, float], shape: tuple[int, int], align: Align) -> Surface:
-    if (surface.spacing, surface.heights.shape) == (spacing, shape):
-        return surface
-    heights, missing = surface.heights, surface.missing
-    for axis in (0, 1):
-        own, new, points = surface.spacing[axis], spacing[axis], shape[axis]
-        heights, missing = (_splined(each, own, new, points, axis, align) for each in (heights, missing))
-    (dy, dx), (rows, columns) = spacing, shape
-    step = f"splined to spacings of {dy:g} and {dx:g} µm, {rows} rows of {columns} points"
-    if surface.spacing == spacing:
-        step = f"cropped to its {_KEPT[align]} {rows} rows of {columns} points"
-    elif align == "middle":
-        step += " about its middle"
-    return surface.changed(heights, step, spacing=spacing, missing=missing)
+def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
+    """A profile or a surface at spacings (µm) along each axis, of a shape; its own grid as it is."""
+    own = body.spacings
+    if (own, body.heights.shape) == (spacing, shape):
+        return body
+    heights, missing = body.heights, body.missing
+    for axis, (old, new, points) in enumerate(zip(own, spacing, shape, strict=True)):
+        heights, missing = (_splined(each, old, new, points, axis, align) for each in (heights, missing))
+    is_line, size = len(shape) == 1, " rows of ".join(map(str, shape))
+    steps = " and ".join(f"{step:g}" for step in spacing)
+    if own == spacing:
+        said = f"cropped to its {_KEPT[align]} {size} points"
+    else:
+        grid = f"from a spacing of {own[0]:g} to {steps}" if is_line else f"to spacings of {steps}"
+        said = f"splined {grid} µm, {size} points{' about its middle' if align == 'middle' else ''}"
+    return body.changed(heights, said, spacing=spacing[0] if is_line else spacing, missing=missing)
 
 
 def resampled_piece(
@@ -400,24 +394,11 @@ def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]
 
 def resampled(profile: Profile, spacing: float) -> Profile:
     """A profile at another spacing (µm), over its own length, by its natural cubic spline; its own grid as it is."""
-    points = math.floor((len(profile) - 1) * profile.spacing / spacing + ON_POINT) + 1
+    points = _points((len(profile) - 1) * profile.spacing, spacing)
     if points > MOST_POINTS:
         raise ValueError(
             f"{profile.extent:g} µm at a spacing of {spacing:g} µm are {points} points, and at most {MOST_POINTS} "
             "can be used"
         )
-    return _on_grid(profile, spacing, points, "start")
-
-
-def _on_grid(profile: Profile, spacing: float, points: int, align: Align) -> Profile:
-    if profile.spacing == spacing:
-        if points == len(profile):
-            return profile
-        step = f"cropped to its {_KEPT[align]} {points} points"
-    else:
-        step = f"splined from a spacing of {profile.spacing:g} to {spacing:g} µm, {points} points"
-        step += " about its middle" if align == "middle" else ""
-    heights, missing = (
-        _splined(each, profile.spacing, spacing, points, 0, align) for each in (profile.heights, profile.missing)
-    )
-    return profile.changed(heights, step, spacing=spacing, missing=missing)
+    resampled: Profile = _on_grid(profile, (spacing,), (points,), "start")
+    return resampled
