@@ -70,14 +70,6 @@ class Served:
         """What the page is told."""
         return json.loads(self.ask("GET", "/jobs")[2])
 
-    def memory(self):
-        """Resident memory of the server alone, bytes."""
-        with open(f"/proc/{self.process.pid}/statm", encoding="utf-8") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-    def is_alive(self):
-        return self.process.poll() is None and self.ask("GET", "/")[0] == 200
-
     @contextlib.contextmanager
     def held(self, member):
         """Commands that begin in here wait at this member until the end, or until it is let go."""

@@ -378,22 +378,6 @@ def test_what_another_server_of_this_computer_is_sent_opens_nothing(app, fresh):
         assert app.ask(method, path, b"{}", X_Stiction_Key=None)[0] == 403
 
 
-def test_eight_windows_are_told_at_the_same_time(app, fresh):
-    """A browser has six connections for all of them."""
-    first = fresh.current_window_handle
-    for _ in range(7):
-        fresh.switch_to.new_window("tab")
-        fresh.get(app.origin)
-    for window in fresh.window_handles:
-        fresh.switch_to.window(window)
-        fresh.execute_script("performance.clearResourceTimings()")  # it keeps 250 and no later ones
-        asked = "return performance.getEntriesByName(`${location.origin}/jobs`).length"
-        until(lambda asked=asked: fresh.execute_script(asked), bool)
-        if window != first:
-            fresh.close()
-    fresh.switch_to.window(first)
-
-
 def test_profiles_are_pressed_by_asperities_at_once(fresh, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")

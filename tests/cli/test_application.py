@@ -109,14 +109,11 @@ def test_a_hostile_study_is_one_short_message(tmp_path, content, words):
     assert all(line.startswith("stiction: s.toml: ") for line in done.stderr.splitlines())
 
 
-def test_a_pipe_or_a_device_is_no_study(tmp_path):
-    os.mkfifo(tmp_path / "fifo.toml")
+def test_a_pipe_or_a_device_is_no_study_and_no_measurement(tmp_path):
+    for name in ("fifo.toml", "fifo.csv"):
+        os.mkfifo(tmp_path / name)  # which would be waited for
     for name in ("fifo.toml", "/dev/zero"):
         assert_refused(stiction_command("run", name, "-o", "o", cwd=tmp_path), f"{name}: is no regular file")
-
-
-def test_a_pipe_is_no_measurement(tmp_path):
-    os.mkfifo(tmp_path / "fifo.csv")  # which would be waited for
     assert_refused(stiction_command("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")
     with pytest.raises(FormatError, match="is no regular file"):
         read_spectrum(tmp_path / "fifo.csv")

@@ -80,14 +80,14 @@ def test_at_is_what_the_library_says_at_any_mu0_and_tau0(folder, name):
     assert expected[0].verdict in text
 
 
-def test_at_of_a_pair_takes_its_own_materials(folder):
+def test_at_takes_what_is_not_given_of_the_result_and_says_why_there_is_no_answer(folder):
     record = json.loads(said("at", "lines", "--load", "0.1 mN", "--json", cwd=folder))
     assert [(one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
-
-
-def test_at_of_a_study_takes_every_dimension_unless_one_is_asked_for(folder):
     text = said("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=folder)
     assert [line.split()[0] for line in text.splitlines()[:5]] == ["D", "1", "1.2", "1.4", "1.6"]
+    text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", cwd=folder)
+    assert text.startswith("μ_s = not-reached")
+    assert "! no step of the result carries this load; give less load" in text
 
 
 def test_at_in_one_direction_is_not_the_mean_of_all(folder):
@@ -98,12 +98,6 @@ def test_at_in_one_direction_is_not_the_mean_of_all(folder):
     at = at_load(open_stored(folder / "maps"), [one["answers"][0]["at"]["load"]], tau0=[0.0])
     expected = at["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
     assert one["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
-
-
-def test_at_says_why_there_is_no_answer(folder):
-    text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", cwd=folder)
-    assert text.startswith("μ_s = not-reached")
-    assert "! no step of the result carries this load; give less load" in text
 
 
 @pytest.mark.parametrize(
@@ -139,21 +133,14 @@ def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
     assert said("report", name, "--output", f"{name}.html", cwd=folder)
     text = said("info", name, cwd=folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
-    if name != "study":
-        assert f"\n{record['answers'][0]['verdict']}" in text or "Doubts" in text
-
-
-def test_info_of_a_study_has_a_table_for_each_tau0(folder):
-    text = said("info", "study", cwd=folder)
-    assert text.count("μ_s [95 %] at μ0 = ") == 2
-    assert "D = 1.4" in text
-
-
-def test_the_loads_of_a_pair_need_not_rise(folder):
-    record = json.loads(said("info", "maps", "--json", cwd=folder))
+    if name == "study":
+        assert text.count("μ_s [95 %] at μ0 = ") == 2, "a table for each tau0"
+        assert "D = 1.4" in text
+        return
+    assert f"\n{record['answers'][0]['verdict']}" in text or "Doubts" in text
     loads = [one["at"]["load"] for one in record["answers"]]
-    assert loads == sorted(loads)
-    assert len(set(loads)) == 2
+    assert loads == sorted(loads), "those of a pair need not rise"
+    assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])

@@ -60,20 +60,8 @@ def test_a_ball_gives_both_and_keeps_them(tmp_path):
 
 
 def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
-    done = stiction_done(
-        "calibrate",
-        "forces.csv",
-        "--pair",
-        "ground",
-        "--pair",
-        "lapped/",
-        "--sliding",
-        "all",
-        "--json",
-        cwd=pressed,
-        blank=True,
-    )
-    record = json.loads(done.stdout)
+    given = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
+    record = json.loads(stiction_done("calibrate", *given, cwd=pressed, blank=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
     values = {each["name"]: each for each in record["values"]}
     assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]

@@ -36,35 +36,30 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
     assert float(dataset["contact_count"].sum()) > 0
 
 
-def test_run_again_does_not_compute_again(ran):
+def test_run_again_computes_nothing_again_and_draws(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
         done = stiction_done("run", *again, cwd=where, blank=True)
         assert "holds this study already" in done.stdout
+    (where / "quick" / "area.png").unlink()
+    stiction_done("plot", "quick", cwd=where, blank=True)
+    assert (where / "quick" / "area.png").exists()
 
 
-def test_run_does_not_overwrite_another_study(ran):
-    where, _ = ran
-    assert_refused(stiction_command("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=where), "ensemble.seed")
-
-
-def test_more_repetitions_are_added(ran, tmp_path):
+def test_more_repetitions_are_added_and_what_is_not_finished_is_said(ran, tmp_path):
+    assert_refused(stiction_command("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=ran[0]), "ensemble.seed")
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
     done = stiction_done("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, blank=True)
     assert "3 of its 5 repetitions were there already" in done.stdout
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
-
-
-def test_what_is_not_finished_is_said(ran, tmp_path):
-    shutil.copytree(ran[0] / "quick", tmp_path / "quick")
     last = sorted((tmp_path / "quick" / "blocks").iterdir())[-1]
     last.unlink()
     done = stiction_done("info", "quick", cwd=tmp_path)
-    for words in ("surfaces.points = 4_000", 'surfaces.extent = "2 um"', " of 3 finished", "MiB", stiction.__version__):
+    for words in ("surfaces.points = 4_000", 'surfaces.extent = "2 um"', " of 5 finished", "MiB", stiction.__version__):
         assert words in done.stdout, done.stdout
     assert "gamma" not in done.stdout
     done = stiction_done("plot", "quick", cwd=tmp_path, blank=True)
-    assert "of 3 repetitions are finished" in done.stderr
+    assert "of 5 repetitions are finished" in done.stderr
 
 
 def test_parts_together_are_the_whole(ran, tmp_path):
@@ -73,13 +68,6 @@ def test_parts_together_are_the_whole(ran, tmp_path):
         assert f"part {part} is finished" in done.stdout
         assert "μ_s" not in done.stdout
     assert store.read(tmp_path / "quick").equals(store.read(ran[0] / "quick"))
-
-
-def test_plot_draws_again(ran):
-    where, _ = ran
-    (where / "quick" / "area.png").unlink()
-    stiction_done("plot", "quick", cwd=where, blank=True)
-    assert (where / "quick" / "area.png").exists()
 
 
 def test_a_study_file_runs_as_the_study_it_is(tmp_path):

@@ -38,8 +38,7 @@ def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
 def test_generated_bodies_are_quoted_by_the_papers_rule():
     said = answers(generated(), generated_study())
     assert [each.at["fractal_dimension"] for each in said] == [1.1] * 4 + [1.4] * 4
-    assert said[0].rule == "opposing"
-    assert said[0].others == ()
+    assert [rule.rule for rule in said[0].rules] == ["opposing"]
     assert "D = 1.1" in said[0].sentence
     assert "elastic" not in said[0].inputs
 

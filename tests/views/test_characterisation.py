@@ -87,7 +87,7 @@ def test_untrusted_waves_that_do_not_matter_are_called_harmless(profile):
     for rms, words in ((1e-5, "harmless, "), (1e-4, "not to be trusted below")):
         found = Characterisation(Profile(smooth + rms * noise, spacing=0.01))
         assert words in {row.label: row.texts[0] for row in found.rows}["instrument"]
-        assert (found.untrusted < HARMLESS) == (rms < 1e-4)
+        assert (found.limit.slope_share < HARMLESS) == (rms < 1e-4)
 
 
 def test_a_spectrum_that_is_no_power_law_has_no_exponent_and_no_fitted_line(profile):

@@ -101,13 +101,6 @@ HALF_PLANES = {
 }  # fmt: skip
 
 
-def test_a_study_by_asperities_is_that_of_the_library(numbers, result):
-    lowest, highest = numbers("() => facts.loads")
-    loads = np.geomspace(lowest / 3, 3 * highest, 30).tolist()
-    for mu0, tau0 in [(0.0, 0.0), (0.4, 0.2)]:
-        assert "ok" in statuses_held_to_the_library(numbers, result, loads, mu0, tau0)
-
-
 def test_every_rule_of_half_planes_is_that_of_the_library():
     data = run(Study.named("quick").with_changes(HALF_PLANES))
     numbers = PageNumbers(report_page(data))
@@ -328,13 +321,6 @@ def test_means_of_neighbours_are_those_of_the_library(numbers, values):
 
 
 # ---- Pieces ----------------------------------------------------------------------------------------------------------
-
-
-def test_derivatives_are_those_of_numpy(numbers):
-    steps = np.array([0.0, 1.0, 1.5, 4.0, 9.0])
-    values = np.array([1.0, -2.0, 0.5, 3.0, 8.0])
-    found = numbers("(values, steps) => gradient(values, steps)", values.tolist(), steps.tolist())
-    assert found == pytest.approx(np.gradient(values, steps, edge_order=2), rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -462,13 +462,6 @@ def test_nothing_is_asked_of_anybody(driver, page, maps_page):
         assert {url.split("#")[0] for url in asked} == {path.as_uri()}
 
 
-@in_browser
-def test_a_page_carries_its_licence(opened):
-    text = by_id(opened, "licence").get_attribute("textContent")
-    for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
-        assert words in text
-
-
 # ---- The file --------------------------------------------------------------------------------------------------------
 
 
@@ -482,8 +475,11 @@ def test_text_of_a_study_is_text_on_the_page(result, maps):
     assert "<script>alert(2)" not in report_page(nasty)
 
 
-def test_a_page_is_little_more_than_its_numbers(page, result):
-    assert page.read_text("utf-8").startswith(MARK)
+def test_a_page_is_little_more_than_its_numbers_and_its_licence(page, result):
+    text = page.read_text("utf-8")
+    assert text.startswith(MARK)
+    for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
+        assert words in text
     assert page.stat().st_size < 250_000 + 10 * len(SMALL.surfaces.amplitudes()) * result["contact_area"].size * 7
 
 

@@ -82,7 +82,6 @@ def at(
 
 
 def _loads(stored: Stored, texts: list[str]) -> list[float]:
-    """Loads in mN."""
     loads = set()
     for each in texts:
         amount, per_area = load_of("load", each)
@@ -97,7 +96,6 @@ def _loads(stored: Stored, texts: list[str]) -> list[float]:
 
 
 def _cells(found: xarray.Dataset, fractal_dimension: float | None, amplitude: float | None) -> xarray.Dataset:
-    """The nearest cells to those that were asked for."""
     asked = {"--d": ("fractal_dimension", fractal_dimension), "--amplitude": ("amplitude", amplitude)}
     for flag, (name, value) in asked.items():
         if value is not None:
@@ -108,7 +106,6 @@ def _cells(found: xarray.Dataset, fractal_dimension: float | None, amplitude: fl
 
 
 def _towards(found: xarray.Dataset, direction: float) -> xarray.Dataset:
-    """A result in one direction alone."""
     known = found["direction"].values.reshape(-1).tolist() if "direction" in found.coords else []
     if direction % 360 not in known:
         shown = ", ".join(f"{each:g}" for each in known) or "none"

@@ -124,7 +124,6 @@ def characterise(
 
 
 def _together(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
-    """Say what several scans of one surface are together, and write their spectrum."""
     from stiction.surfaces.joined import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views.rows import record
@@ -144,7 +143,6 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
 
 
 def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
-    """Say what two scans of one place have in common, and write their mean and the noise of one."""
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated import repeated
     from stiction.views.rows import record
@@ -191,7 +189,6 @@ def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated
 
 
 def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """A row or a column of a surface, if one is asked for."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
@@ -217,7 +214,6 @@ def _levelled(body: Profile | Surface, level: Any) -> Profile | Surface:
 
 
 def _band(text: str | None) -> tuple[float, float] | None:
-    """Two wavelengths in µm."""
     if text is None:
         return None
     parts = text.split(",")

@@ -128,16 +128,6 @@ class Answer:
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
-    def rule(self) -> str:
-        """The rule to quote."""
-        return self.rules[0].rule
-
-    @property
-    def others(self) -> tuple[RuleValue, ...]:
-        """By the other rules."""
-        return self.rules[1:]
-
-    @property
     def faults(self) -> tuple[Doubt, ...]:
         """Doubts for which it is not to be quoted."""
         return tuple(doubt for doubt in self.doubts if doubt.severity == "fault")
@@ -251,10 +241,7 @@ def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
 
 
 def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
-    """Ends of an interval of a point; None where it has none."""
-    if name not in own:
-        return None
-    lower, upper = (float(own[name].sel(statistic=each)) for each in STATISTICS[1:])
+    lower, upper = (float(own[name].sel(statistic=each)) if name in own else math.nan for each in STATISTICS[1:])
     return (lower, upper) if math.isfinite(lower) and math.isfinite(upper) else None
 
 
@@ -270,7 +257,6 @@ def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
 
 
 def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
-    """The coefficient by a rule after each time under load."""
     if "friction_waited" not in point:
         return ()
     table = by_rule(point["friction_waited"], rule).transpose("wait", "statistic")

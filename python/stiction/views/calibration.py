@@ -142,7 +142,6 @@ def calibration_figure(interface: Interface) -> Figure:
 
 
 def _tests_panel(axes: Axes, interface: Interface) -> None:
-    """Measured coefficients over A/F, and the line that was fitted with its band."""
     fit = interface.fits[0]
     points = np.array(interface.tests, dtype=float).reshape(-1, 4)
     largest = 1.15 * max(points[:, 0].max(initial=0.0), interface.area_per_load)

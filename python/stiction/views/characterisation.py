@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stiction._shown import units_of
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.studies.contact_statistics import slopes_of
 from stiction.surfaces.holes import OUTLYING, outliers_of
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import BENT, LineRoughness, lines_along_both, off_power_law
@@ -169,16 +171,8 @@ class Characterisation:
         return instrument_limit(self.body, tip_radius=self.tip_radius, periodic=self.periodic)
 
     @cached_property
-    def untrusted(self) -> float:
-        """Share of the mean square slope in waves that are not to be trusted."""
-        return self.limit.slope_share
-
-    @cached_property
     def friction(self) -> tuple[float, ...]:
         """Coefficient against its like by slopes alone, along x and, of a surface, y; none if flat along one."""
-        from stiction.mechanics.closed_forms import gentle_friction
-        from stiction.studies.contact_statistics import slopes_of
-
         # The gap of two such bodies has twice the mean square; along x first.
         squares = [2 * float(np.square(along).mean()) for along in slopes_of(self.body)][::-1]
         return tuple(
@@ -256,7 +250,6 @@ class Characterisation:
         return f"{values} against its like, where mu0 is {PAPERS_MU0:g} (gentle_friction)"
 
     def _scale_rows(self) -> list[Row]:
-        """Slopes over the shortest wave that is counted, and from which wave on the scan may be trusted."""
         found, limit = self.roughness, self.limit
         share = float(found.fraction_below(2 * limit.pixels))
         longest = float(found.wavelength[0])
@@ -268,10 +261,10 @@ class Characterisation:
         shortest = entry("shortest_wave", limit.pixels, "um")
         octave = entry("slope_in_shortest_octave", share)
         off = with_unit(limit.cut_off, "um")
-        wave, part = with_unit(limit.wavelength, "um"), f"{percent(self.untrusted)} of the mean square slope"
+        wave, part = with_unit(limit.wavelength, "um"), f"{percent(limit.slope_share)} of the mean square slope"
         if limit.reason == "pixels":
             words = f"nothing but its pixels{'' if self.tip_radius is None else ', and its tip follows all'}"
-        elif self.untrusted < HARMLESS:
+        elif limit.slope_share < HARMLESS:
             words = f"below {wave} {REASONS[limit.reason]}: harmless, {part}"
         else:
             words = f"not to be trusted below {wave}: {REASONS[limit.reason]}, {part}; --cutoff '{off}' takes that off"
@@ -283,7 +276,6 @@ class Characterisation:
         ]  # fmt: skip
 
     def _hurst_rows(self) -> list[Row]:
-        """Exponent, band and dimension of a fit, and what speaks against it."""
         names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
         fit = self.fit
         if fit is None or self.law is None:
@@ -406,7 +398,6 @@ def length_text(value: float) -> str:
 
 
 def _row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> Row:
-    """A row of one value."""
     text = length_text(value) if unit == "um" else f"{value:.4g}{_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
@@ -414,7 +405,6 @@ def _row(name: str, value: float, unit: str = "1", *, label: str = "", words: st
 
 
 def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Row]:
-    """A peak that the moments are of, or none."""
     found = peak_of(spectrum, lines=lines)
     if found is None or found[1] < _PEAK_SHARE:
         return []

@@ -189,7 +189,6 @@ def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
 
 
 def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
-    """The numbers of a point that checks are about."""
     width = value.upper - value.lower
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)

@@ -84,7 +84,6 @@ def friction_table_text(table: xarray.Dataset) -> str:
 
 
 def _span(coefficients: xarray.DataArray) -> str:
-    """Between which values they lie."""
     known = coefficients.values[np.isfinite(coefficients.values)]
     if not known.size:
         return "none"

@@ -311,4 +311,4 @@ def first_result(study: Study) -> Result:
 def first_text(study: Study) -> str:
     """The answer that the first members of a study of asperities give, in a line; an error if nothing touches."""
     one = first_result(study).answers[0]
-    return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rule]}"
+    return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rules[0].rule]}"

@@ -209,7 +209,6 @@ def _coordinate(name: str, value: float) -> str:
 
 
 def _details(one: Answer) -> str:
-    """What holds by an answer, where tests and finer scans lie, and the inputs."""
     lines = [parts_text(one), test_text(one), waited_text(one)]
     if one.bracket is not None:
         words = bracket_text(one.bracket)

@@ -220,7 +220,6 @@ def box_of(picture: xarray.Dataset, what: str) -> tuple[float, float, float, flo
 
 
 def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:
-    """Pressure about the contact that carries most."""
     pressure = picture["zoom_pressure"].values
     box = box_of(picture, "zoom")
     axes.imshow(picture["zoom_height"].values, extent=box, origin="lower", cmap="gray", alpha=0.6)
@@ -260,7 +259,6 @@ def touching_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figur
 
 
 def _map(axes: Axes, picture: xarray.Dataset, climbs: NDArray[np.bool_], cut: NDArray[np.bool_]) -> None:
-    """Patches over the heights of the lower body."""
     heights, patch = (picture[name].transpose("height_y", "height_x").values for name in ("lower_height", "patch"))
     place: dict[str, Any] = {"extent": box_of(picture, "height"), "origin": "lower"}
     axes.imshow(heights, cmap=HEIGHT_MAP, **place)

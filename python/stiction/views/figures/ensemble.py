@@ -313,7 +313,6 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
 
 
 def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
-    """What a legend says of the marks on maps, of those that are there."""
     middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
     handles: list[Any] = []
     if asperities and (maps["share_beyond_hertz"].values > FRACTION_LIMIT).any():

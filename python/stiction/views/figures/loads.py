@@ -203,13 +203,11 @@ def _against(
 
 
 def _rules(points: xarray.Dataset) -> list[str]:
-    """The sliding rules of a result, in the order of their colours."""
     there = np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
     return [rule for rule in RULES if rule in there]
 
 
 def _single_directions(axes: Axes, at: xarray.Dataset, x: Floats, colour: str) -> None:
-    """Each of two directions as a thin line."""
     if not 1 < at.sizes.get("direction", 1) <= MOST_SINGLE_DIRECTIONS or colour == RULES["all"]:
         return  # where all contacts rub both are one line
     for direction, dashes in zip(at["direction"].values, ("--", ":"), strict=False):

@@ -68,7 +68,6 @@ def _draw_heights(axes: Axes, profile: Profile) -> None:
 
 
 def _draw_distribution(axes: Axes, heights: Floats) -> None:
-    """How heights are distributed, beside normally distributed ones."""
     about = 1000 * (heights - heights.mean()).ravel()
     rms = float(about.std())
     density, edges = np.histogram(about, HEIGHTS, density=True)
@@ -87,7 +86,6 @@ def _few_ticks(axes: Axes) -> None:
 
 
 def _draw_spectrum(axes: Axes, found: Characterisation) -> None:
-    """The spectrum with its harmonics, if it is of a profile, and the power law with the band of its fit."""
     if found.spectrum is not None:
         shown = found.spectrum.density > 0
         axes.plot(
@@ -114,7 +112,6 @@ def _draw_spectrum(axes: Axes, found: Characterisation) -> None:
 
 
 def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
-    """The mean spectrum of the lines along an axis, and its power law, if it is one."""
     spectrum = line.spectrum.in_bins()
     shown = spectrum.density > 0
     axes.plot(spectrum.wave_number[shown], spectrum.density[shown], color=colour, linewidth=0.7, label=f"along {axis}")

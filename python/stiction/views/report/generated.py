@@ -148,7 +148,6 @@ def _pictures(
 def _facts_of(
     head: xarray.Dataset, means: dict[str, NDArray[Any]], study: Study, result: xarray.Dataset | Stored
 ) -> dict[str, Any]:
-    """What does not depend on single members."""
     surfaces: Any = study.surfaces
     counts: NDArray[np.bool_] = means["contact_count"] > 0  # (dimension, amplitude, step)
     rules, angles = motions_of(study)
@@ -171,7 +170,6 @@ def _facts_of(
 
 
 def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
-    """What the page says of each figure of validity, and from where on it warns."""
     figures = {}
     for name in (*VALIDITY, *AREAL_VALIDITY, *AT_HARDNESS):
         of, over = PAGE_RATIOS[name]
@@ -215,7 +213,6 @@ def _head(study: Study) -> list[str]:
 
 
 def _pairs(study: Study, facts: dict[str, Any]) -> str:
-    """Say of how many pairs the page is."""
     dimensions, amplitudes, steps = (len(facts[name]) for name in ("dimensions", "amplitudes", "steps"))
     number = counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
     where = f"{'each of ' if dimensions > 1 else ''}{counted(dimensions, 'fractal dimension')}"

@@ -155,14 +155,12 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
 
 
 def _history(side: str, history: str, study: Study) -> str:
-    """How a file was read and prepared, as markup."""
     lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
     file = escaped(getattr(study.surfaces, side).name)
     return f"<p>The {side} body: <code>{file}</code></p>" + (f"<ul>{lines}</ul>" if lines else "")
 
 
 def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
-    """Shifts and surrogates, and which members are of each."""
     surrogate = np.zeros(dataset.sizes["repetition"], np.bool_)
     if "surrogate" in dataset.coords:
         surrogate = dataset["surrogate"].values.astype(bool)
@@ -172,7 +170,6 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
 
 
 def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[dict[str, Any]]:
-    """Words, limits, and means with their ends over kind of members, cut-off and load."""
     kinds: list[Any] = ["shifts", "surrogates"] if len(facts["kinds"]) > 1 else [None]
     tables = [at_load(result, facts["steps"], mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
     found = []
@@ -189,7 +186,6 @@ def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[
 
 
 def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, Any]]:
-    """Verdict, sentence and doubts at every load that was asked for, mu0, tau0 and cut-off."""
     at = at_asked_loads(result)
     return [
         {
