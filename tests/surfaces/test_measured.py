@@ -412,12 +412,11 @@ def test_workbooks_that_are_none_are_refused(file, monkeypatch):
     assert "is a damaged workbook" in refusal(file(x3p(METRES), "a.xlsx"))
     assert "is named .xlsx, but what it holds is not a zip archive" in refusal(file("1,2\n", "a.xlsx"))
     monkeypatch.setattr(excel, "MOST_TAGS", 300_000)
-    for tags, said in (("<row>" * 300_000, "tags of XML"), ("<row>" + "<c/>" * 200_000, "more cells in a row")):
-        bomb = io.BytesIO()
-        with zipfile.ZipFile(io.BytesIO(data)) as source, zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as copy:
-            for name in source.namelist():
-                copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + tags.encode()))
-        assert said in refusal(file(bomb.getvalue(), "a.xlsx"))
+    large = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as source, zipfile.ZipFile(large, "w", zipfile.ZIP_DEFLATED) as copy:
+        for name in source.namelist():
+            copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + b"<row>" * 300_000))
+    assert "tags of XML" in refusal(file(large.getvalue(), "a.xlsx"))
     monkeypatch.setattr(excel, "MOST_TEXT_BYTES", 5000)
     assert "at most" in refusal(file(data, "a.xlsx"))
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
@@ -833,21 +832,6 @@ def peak(call):
 def test_a_document_type_is_refused_by_the_parser_in_any_encoding(file, code, kind):
     main = PLAIN.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
     assert "document type of its own" in refusal(file(archive_of(main.encode(code)), "a.x3p"), read_surface)
-
-
-def test_words_beside_the_points_are_bounded(file):
-    few, many, deep = (PLAIN.replace("</p:ISO", f"{words}</p:ISO") for words in (
-        "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
-    ))  # fmt: skip
-    assert read_surface(file(archive_of(few), "a.x3p")).heights.shape == (6, 9)
-    assert "more than 100000 elements in main.xml" in refusal(file(archive_of(many), "a.x3p"), read_surface)
-    assert "which its points do not need" in refusal(file(archive_of(deep), "a.x3p"), read_surface)
-    # Points that are listed may need more than words, but no more than there are.
-    listed = main_of(x3p(np.zeros(40_000), listed=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
-    assert len(listed) > 4_000_000
-    assert len(read_profile(file(archive_of(listed), "b.x3p"))) == 40_000
-    longer = listed.replace("40000</SizeX>", "4</SizeX>")
-    assert "which its points do not need" in refusal(file(archive_of(longer), "b.x3p"))
 
 
 def test_points_are_not_unpacked_beyond_those_that_are_announced(file):
