@@ -19,7 +19,7 @@ from stiction.studies import store
 from stiction.studies.at_load import at_load
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import ARGUMENTS, Pair
-from stiction.studies.pressed import Pressing
+from stiction.studies.pressed import pressed_to_loads
 from stiction.studies.store import export
 from stiction.studies.values import StudyError
 from stiction.views.digits import quoted
@@ -146,7 +146,7 @@ def test_a_gap_is_pressed_as_it_is_at_its_one_position(where):
 def test_closure_is_kept_with_its_stiffness(where, mechanics):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--mechanics", mechanics)
     upper, lower = bodies_of(study).member(0, 0.0).pair
-    found = Pressing.of(study).pressed(upper, lower)
+    found = pressed_to_loads(study, upper, lower, unloads=True)
     over_area = 1e6 * found["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
     if mechanics == "asperities":
         np.testing.assert_allclose(found["closure"], found["approach"])

@@ -144,8 +144,9 @@ def patches_of(pressed: Pressed) -> Table:
     )  # fmt: skip
 
 
-def asperities_of(touching: Contacts, spacing: tuple[float, ...], extent: tuple[float, ...]) -> Table:
-    """The contacts of the asperity model."""
+def asperities_of(touching: Contacts, body: Profile | Surface) -> Table:
+    """The contacts of the asperity model, on one of both bodies, which have one grid."""
+    spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = touching.normal
     steep = -normal[:, :2] / normal[:, 2:]
     x, y = touching.centre[:, 0], touching.centre[:, 1]

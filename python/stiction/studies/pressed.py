@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -21,11 +21,20 @@ from stiction.mechanics.friction import STATUS_OK, STATUSES
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved, unloaded
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import Bodies, crossing
-from stiction.mechanics.model import ContactModel, Shear, Sliding
-from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, DISTRIBUTIONS, ONSET, SUMS, UNLOADED
+from stiction.mechanics.model import ContactModel, Shear
+from stiction.mechanics.quantities import (
+    ADHESION,
+    AREAL_SUMS,
+    DIRECTED,
+    DISTRIBUTIONS,
+    GAP,
+    HALF_SPACE_SUMS,
+    ONSET,
+    SUMS,
+    UNLOADED,
+)
 from stiction.studies.contact_statistics import (
     QUANTILES,
-    STATISTICS,
     Slopes,
     Table,
     asperities_of,
@@ -33,7 +42,7 @@ from stiction.studies.contact_statistics import (
     patches_of,
     pressed_on_steepest,
 )
-from stiction.studies.contact_tables import Asperities, HalfSpace
+from stiction.studies.contact_tables import Asperities, Contact, HalfSpace
 from stiction.studies.members import (
     FAMILY_MEMORY,
     ProfileGenerator,
@@ -72,193 +81,137 @@ UNLOADED_MEMBERS = 4
 """Members of which the stiffness of unloading is known, where there is a hardness."""
 
 
-@dataclass(frozen=True, eq=False)
-class Pressing:
-    """How a pair of bodies is pressed to elastic loads, by whichever mechanics."""
+def pressed_to_loads(
+    study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
+) -> Arrays:
+    """Sums of a pair at the elastic loads of its study, and of measured bodies statistics, by name.
 
-    loads: Floats  # mN
-    angles: Floats  # degrees
-    rules: tuple[Sliding, ...]
-    how: ContactModel | dict[str, Any]  # of asperities, or what `half_space` takes
-    unloads: bool = True  # whether the stiffness of unloading is solved for, which takes a third of the time
-
-    @classmethod
-    def of(cls, study: Study, member: int = 0) -> Pressing:
-        """That of a study of measured bodies; of a member of it, only the first of which unload."""
-        contact = study.contact
-        how = contact.model() if isinstance(contact, Asperities) else contact.solid()
-        unloads = member - measured(study).first_scanned < UNLOADED_MEMBERS
-        return cls(contact.steps(), contact.degrees(), contact.rules(), how, unloads)
-
-    def pressed(self, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-        """Sums and statistics by name: (rules, directions, loads) of what depends on the motion, else (loads,)."""
-        values = _Values(self, (upper, lower))
-        (_by_half_space if isinstance(self.how, dict) else _by_asperities)(self, upper, lower, values)
-        gradient, slope = values.slopes.of_gap(self.angles)
-        return values.arrays | {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
-
-    def directed(self, upper: Profile | Surface) -> list[ContactModel]:
-        """Models of every direction together, or of profiles one for each."""
-        assert isinstance(self.how, ContactModel)
-        if isinstance(upper, Surface):
-            return [replace(self.how, direction=self.angles.tolist(), shear="+x").for_surfaces()]
-        return [replace(self.how, shear=way, direction=None).for_profiles() for way in self.ways()]
-
-    def ways(self) -> list[Shear]:
-        """Directions on profiles."""
-        return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in self.angles]
+    Arrays are (rules, directions, loads) of what depends on the motion, else (loads,); NaN, with no contacts, where a
+    load has no solution. Whether the stiffness of unloading is solved for decides about a third of the time.
+    """
+    contact = study.contact
+    loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
+    values = {name: _nothing(name, motions, loads) for name in names_of(study) if name not in GAP}
+    slopes = Slopes.of(upper, lower) if study.is_measured else None
+    if isinstance(contact, HalfSpace):
+        _by_half_space(contact, upper, lower, values, slopes, unloads=unloads)
+    else:
+        _by_asperities(contact, upper, lower, values, slopes)
+    if slopes is not None:
+        gradient, slope = slopes.of_gap(contact.degrees())
+        values |= {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
+    return values
 
 
-class _Values:
-    """Arrays of a pressed pair, NaN where nothing is filled in."""
-
-    def __init__(self, pressing: Pressing, pair: tuple[Any, Any]) -> None:
-        self.arrays: Arrays = {}
-        self.slopes = Slopes.of(*pair)
-        self._loads, self._motions = pressing.loads.size, (len(pressing.rules), pressing.angles.size)
-        upper = pair[0]
-        self.spacing = (upper.spacing,) if isinstance(upper, Profile) else upper.spacing
-        self.extent = (upper.extent,) if isinstance(upper, Profile) else upper.extent
-        for name in (*STATISTICS, *DISTRIBUTIONS, "status"):
-            self.of(name)
-
-    def of(self, name: str) -> NDArray[Any]:
-        """The array of a quantity."""
-        if name not in self.arrays:
-            shape: tuple[int, ...] = (self._loads,)
-            if name in UNLOADED or name == "pull_off":
-                shape = self._motions if name in UNLOADED else ()
-            elif name in DIRECTED:
-                shape = (*self._motions, self._loads)
-            elif name in DISTRIBUTIONS:
-                shape = (self._loads, len(QUANTILES))
-            self.arrays[name] = nothing(shape, name)
-            if name == "status":
-                self.arrays[name] = np.full(shape, STATUSES.index("not-solved"))
-        return self.arrays[name]
+def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
+    """An array of what has no answer."""
+    shape: tuple[int, ...] = (loads,)
+    if name in UNLOADED or name == "pull_off":
+        shape = motions if name in UNLOADED else ()
+    elif name in DIRECTED:
+        shape = (*motions, loads)
+    elif name in DISTRIBUTIONS:
+        shape = (loads, len(QUANTILES))
+    if name == "status":
+        return np.full(shape, STATUSES.index("not-solved"))
+    return np.zeros(shape, np.int64) if name.endswith("_count") else np.full(shape, np.nan)
 
 
-def _by_half_space(pressing: Pressing, upper: Any, lower: Any, values: _Values) -> None:
+def _ways(contact: Contact) -> list[Shear]:
+    """Directions on profiles."""
+    return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
+
+
+def _by_half_space(
+    contact: HalfSpace, upper: Any, lower: Any, values: Arrays, slopes: Slopes | None, *, unloads: bool
+) -> None:
     """The elastic half-space; a load without a solution leaves the others theirs."""
-    assert isinstance(pressing.how, dict)
-    adheres = "work_of_adhesion" in pressing.how
-    names = (*_OF_HALF_SPACE, *(ADHESION[:1] if adheres else ()))
-    for name in (*names, *(ADHESION[1:] if adheres else ())):
-        values.of(name)
     areal = isinstance(upper, Surface)
-    first: list[float] | Literal["+x"] = pressing.angles.tolist() if areal else "+x"
-    solve = functools.partial(half_space, upper, lower, **pressing.how, direction=first, sliding=pressing.rules[0])
-    for at, curve in solved(solve, pressing.loads):
-        by_rule = _by_rule(pressing, curve, areal=areal)
-        for name in names:
-            if name in DIRECTED:
-                values.of(name)[..., at] = _of_motions(by_rule, name)
-            else:
-                values.of(name)[at] = getattr(curve, name)
-        values.of("status")[at] = STATUSES.index("ok")
-        values.of("normal_stiffness")[at] = curve.stiffness
-        values.of("closure")[at] = curve.closure
-        values.of("closure_stiffness")[at] = curve.closure_stiffness * MPA_OVER_MM
-        if pressing.unloads or curve.hardness is None:
-            values.of("unloading_stiffness")[at] = curve.unloading_stiffness
-        values.of("error")[at] = curve.error
+    first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
+    solve = functools.partial(half_space, upper, lower, **contact.solid(), direction=first, sliding=contact.rules()[0])
+    sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
+
+    def of_motions(curve: Any, name: str) -> Floats:
+        """A sum by every rule and in every direction, of which a curve of lines has +x."""
+        ways = [curve] if areal else [curve if way == "+x" else curve.with_direction(way) for way in _ways(contact)]
+        rules = enumerate(contact.rules())
+        by_rule = [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
+        return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in by_rule])
+
+    for at, curve in solved(solve, contact.steps()):
+        for name in sums:
+            values[name][..., at] = of_motions(curve, name) if name in DIRECTED else getattr(curve, name)
+        if slopes is None:
+            continue
+        values["status"][at] = STATUSES.index("ok")
+        values["normal_stiffness"][at] = curve.stiffness
+        values["closure"][at] = curve.closure
+        values["closure_stiffness"][at] = curve.closure_stiffness * MPA_OVER_MM
+        if unloads or curve.hardness is None:
+            values["unloading_stiffness"][at] = curve.unloading_stiffness
+        values["error"][at] = curve.error
         for place, load in enumerate(at):
-            contact = curve.at(place)
-            more = patches_of(contact).statistics() | pressed_on_steepest(contact, values.slopes)
-            for name, value in more.items():
-                values.of(name)[load] = value
-
-    if adheres:
-        held, values.of("pull_off")[...] = unloaded(solve)
-        if held is not None:
-            by_rule = _by_rule(pressing, held, areal=areal)
-            for name in UNLOADED:
-                values.of(name)[...] = _of_motions(by_rule, sliding_sum(name))[..., 0]
+            pressed = curve.at(place)
+            for name, value in (patches_of(pressed).statistics() | pressed_on_steepest(pressed, slopes)).items():
+                values[name][load] = value
+    if contact.adheres:
+        held, values["pull_off"][...] = unloaded(solve)
+        for name in UNLOADED if held is not None else ():
+            values[name][...] = of_motions(held, name.replace("unloaded", "tangential"))[..., 0]
 
 
-def sliding_sum(name: str) -> str:
-    """The sum at each load that a name of `UNLOADED` is at none."""
-    return name.replace("unloaded", "tangential")
-
-
-def _by_rule(pressing: Pressing, curve: HalfSpaceCurve, *, areal: bool) -> list[list[HalfSpaceCurve]]:
-    """A curve by every rule, and of lines in every direction."""
-    ways = [curve]
-    if not areal:  # the curve is that of +x
-        ways = [curve if way == "+x" else curve.with_direction(way) for way in pressing.ways()]
-    rules = enumerate(pressing.rules)
-    return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
-
-
-def _of_motions(by_rule: list[list[HalfSpaceCurve]], name: str) -> Floats:
-    """A sum over rules, directions and loads."""
-    return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in by_rule])
-
-
-_OF_HALF_SPACE = (
-    "contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
-    "tangential_frictional", "normal_adhesive", "tangential_adhesive", "approach", "load_share_at_hardness",
-    "area_share_at_hardness",
-)  # fmt: skip
-
-
-def _by_asperities(pressing: Pressing, upper: Any, lower: Any, values: _Values) -> None:
+def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
     """Hertz contacts that do not feel each other, at the approaches that carry the elastic loads.
 
     Where the load jumps with the approach, as it does by cells, sums are in proportion between before and behind it.
     """
-    models = pressing.directed(upper)
-    one = models[0] if isinstance(upper, Profile) else replace(models[0], direction=0.0)
+    model, areal = contact.model(), isinstance(upper, Surface)
+    if areal:  # of every direction together, or of profiles one for each
+        models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
+    else:
+        models = [replace(model, shear=way, direction=None).for_profiles() for way in _ways(contact)]
+    one = replace(models[0], direction=0.0) if areal else models[0]
     # Without friction F_N is the elastic load.
-    approach, status = crossing(Bodies(upper, lower), pressing.loads, mu0=0.0, tau0=0.0, model=one)
-    values.of("status")[:] = [STATUSES.index(each) for each in status.tolist()]
+    approach, status = crossing(Bodies(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=one)
+    values["status"][:] = [STATUSES.index(each) for each in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
+    if not ok.size:
+        return
     # Contacts by minima of the gap begin without a load, so that nothing jumps.
     fractions = [1 - STIFFNESS_STEP, 1 - JUST_BEFORE * (one.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
-    if not ok.size:
-        steps = np.zeros(1)  # for the names of the sums
     bodies = found_once(upper, lower, float(steps[-1]), one)
     pressed: Any = functools.partial(press, *bodies)
     listed: Any = functools.partial(contacts, *bodies)
 
     def read(name: str, curve: Any) -> Floats:
         normal, sums = curve.normal_elastic, getattr(curve, name)
-        jump, rise = normal[at] - normal[before], pressing.loads[ok] - normal[before]
+        jump, rise = normal[at] - normal[before], contact.steps()[ok] - normal[before]
         share = np.clip(np.divide(rise, jump, out=np.ones(ok.size), where=jump > 0), 0, 1)
         there = sums[..., before] + share * (sums[..., at] - sums[..., before])
         return np.asarray(np.rint(there) if name.endswith("_count") else there)
 
-    for rule, sliding in enumerate(pressing.rules):
-        curves: list[Any] = [pressed(steps, model=replace(model, sliding=sliding)) for model in models]
-        for name in _SUMS_OF_CURVES & {each for each in vars(curves[0]) if not each.startswith("_")}:
-            if name in DIRECTED:
-                for way, curve in enumerate(curves if len(curves) > 1 else [curves[0]]):
-                    target = values.of(name)[rule] if isinstance(upper, Surface) else values.of(name)[rule, way]
-                    target[..., ok] = read(name, curve)
+    names = [name for name in (*SUMS, *AREAL_SUMS) if name in values]
+    for rule, sliding in enumerate(contact.rules()):
+        curves: list[Any] = [pressed(steps, model=replace(each, sliding=sliding)) for each in models]
+        for name in names:
+            if name not in DIRECTED:
+                values[name][ok] = read(name, curves[0])
+            elif areal:
+                values[name][rule][..., ok] = read(name, curves[0])
             else:
-                values.of(name)[ok] = read(name, curves[0])
-    values.of("approach")[ok] = approach[ok]
-    if not ok.size:
-        return
+                for way, curve in enumerate(curves):
+                    values[name][rule, way, ok] = read(name, curve)
     normal = curves[0].normal_elastic
-    values.of("closure")[ok] = approach[ok]
     stiffness = (normal[high] - normal[low]) / (steps[high] - steps[low])
-    values.of("normal_stiffness")[ok] = stiffness
-    values.of("closure_stiffness")[ok] = stiffness / math.prod(values.extent) * MPA_OVER_MM
+    values["approach"][ok] = values["closure"][ok] = approach[ok]
+    values["normal_stiffness"][ok] = stiffness
+    values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_OVER_MM
     for load in ok:
-        table = asperities_of(listed(float(approach[load]), model=one), values.spacing, values.extent)
-        for name, value in (table.statistics() | on_steepest(table, values.slopes)).items():
-            values.of(name)[load] = value
-
-
-_SUMS_OF_CURVES = {*SUMS, *AREAL_SUMS}
-
-
-def nothing(shape: tuple[int, ...], name: str) -> NDArray[Any]:
-    """An array of what has no answer."""
-    return np.zeros(shape, np.int64) if name.endswith("_count") else np.full(shape, np.nan)
+        table = asperities_of(listed(float(approach[load]), model=one), upper)
+        for name, value in (table.statistics() | on_steepest(table, slopes)).items():
+            values[name][load] = value
 
 
 def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
@@ -304,11 +257,9 @@ class OneLoad:
         """The contacts, one row each."""
         if isinstance(self.curve, HalfSpaceCurve):
             return patches_of(self.curve.at(0))
-        spacing = (self.lower.spacing,) if isinstance(self.lower, Profile) else self.lower.spacing
-        extent = (self.lower.extent,) if isinstance(self.lower, Profile) else self.lower.extent
         assert self.model is not None
         touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
-        return asperities_of(touching, spacing, extent)
+        return asperities_of(touching, self.lower)
 
     def pressure(self) -> Floats | None:
         """GPa, over the grid of a half-space; None of asperities."""
@@ -393,45 +344,23 @@ def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
         return
     pairs = (_surfaces if study.is_areal else _profiles)(study, repetition)
     for cell, upper, lower in pairs:
-        yield cell, pressed(study, upper, lower)
+        yield cell, (pressed_to_loads if study.by_half_space else _pressed_to_approaches)(study, upper, lower)
 
 
-def pressed(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Each sum of a study as an array (steps,), or of those that depend on the motion ([rules], [directions], steps).
-
-    A load that the half-space has no solution of is NaN, with no contacts.
-    """
-    names, contact = study.sums(), study.contact
-    if not study.by_half_space:
-        curves: list[Any] = list(_asperity_curves(study, upper, lower))
-        table = _table([name for name in names if name not in ONSET], curves)
-        return table | _onset(study, curves[0]) if contact.onset else table
-    steps = _steps(contact)
-    result = _unloaded(study, upper, lower) if contact.adheres else {}
-    names = tuple(name for name in names if name not in result)
-    of_steps: Arrays = {}
-    for at, curve in solved(functools.partial(_half_space, study, upper, lower), steps):
-        part = _table(names, [curve, *(curve.with_sliding(rule) for rule in contact.rules()[1:])])
-        if at.size == steps.size:
-            return part | result
-        for name, values in part.items():
-            of_steps.setdefault(name, nothing((*values.shape[:-1], steps.size), name))[..., at] = values
-    if not of_steps:  # none of the loads has a solution
-        shapes = {name: shape for name, (shape, _) in arrays_of(study).items()}
-        cells = len(study.surfaces.cells())
-        of_steps = {name: nothing(shapes[name][cells:], name) for name in names}
-    return of_steps | result
-
-
-def _unloaded(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """What holds a pair without a load, NaN where that is not solved."""
-    curve, pull_off = unloaded(functools.partial(_half_space, study, upper, lower))
-    found: Arrays = {"pull_off": np.asarray(pull_off)}
-    rules = study.contact.rules()
-    for name in UNLOADED:
-        curves = [] if curve is None else [curve, *(curve.with_sliding(rule) for rule in rules[1:])]
-        found[name] = np.stack([getattr(each, sliding_sum(name))[..., 0] for each in curves] or [np.array(np.nan)])
-    return found
+def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
+    """Each sum of a study at asperities as an array (steps,), or of what depends on the motion ([rules], steps)."""
+    steps, models = _steps(study.contact), _models(study.contact)
+    bodies: Any = upper, lower
+    if isinstance(upper, Surface):
+        models = tuple(model.for_surfaces() for model in models)
+        bodies = (candidates(upper, lower, deepest=float(steps[-1]), curvature=models[0].curvature),)
+    curves: list[Any] = [press(*bodies, steps, model=model) for model in models]  # type: ignore[call-overload]
+    sums = {
+        name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
+        for name in study.sums()
+        if name not in ONSET
+    }
+    return sums | _onset(study, curves[0]) if study.contact.onset else sums
 
 
 def _onset(study: Study, curve: LoadCurve) -> Arrays:
@@ -449,13 +378,6 @@ def _onset(study: Study, curve: LoadCurve) -> Arrays:
         for name, value in zip(ONSET, values, strict=True):
             found[name][place] = value
     return found
-
-
-def _table(names: Sequence[str], curves: list[Any]) -> Arrays:
-    return {
-        name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
-        for name in names
-    }
 
 
 def pressed_families(
@@ -477,27 +399,6 @@ def pressed_families(
     shape = len(upper[0]), amplitudes.size, len(models), steps.size
     tables = {name: columns[name].reshape(shape) for name in study.sums()}
     return {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()}
-
-
-def _asperity_curves(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Iterator[LoadCurve]:
-    contact = study.contact
-    steps, models = _steps(contact), _models(contact)
-    if isinstance(upper, Surface):
-        models = tuple(model.for_surfaces() for model in models)
-        found = candidates(upper, lower, deepest=float(steps[-1]), curvature=models[0].curvature)
-        for model in models:
-            yield press(found, steps, model=model)
-        return
-    assert isinstance(lower, Profile)
-    for model in models:
-        yield press(upper, lower, steps, model=model)
-
-
-def _half_space(study: Study, upper: Profile | Surface, lower: Profile | Surface, loads: Floats) -> HalfSpaceCurve:
-    contact = study.contact
-    assert isinstance(contact, HalfSpace)
-    direction = contact.ways() if isinstance(contact.direction, tuple) else contact.ways()[0]
-    return half_space(upper, lower, loads, **contact.solid(), direction=direction, sliding=contact.rules()[0])
 
 
 @functools.lru_cache(maxsize=4)
@@ -567,9 +468,9 @@ def _memory(shape: tuple[int, ...]) -> Floats:
 
 def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """A member at each cut-off; what the member is goes to `arrays` at once."""
-    pressing = Pressing.of(study, index)
+    unloads = index - measured(study).first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = bodies_of(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        columns = pressing.pressed(*member.pair)
+        columns = pressed_to_loads(study, *member.pair, unloads=unloads)
         yield place, {name: columns[name] for name in names_of(study)}
