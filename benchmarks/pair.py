@@ -5,7 +5,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 import numpy as np
 from measure import in_units, seconds, unit
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
-from stiction.studies.members import ProfileGenerator
+from stiction.studies.members import fill_profiles
 from stiction.studies.pressed import _memory, member_sums
 
 REPETITIONS = 60  # so that the last one, which a thread may be alone with, is little of all
@@ -52,8 +52,8 @@ def rows() -> list[tuple[str, str]]:
     dimensions = STUDY.surfaces.fractal_dimensions()
     phases = random_phases(2016)
     one_profile = in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
-    generator, memory = ProfileGenerator.of(STUDY), _memory((dimensions.size, 150_000))
-    generation = 2 * in_units(lambda: generator.fill(memory, dimensions, 0, "upper")) / dimensions.size
+    memory = _memory((dimensions.size, 150_000))
+    generation = 2 * in_units(lambda: fill_profiles(STUDY, memory, dimensions, 0, "upper")) / dimensions.size
     result += [
         ("generation: both bodies, 50 dimensions together", f"{generation:.2f} U a pair"),
         ("generation: one profile of one dimension", f"{one_profile:.1f} U"),

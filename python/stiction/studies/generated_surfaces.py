@@ -113,6 +113,11 @@ class Profiles(FractalParameters):
     convention: ConventionOfEquation = "paper"
     band_limit: BandLimit = "none"
 
+    @property
+    def spacing(self) -> float:
+        """Distance of neighbouring points, µm."""
+        return float(self.extent) / self.points
+
 
 class Areas(FractalParameters):
     """A grid over an area."""

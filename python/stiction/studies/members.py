@@ -9,12 +9,11 @@ import contextlib
 import functools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from stiction._checks import Floats, read_only
+from stiction._checks import Floats
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_surfaces import About, Measured, Member, Members
 from stiction.studies.study import Study, areas, measured, profiles
@@ -32,70 +31,49 @@ POINTS_OF_SCAN = {False: 4000, True: 400**2}  # points of a line and of an area 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class ProfileGenerator:
-    """Eq. 1 as a study sets it: all of its profiles but for fractal dimension and amplitude. Lengths in µm."""
+def phases_of(study: Study, repetition: int, side: Side) -> Floats:
+    """(directions, frequencies) phases of Eq. 1 of one body of a repetition, rad."""
+    surfaces: Any = study.surfaces
+    return fractal.random_phases(
+        study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
+        frequencies=surfaces.frequencies,
+    )  # fmt: skip
 
-    seed: int
-    directions: int
-    frequencies: int
-    length_scale: float
-    gamma: float
-    extent: float
-    points: int
-    convention: fractal.Convention
-    band_limit: fractal.BandLimit | None
 
-    @classmethod
-    def of(cls, study: Study) -> ProfileGenerator:
-        """That of a study."""
-        surfaces = profiles(study)
-        return cls(
-            seed=study.ensemble.seed, directions=surfaces.directions, frequencies=surfaces.frequencies,
-            length_scale=float(surfaces.length_scale), gamma=surfaces.gamma, extent=float(surfaces.extent),
-            points=surfaces.points, convention=surfaces.convention,
-            band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-        )  # fmt: skip
+def _equation(surfaces: Any) -> dict[str, Any]:
+    """Eq. 1 as a study sets it, but for phases and grid."""
+    return {
+        "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
+        "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
+    }  # fmt: skip
 
-    @property
-    def spacing(self) -> float:
-        """Distance of neighbouring points, µm."""
-        return self.extent / self.points
 
-    def phases(self, repetition: int, side: Side) -> Floats:
-        """(directions, frequencies) phases of one body of a repetition, rad."""
-        return fractal.random_phases(
-            self.seed, repetition=repetition, side=side, directions=self.directions, frequencies=self.frequencies
-        )
+def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
+    """Unscaled heights (k, points) of one body at dimensions (k,); mean, lowest and highest of each, (k, 3)."""
+    surfaces, phases = profiles(study), phases_of(study, repetition, side)
+    return fractal.fill_family(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
 
-    def fill(self, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-        """Unscaled heights (k, points) at dimensions (k,), into memory; mean, lowest and highest of each, (k, 3)."""
-        return fractal.fill_family(
-            heights, self.phases(repetition, side), dimensions, length_scale=self.length_scale, gamma=self.gamma,
-            extent=self.extent, convention=self.convention, band_limit=self.band_limit,
-        )  # fmt: skip
 
-    def heights(self, dimension: float, repetition: int, side: Side) -> Floats:
-        """Unscaled heights (points,) of one body at a fractal dimension."""
-        family = np.empty((1, self.points))
-        self.fill(family, np.array([dimension]), repetition, side)
-        return read_only(family[0])
+def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
+    """One body of a study of profiles at a fractal dimension, whatever its amplitude."""
+    heights = np.empty((1, profiles(study).points))
+    fill_profiles(study, heights, np.array([dimension]), repetition, side)
+    return Profile(heights[0], spacing=profiles(study).spacing)
 
 
 def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile]]:
     """`pair_of` profiles at each of several fractal dimensions, many of which take little longer than one."""
-    generator = ProfileGenerator.of(study)
-    measure = profiles(study).amplitude_measure
-    members = max(1, FAMILY_MEMORY // (8 * generator.points))
+    surfaces = profiles(study)
+    members = max(1, FAMILY_MEMORY // (8 * surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
-        bodies = [np.empty((family.size, generator.points)) for _ in range(2)]
-        generator.fill(bodies[0], family, repetition, "upper")
-        generator.fill(bodies[1], family, repetition, "lower")
+        bodies = [np.empty((family.size, surfaces.points)) for _ in SIDES]
+        for side, heights in zip(SIDES, bodies, strict=True):
+            fill_profiles(study, heights, family, repetition, side)
         for pair in zip(*bodies, strict=True):
             upper, lower = (
-                scaled_profile(heights, generator.spacing, amplitude, measure, np.empty_like(heights))
-                for heights in pair
+                scaled_profile(each, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(each))
+                for each in pair
             )
             yield upper, lower
 
@@ -111,15 +89,10 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
             longest_wavelength=None if longest is None else float(longest),
             shortest_wavelength=None if shortest is None else float(shortest), repetition=repetition, side=side,
         )  # fmt: skip
-    phases = fractal.random_phases(
-        study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
-        frequencies=surfaces.frequencies,
-    )  # fmt: skip
+    phases = phases_of(study, repetition, side)
     return fractal.weierstrass_mandelbrot_surface(
-        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), length_scale=float(surfaces.length_scale),
-        gamma=surfaces.gamma, convention=surfaces.convention,
-        band_limit=None if surfaces.band_limit == "none" else surfaces.band_limit,
-    )  # fmt: skip
+        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_equation(surfaces)
+    )
 
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:

@@ -45,8 +45,9 @@ from stiction.studies.contact_statistics import (
 from stiction.studies.contact_tables import Asperities, Contact, HalfSpace
 from stiction.studies.members import (
     FAMILY_MEMORY,
-    ProfileGenerator,
     bodies_of,
+    fill_profiles,
+    pairs_of,
     points_of_member,
     scaled_surface,
     unscaled_surface,
@@ -54,7 +55,7 @@ from stiction.studies.members import (
 from stiction.studies.result import Arrays, names_of, variables_of
 from stiction.studies.study import Study, generated, measured, profiles
 from stiction.surfaces.pairing import SIDES
-from stiction.surfaces.profile import Profile, scaled_profile
+from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 Load = Literal["normal", "elastic"]
@@ -385,14 +386,14 @@ def pressed_families(
 ) -> Arrays:
     """What `pressed` has of each pair of two families of profiles that touch at asperities, in one call.
 
-    A family is its unscaled heights (k, points), µm, which are used up, and what `ProfileGenerator.fill` returns of
+    A family is its unscaled heights (k, points), µm, which are used up, and what `fill_profiles` returns of
     them; the scratch is (2, points). Each sum is an array (k, amplitudes, rules, steps); of those that do not depend on
     the motion there is one rule.
     """
     surfaces, models, steps = profiles(study), _models(study.contact), _steps(study.contact)
     amplitudes = surfaces.amplitudes()
     columns = _core.press_families(
-        *upper, *lower, spacing=float(surfaces.extent) / surfaces.points, amplitudes=amplitudes,
+        *upper, *lower, spacing=surfaces.spacing, amplitudes=amplitudes,
         measure=surfaces.amplitude_measure, approaches=steps, models=[model.for_profiles().core() for model in models],
         scratch=scratch,
     )  # fmt: skip
@@ -420,17 +421,10 @@ def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], 
 
 
 def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Profile, Profile]]:
-    """Each pair with its place (fractal dimension, amplitude); it is gone when the next one comes."""
-    spacing = ProfileGenerator.of(study).spacing
-    measure = profiles(study).amplitude_measure
-    for place, (uppers, _), (lowers, _), scratch in _families(study, repetition):
-        for d, (upper, lower) in enumerate(zip(uppers, lowers, strict=True), start=place.start):
-            for a, amplitude in enumerate(generated(study).amplitudes()):
-                yield (
-                    (d, a),
-                    scaled_profile(upper, spacing, amplitude, measure, scratch[0]),
-                    scaled_profile(lower, spacing, amplitude, measure, scratch[1]),
-                )
+    """Each pair with its place (fractal dimension, amplitude)."""
+    for a, amplitude in enumerate(profiles(study).amplitudes()):
+        for d, pair in enumerate(pairs_of(study, repetition, profiles(study).fractal_dimensions(), amplitude)):
+            yield (d, a), *pair
 
 
 def _families(
@@ -438,15 +432,14 @@ def _families(
 ) -> Iterator[tuple[slice, tuple[Floats, Floats], tuple[Floats, Floats], Floats]]:
     """Unscaled profiles and their levels at some fractal dimensions at a time, and memory for a scaled pair."""
     dimensions, points = profiles(study).fractal_dimensions(), profiles(study).points
-    generator = ProfileGenerator.of(study)
     members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * points)))
     memory = _memory((2 * members + 2, points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
         uppers, lowers = memory[: family.size], memory[members : members + family.size]
         yield (
-            slice(first, first + family.size), (uppers, generator.fill(uppers, family, repetition, "upper")),
-            (lowers, generator.fill(lowers, family, repetition, "lower")), memory[-2:],
+            slice(first, first + family.size), (uppers, fill_profiles(study, uppers, family, repetition, "upper")),
+            (lowers, fill_profiles(study, lowers, family, repetition, "lower")), memory[-2:],
         )  # fmt: skip
 
 
@@ -472,5 +465,4 @@ def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, A
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = bodies_of(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        columns = pressed_to_loads(study, *member.pair, unloads=unloads)
-        yield place, {name: columns[name] for name in names_of(study)}
+        yield place, pressed_to_loads(study, *member.pair, unloads=unloads)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stiction._drawing import HEIGHT_MAP
-from stiction.studies.members import ProfileGenerator, pair_of
+from stiction._units import exact
+from stiction.studies.members import pair_of, phases_of, unscaled_profile
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
-from stiction.surfaces.profile import Profile
 from stiction.views.style import evenly_spread, label, new_figure
 
 LENGTH_SCALES = (0.5, 1.0, 2.0)  # of the study's own, in the figure of length scales
@@ -53,11 +52,11 @@ def length_scales_figure(study: Study) -> Figure:
     figure = new_figure(66)
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
     for column, scale in enumerate(scales):
-        generator = replace(ProfileGenerator.of(study), length_scale=scale)
-        profile = Profile(generator.heights(dimension, 0, "lower"), spacing=generator.spacing)
+        scaled = study.with_changes({"surfaces.length_scale": exact(scale, "um")})
+        profile = unscaled_profile(scaled, 0, "lower", dimension)
         surface = weierstrass_mandelbrot_surface(
-            generator.phases(0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
-            gamma=generator.gamma, convention=generator.convention, band_limit="nyquist",
+            phases_of(study, 0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
+            gamma=bodies.gamma, convention=bodies.convention, band_limit="nyquist",
         )  # fmt: skip
         top, bottom = axes[:, column]
         top.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
