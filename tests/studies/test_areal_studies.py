@@ -126,17 +126,6 @@ def test_pairs_are_surfaces_of_their_study():
     assert lower.heights.tobytes() == alone.heights.tobytes()
 
 
-def test_another_kind_brings_its_own_defaults():
-    there = Study().with_changes({"surfaces.kind": "surface"})
-    assert (there.contact.detection, there.contact.curvature) == ("gap-minimum", "signed")
-    assert there.surfaces.extents() == (10.0, 10.0)
-    assert there.with_changes({"surfaces.kind": "profile"}) == Study()
-    assert (
-        there.with_changes({"contact.mechanics": "half-space"}).with_changes({"contact.mechanics": "asperities"})
-        == there
-    )
-
-
 @pytest.mark.parametrize("name", STUDIES)
 def test_stores_hold_and_continue_them(name, tmp_path):
     study = STUDIES[name]

@@ -184,10 +184,8 @@ def test_hardness_by_vickers_and_rockwell() -> None:
     [
         ({"mu0": "0.3..0.2"}, "mu0 must be a range from a smaller"),
         ({"mu0": "0.2±0.02,0.3"}, "mu0 must be one value"),
-        ({"tau0": "20..80"}, "tau0 needs a unit|tau0 must be .number unit"),
         ({"hardness": "3 HB"}, "hardness .*unit"),
         ({"effective_modulus": "3±5 GPa"}, "effective_modulus must be at least twice its standard uncertainty"),
-        ({"effective_modulus": "0..80 GPa"}, "effective_modulus must be above 0"),
         ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
     ],
 )

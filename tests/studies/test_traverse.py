@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 import stiction
 from stiction import (
-    ContactModel,
     Profile,
     Surface,
     approach_at_load,
@@ -189,21 +188,6 @@ def test_means_are_over_all_positions_with_an_interval(result):
     assert int(mean["positions"]) == 3
 
 
-def test_many_positions_have_an_interval_within_their_values(pair):
-    many = traverse(*pair, LOADS, offsets=np.arange(12) * 0.8, **FRICTION)
-    mean = traverse_mean(many)
-    for name in ("friction_coefficient", "contact_area", "contact_count", "approach", "share_opposing"):
-        lower, middle, upper = (mean[name].sel(statistic=end) for end in ("lower", "mean", "upper"))
-        values = many[name]
-        spread = (values.std(("line", "offset")) > 0).transpose("shear", "load").values
-        assert spread.any()
-        assert (lower < middle).values[spread].all()
-        assert (middle < upper).values[spread].all()
-        assert (lower >= values.min(("line", "offset"))).values[spread].all()
-        assert (upper <= values.max(("line", "offset"))).values[spread].all()
-    assert (mean["contact_count"].sel(statistic="lower") >= 1).all()
-
-
 def test_several_materials_are_those_one_by_one(pair):
     both = traverse(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], offsets=np.arange(9.0))
     assert both["friction_coefficient"].dims == ("shear", "line", "offset", "load", "mu0", "tau0")
@@ -327,18 +311,12 @@ def test_surrogates_stand_in_for_what_is_asked():
     ("arguments", "words"),
     [
         ({"offsets": [1.0, 0.0]}, "offsets must be numbers .* that rise"),
-        ({"offsets": [-1.0]}, "offsets must be numbers of at least 0"),
         ({"offsets": [0.0, 0.001]}, "at least a spacing apart"),
         ({"offsets": [11.0]}, "slider must be over the lower profile"),
         ({"loads": [0.0]}, "loads must be"),
-        ({"loads": []}, "loads must be"),
         ({"mu0": -1.0}, "mu0 must not be negative"),
-        ({"tau0": [[0.1]]}, "tau0 must be a number or a list"),
-        ({"mu0": []}, "mu0 must be a number or a list"),
         ({"shear": "+x"}, "shear must not be given"),
         ({"direction": "-x"}, "direction must not be given"),
-        ({"law": "hooke"}, "law must be"),
-        ({"upper": []}, "upper must be a Profile or a list"),
         ({"upper": [1, 2]}, "upper must be a Profile or a list"),
     ],
 )
@@ -358,13 +336,7 @@ def test_lists_must_fit(pair):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"along": "z"}, "along must be one of"),
-        ({"level": "plane"}, "level must be one of"),
-        ({"surrogates": "all"}, "surrogates must be one of"),
-        ({"lines": 0}, "lines must be a whole number"),
-    ],
+    ("arguments", "words"), [({"along": "z"}, "along must be one of"), ({"lines": 0}, "lines must be a whole number")]
 )
 def test_bad_arguments_of_pairs_are_named(arguments, words):
     with pytest.raises(ValueError, match=words):
@@ -394,15 +366,6 @@ def test_the_share_that_opposes_is_that_of_the_contacts_by_either_rule(sliding):
         assert 0.05 < share < 0.95
         assert np.isclose(float(at["share_opposing"]), share, rtol=1e-6)
     np.testing.assert_allclose(result["share_opposing"].sum("shear"), 1.0, atol=0.02)  # but for what friction adds
-
-
-def test_a_model_that_leaves_the_detection_open_does_not_change_it():
-    upper, lower = two_rough_profiles()
-    results = [
-        traverse(cropped(upper, 0, 15), lower, [0.02], mu0=0.3, **given) for given in ({}, {"model": ContactModel()})
-    ]
-    assert [result.attrs["detection"] for result in results] == ["gap-minimum", "gap-minimum"]
-    assert results[0].equals(results[1])
 
 
 # ---- Half-planes -----------------------------------------------------------------------------------------------------
@@ -442,7 +405,6 @@ def test_half_planes_are_half_space_at_each_position(small_pair, sliding):
     [
         ({"mechanics": "half-plane"}, "mechanics must be"),
         ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law must not be given for half-planes"),
-        ({"mechanics": "half-space", "detection": "cell"}, "detection must not be given for half-planes"),
         ({"mechanics": "half-space", "compliance_share": 1.5}, "compliance_share must be from 0 to 1, got 1.5"),
     ],
 )

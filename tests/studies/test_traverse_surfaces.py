@@ -45,12 +45,8 @@ def test_four_directions_by_default_and_the_rule_is_said():
     ("changes", "match"),
     [
         ({"offsets": [(2.6, 0.0)]}, "at least 16 rows and columns"),
-        ({"offsets": [(0.0, -99.0)]}, "at least 16 rows and columns"),
         ({"offsets": [1.0, 2.0, 3.0]}, "offsets"),
-        ({"offsets": [(np.nan, 0.0)]}, "offsets"),
         ({"offsets": [(1e300, 0.0)]}, "offsets"),
-        ({"loads": [0.0]}, "loads"),
-        ({"mu0": -0.1}, "mu0"),
         ({"direction": "north"}, "direction"),
         ({"detection": "cell"}, "detection"),
     ],

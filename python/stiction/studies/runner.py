@@ -125,9 +125,7 @@ def prepared(study: Study, folder: str | Path, part: tuple[int, int] | None = No
     """A folder for a study, or a part of it, with what it holds already; errors as of `fill`."""
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
-    study = study.with_known_files(Path(folder))
-    _check_disk(study, Path(folder))
-    return begin(folder, study)
+    return begin(folder, study.with_known_files(Path(folder)))
 
 
 def filled(
@@ -198,18 +196,6 @@ def _kept(stored: Stored) -> Iterator[None]:
             f"{said}\n{stored.again().count} of {stored.study.ensemble.repetitions} repetitions are finished and kept; "
             "running the study on it again continues from there"
         ) from None
-
-
-def _check_disk(study: Study, path: Path) -> None:
-    """Refuse what no disk of that size can hold."""
-    size = study.ensemble.repetitions * bytes_of_member(study)
-    with contextlib.suppress(OSError, RuntimeError):  # which beginning the folder says better
-        disk = shutil.disk_usage(next(each for each in path.resolve().parents if each.exists())).total
-        if size > disk > 0:
-            raise StudyError(
-                f"the result would take {bytes_text(size)}, and the disk of {named(path)} has {bytes_text(disk)} in "
-                "all: take fewer ensemble.repetitions"
-            )
 
 
 def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
