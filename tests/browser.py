@@ -113,9 +113,14 @@ def frame(driver, plot):
     )  # fmt: skip
 
 
-def requests(driver):
-    """Addresses of all requests since the page was opened."""
+def press(driver, name, keys):
+    """Press keys on an element, and let what they do be drawn."""
+    driver.find_element("id", name).send_keys(keys)
+    settle(driver)
+
+
+def foreign_requests(driver, path):
+    """Addresses of all requests since the page of a file was opened, but for its own."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
-    return [
-        message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"
-    ]
+    sent = [each["params"]["request"]["url"] for each in messages if each["method"] == "Network.requestWillBeSent"]
+    return {url for url in sent if not url.startswith(("data:", "blob:")) and url.split("#")[0] != path.as_uri()}

@@ -21,12 +21,9 @@ class PageNumbers:
         self._engine = MiniRacer()
         self._engine.eval((resources.files("stiction.views.report") / "numbers.js").read_text("utf-8"))
         self._engine.eval(f"const facts = {_element(page, 'facts')}; null")
-        measured = self("() => facts.reading === 'elastic'")
-        kept = ("means", "sums") if measured else self("() => Object.keys(facts.bytes)")
-        for name in kept:
+        for name in self("() => Object.keys(facts.bytes)"):
             planes = list(zlib.decompress(base64.b64decode(_element(page, f"packed-{name}") or "eJwDAAAAAAE=")))
-            leading = "8" if measured else f"facts.bytes.{name}"
-            self._engine.eval(f"const {name} = doubles(Uint8Array.from({planes}), {leading}); null")
+            self._engine.eval(f"const {name} = doubles(Uint8Array.from({planes}), facts.bytes.{name}); null")
         self._engine.eval(
             "const count = facts.rules.length * facts.directions.length;"
             "const sumsOf = parts(facts.perRepetition, count, sums);"

@@ -162,14 +162,10 @@ def test_a_free_tilt_of_what_cannot_turn_is_refused(where):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_a_file_is_known_by_its_name_and_checksum(where):
-    file = study_of(where, *PROFILES, *MATERIAL, *LOAD).surfaces.upper
-    assert file.file == str(where / "upper.csv")
-    assert file.sha256 == file.checksum()
-
-
-def test_one_position_is_the_travel(where):
+def test_a_file_has_its_checksum_and_one_position_is_the_travel(where):
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 1)
+    assert study.surfaces.upper.file == str(where / "upper.csv")
+    assert study.surfaces.upper.sha256 == study.surfaces.upper.checksum()
     assert bodies_of(study).member(0, 0.0).x == pytest.approx(2)
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 9)
     offsets = [bodies_of(study).member(index, 0.0).x for index in range(9)]
@@ -361,21 +357,15 @@ def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
         (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials, such as steel; the files come first"]),
         ([*PROFILES, "--upper", "upper.csv"], ["--upper is a material", "the files come first", "'upper.csv'"]),
         ([*PROFILES, "--upper", "stele"], ["--upper must be", "steel"]),
+        (PROFILES, ["--effective-modulus", "--young", "--upper"]),
         (
             [*PROFILES, "--lower", "glass", "--young", "3 MPa"],
             ["beside one material --young and --poisson are of the other body"],
         ),
     ],
 )
-def test_materials_and_files_are_told_apart(where, arguments, words):
+def test_materials_are_needed_and_told_apart_from_files(where, arguments, words):
     assert_refused(stiction_command("pair", *arguments, *LOAD, "--mu0", "0.3", cwd=where), *words)
-
-
-def test_what_is_needed_is_asked_for(where):
-    assert_refused(
-        stiction_command("pair", *PROFILES, *LOAD, "--mu0", "0.3", cwd=where), "--effective-modulus", "--young",
-        "--upper",
-    )  # fmt: skip
 
 
 # ---- While it is computed --------------------------------------------------------------------------------------------

@@ -79,11 +79,6 @@ def enter(driver, name, value):
     browser.settle(driver)
 
 
-def press_keys(driver, name, keys):
-    by_id(driver, name).send_keys(keys)
-    browser.settle(driver)
-
-
 def pointer(driver, x, y):
     """A pointer that moves there."""
     from selenium.webdriver import ActionChains
@@ -140,12 +135,6 @@ def test_numbers_under_the_pointer_are_those_of_the_library(opened, result):
 
 
 @in_browser
-def test_a_view_begins_where_the_model_is_meant_for(opened):
-    assert opened.find_elements("css selector", "dd.beyond") == []
-    assert by_id(opened, "readout").get_attribute("data-status") == "ok"
-
-
-@in_browser
 def test_a_click_picks_and_two_clicks_pick_nothing_and_show_all(opened):
     whole = view(opened)
     for _ in range(5):  # on a busy machine two clicks may be too far apart to be a double one
@@ -154,14 +143,14 @@ def test_a_click_picks_and_two_clicks_pick_nothing_and_show_all(opened):
         browser.settle(opened)
         before = picked(opened)
         assert before[0] == 0
-        press_keys(opened, "map", "+")
+        browser.press(opened, "map", "+")
         assert view(opened) != whole
         left, top, width, height = browser.frame(opened, "map")
         pointer(opened, left + 0.8 * width, top + 0.4 * height).double_click().perform()
         browser.settle(opened)
         if view(opened) == pytest.approx(whole):
             break
-        press_keys(opened, "map", "0")
+        browser.press(opened, "map", "0")
     assert picked(opened) == before
     assert view(opened) == pytest.approx(whole)
 
@@ -198,18 +187,20 @@ def test_arrow_keys_move_what_is_picked(opened):
     opened.execute_script("pick(2, 40)")
     browser.settle(opened)
     dimension, load = picked(opened)
-    press_keys(opened, "map", Keys.ARROW_RIGHT + Keys.ARROW_UP * 3 + Keys.ARROW_LEFT * 2)
+    browser.press(opened, "map", Keys.ARROW_RIGHT + Keys.ARROW_UP * 3 + Keys.ARROW_LEFT * 2)
     assert picked(opened) == [dimension - 1, load + 3]
-    press_keys(opened, "area", Keys.ARROW_LEFT * 2)
+    browser.press(opened, "area", Keys.ARROW_LEFT * 2)
     assert picked(opened) == [dimension - 1, load + 1]
-    press_keys(opened, "over", Keys.ARROW_RIGHT)
+    browser.press(opened, "over", Keys.ARROW_RIGHT)
     assert picked(opened) == [dimension, load + 1]
-    press_keys(opened, "mu0", Keys.ARROW_RIGHT * 5)
+    browser.press(opened, "mu0", Keys.ARROW_RIGHT * 5)
     assert float(by_id(opened, "mu0-number").get_attribute("value")) == pytest.approx(0.45)
 
 
 @in_browser
-def test_cells_beyond_the_model_are_hatched_and_keep_their_colour(opened):
+def test_cells_beyond_the_model_are_hatched_and_keep_their_colour_and_a_view_begins_elsewhere(opened):
+    assert opened.find_elements("css selector", "dd.beyond") == []
+    assert by_id(opened, "readout").get_attribute("data-status") == "ok"
     hatched, colours = opened.execute_script(
         "const paths = [...document.querySelectorAll('#map path')];"
         "const of = (test) => paths.filter((each) => test(each.getAttribute('fill') ?? ''))"
@@ -227,7 +218,7 @@ def test_an_address_is_a_view(driver, page):
     browser.open_page(driver, page)
     enter(driver, "mu0-number", 0.37)
     enter(driver, "tau0-number", 41)
-    press_keys(driver, "map", "\ue012\ue013\ue013")
+    browser.press(driver, "map", "\ue012\ue013\ue013")
     browser.rest(driver)
     address, seen = driver.current_url, by_id(driver, "answer").text
     assert "mu0=0.37" in address
@@ -352,16 +343,12 @@ def test_the_answer_of_maps_is_that_of_the_library_and_moves_with_everything(ope
 
 
 @in_browser
-def test_the_compass_turns_the_direction(opened_maps):
+def test_the_compass_turns_the_direction_and_pointing_at_a_curve_tells_its_numbers(opened_maps):
     from selenium.webdriver.common.keys import Keys
 
     for words in ("to +x", "to +y"):
-        press_keys(opened_maps, "compass", Keys.ARROW_UP)
+        browser.press(opened_maps, "compass", Keys.ARROW_UP)
         assert words in by_id(opened_maps, "answer").text
-
-
-@in_browser
-def test_pointing_at_a_curve_tells_its_numbers(opened_maps):
     left, top, width, height = browser.frame(opened_maps, "friction")
     pointer(opened_maps, left + 0.5 * width, top + 0.5 * height).perform()
     browser.settle(opened_maps)
@@ -375,14 +362,16 @@ def test_pointing_at_a_curve_tells_its_numbers(opened_maps):
 
 @in_browser
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_serious_fault_for_those_who_cannot_see(driver, page, maps_page, scheme):
+def test_no_serious_fault_for_those_who_cannot_see_and_nothing_is_asked_of_anybody(driver, page, maps_page, scheme):
     axe = browser.axe()
     media = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
     for path in (page, maps_page):
         browser.open_page(driver, path)
+        enter(driver, "tau0-number", 50)
         browser.open_more(driver)
         assert browser.faults(driver, axe) == []
+        assert browser.foreign_requests(driver, path) == set()
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
@@ -451,15 +440,6 @@ def test_the_tabulator_reaches_every_control(opened):
         "return [...document.querySelectorAll('input, select')].filter((e) => !e.labels.length && !e.ariaLabel).length"
     )
     assert unnamed == 0
-
-
-@in_browser
-def test_nothing_is_asked_of_anybody(driver, page, maps_page):
-    for path in (page, maps_page):
-        browser.open_page(driver, path)
-        enter(driver, "tau0-number", 50)
-        asked = [url for url in browser.requests(driver) if not url.startswith(("data:", "blob:"))]
-        assert {url.split("#")[0] for url in asked} == {path.as_uri()}
 
 
 # ---- The file --------------------------------------------------------------------------------------------------------

@@ -83,7 +83,8 @@ function index(id, {value, count, name, changed}) {
     changed(Number(slider.value));
     show();
   });
-  return {show, set: (given) => { slider.value = given; show(); }};
+  show();
+  return {set: (given) => { slider.value = given; show(); }};
 }
 
 /** A list to choose from; hidden where there is nothing to choose. */
@@ -157,16 +158,14 @@ function say(text) {
   byId("trouble").textContent = text;
 }
 
-async function inflated(id) {
+async function unpacked(id) {
   const place = byId(`packed-${id}`);
   const text = atob(place.textContent);
   place.remove();
   const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+  return doubles(new Uint8Array(await new Response(stream).arrayBuffer()), facts.bytes[id]);
 }
-
-const unpacked = async (id, leading) => doubles(await inflated(id), leading);
 
 function start(begin) {
   const isOld = typeof DecompressionStream === "undefined";

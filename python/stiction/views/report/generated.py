@@ -66,7 +66,8 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
     means = dict(zip(facts["variables"]["plain"], averages, strict=False))
     facts |= _facts_of(head, means, study, result)
     facts |= {
-        "name": name or _name_of(study), "hasIntervals": members > 1 and sums.size > 0, "repetitions": members,
+        "name": name or _name_of(study), "bytes": BYTES, "hasIntervals": members > 1 and sums.size > 0,
+        "repetitions": members,
         "kinds": [{"words": "pairs of surfaces", "members": list(range(members))}],
     }  # fmt: skip
     return PageResult(

@@ -45,6 +45,7 @@ from stiction.views.resolution import waves_text
 from stiction.views.text import budget_text, waited_text
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
+EVERY_BYTE = 8  # of a double
 
 _OF_LOAD = (
     "contact_area_fraction", "contact_area", "contact_count", "contact_load", "mean_pressure", "normal_stiffness",
@@ -73,11 +74,11 @@ def page_of_measured(
     name = f"{files} ({name})" if name else files
     facts = _facts_of(dataset, result, study)
     facts |= {
-        "quantities": _quantities(result, facts),
+        "quantities": _quantities(result, facts), "bytes": dict.fromkeys(("means", "sums"), EVERY_BYTE),
         "name": name, "variables": {"plain": [], "directed": []},
         "perRepetition": {"plain": ["normal_elastic"], "directed": _DIRECTED},
     }  # fmt: skip
-    numbers = {"means": packed([], 8), "sums": packed(sums, 8)}
+    numbers = {"means": packed([], EVERY_BYTE), "sums": packed(sums, EVERY_BYTE)}
     picture = picture_of(result) if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.once(onset_beside) if isinstance(result, Stored) else None

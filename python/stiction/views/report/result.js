@@ -375,10 +375,8 @@ function connect() {
   byId("dimension-control").hidden = facts.dimensions.length < 2;
   const d = Number(said.d ?? NaN);
   if (Number.isFinite(d)) state.dimension = nearest(facts.dimensions, d);
-  const dimension = index("dimension", {value: state.dimension, count: facts.dimensions.length,
+  sliders.dimension = index("dimension", {value: state.dimension, count: facts.dimensions.length,
     name: (at) => dimensionName(facts.dimensions[at]), changed: (at) => { state.dimension = at; redraw(...FRICTION); }});
-  dimension.show();
-  sliders.dimension = dimension;
   byId("link").addEventListener("click", async () => {
     await navigator.clipboard.writeText(location.href).then(() => { byId("link").textContent = "Copied"; }, () => { byId("link").textContent = location.href; });
   });
@@ -401,7 +399,6 @@ function connectLoad(said) {
   state.load = Number.isFinite(at) ? nearest(loads.map(Math.log), Math.log(at)) : Math.floor(loads.length / 2);
   sliders.load = index("load", {value: state.load, count: loads.length, name: loadName,
     changed: (l) => { state.load = l; redraw(...FRICTION); }});
-  sliders.load.show();
 }
 
 /** What arrow keys do on a plot: a step for each. */
@@ -537,10 +534,7 @@ function addressOf() {
 async function unpackAll() {
   const {variables, perRepetition, rules, directions} = facts;
   const count = rules.length * directions.length;
-  const [means, sums] = [
-    parts(variables, count, await unpacked("means", isMeasured ? 8 : facts.bytes.means)),
-    parts(perRepetition, count, await unpacked("sums", isMeasured ? 8 : facts.bytes.sums)),
-  ];
+  const [means, sums] = [parts(variables, count, await unpacked("means")), parts(perRepetition, count, await unpacked("sums"))];
   motions = means.map((each, m) => ({means: each, sums: sums[m]}));
 }
 

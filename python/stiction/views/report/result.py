@@ -24,7 +24,7 @@ from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
 from stiction.views.report.measured import page_of_measured
-from stiction.views.report.page import BYTES, Page, ReportError, escaped, panel, part, scripts
+from stiction.views.report.page import Page, ReportError, escaped, panel, part, scripts
 
 LOAD_STEPS = 80  # loads of a map
 STUDENT_DEGREE = 24  # degree from which on quantiles of Student's t are exact to 1e-13
@@ -104,7 +104,7 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
     modulus = float(study.contact.effective_modulus)
     facts = {
         "confidence": CONFIDENCE, "student": _student(), "fewest": FEWEST_OF_SAMPLE,
-        "fewestNeighbours": FEWEST_NEIGHBOURS, "stepsAround": AROUND, "bytes": BYTES, "ticks": TICKS,
+        "fewestNeighbours": FEWEST_NEIGHBOURS, "stepsAround": AROUND, "ticks": TICKS,
         "colourQuantiles": COLOUR_QUANTILES, "loadSteps": LOAD_STEPS, "advice": ADVICE, "verdicts": VERDICTS,
         "ruleWords": RULES,
         "statuses": {name: {"short": short, "why": ADVICE.get(name, ("",))[0]} for name, short in STATUSES.items()},
