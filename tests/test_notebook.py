@@ -223,6 +223,8 @@ def datasets(upper, lower, by_function, folder):
     made += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
     made += [stiction.nondimensional(ran), at_load(ran, loads), member_values(ran, loads)]
     made += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
+    rough = stiction.scale_dependent_roughness(lower)
+    made += [stiction.spectral_resolution(rough, rough, pressure=0.01, hardness=1.0, mu0=0.3)]
     made += [by_function.dataset, by_function.at("10 MPa"), member_values(by_function.source, [1.0])]
     made += [contact_picture(by_function.source), xarray.load_dataset(folder / "onset.nc")]
     return made

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stiction import _core, read_profile, read_surface
+from stiction import read_profile, read_surface
 
 ROOT = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -124,14 +124,6 @@ def test_the_address_is_written_wherever_it_belongs(release, tmp_path, monkeypat
     assert release.links_are_absolute() is None
 
 
-def test_the_core_says_what_it_was_built_with():
-    build = _core.build()
-    assert list(build) == ["compiler", "gsl", "instruction_set"]
-    assert re.search(r"(GCC|Clang|LLVM) \d+\.", build["compiler"])
-    assert re.match(r"\d+\.\d+", build["gsl"])
-    assert build["instruction_set"] in ("AVX-512", "AVX2, FMA", "SSE2", "NEON", "plain")
-
-
 # ---- The sample scans -----------------------------------------------------------------------------------------------
 
 STEPS = 1.0
@@ -152,16 +144,3 @@ def test_the_sample_scans_are_what_their_script_writes(tmp_path, monkeypatch):
             here, now = (read(folder / name.format(side)) for folder in (SCANS, tmp_path))
             assert here.spacing == now.spacing
             np.testing.assert_allclose(here.heights, now.heights, rtol=0, atol=1.01 * STEPS * step)
-
-
-def test_the_sample_scans_are_like_measured_ones():
-    assert sum(path.stat().st_size for path in SCANS.iterdir()) < 1_000_000
-    for side in ("upper", "lower"):
-        trace = read_profile(SCANS / f"lapped_{side}.csv")
-        assert trace.heights.size == 4000
-        assert trace.spacing == pytest.approx(0.1)
-        ground = read_surface(SCANS / f"ground_{side}.x3p")
-        assert ground.heights.shape == (256, 256)
-        assert ground.spacing == pytest.approx((0.2, 0.2))
-        rows, columns = (np.diff(ground.heights, axis=axis).std() for axis in (0, 1))
-        assert columns > 3 * rows  # marks of grinding along y

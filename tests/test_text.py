@@ -59,15 +59,6 @@ class TestWriting:
             pass
         assert (tmp_path / "target").read_text() == "mine"
 
-    def test_long_names_work(self, tmp_path, writer):
-        with writer(tmp_path / ("x" * 255), ValueError) as partial:
-            partial.write_bytes(b"mark")
-        assert os.listdir(tmp_path) == ["x" * 255]
-        with pytest.raises(ValueError, match="cannot be written: File name too long"):  # noqa: SIM117
-            with writer(tmp_path / ("x" * 256), ValueError) as partial:
-                partial.write_bytes(b"mark")
-        assert os.listdir(tmp_path) == ["x" * 255]
-
     def test_directories_and_devices_are_left_alone(self, tmp_path, writer, monkeypatch):
         monkeypatch.chdir(tmp_path)
         for place in (".", "/dev/null", "/dev/full", "/"):

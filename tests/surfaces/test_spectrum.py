@@ -11,13 +11,10 @@ from stiction import (
     hurst_exponent_of,
     levelled,
     power_spectrum,
-    random_phases,
     rotated,
     roughness_parameters,
     spectral_moments,
     surface_spectrum,
-    weierstrass_mandelbrot,
-    weierstrass_mandelbrot_moments,
 )
 
 # Of sums over some thousand points, of transforms and their squares.
@@ -89,21 +86,6 @@ class TestMoments:
             # Round-off at the highest of 64 harmonics weighs 8^(2j) times as much.
             assert value == pytest.approx(AMPLITUDE**2 / 2 * q ** (2 * order), rel=1e-10)
         assert found.nayak_parameter == pytest.approx(1, rel=1e-10)
-
-    def test_of_eq_1_are_its_exact_ones(self):
-        # Half of Σ a² k^(2j); 20 profiles of some hundred independent wavelengths each leave a few per cent.
-        options = {"convention": "classical"}
-        exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
-        found = [
-            spectral_moments(
-                weierstrass_mandelbrot(
-                    random_phases(4, repetition=r), 1.2, points=8000, band_limit="nyquist", extent=80.0, **options
-                )
-            )
-            for r in range(20)
-        ]
-        for name in ("slope", "curvature"):
-            assert np.mean([getattr(m, name) for m in found]) == pytest.approx(getattr(exact, name), rel=0.05)
 
     def test_bands_add_up(self):
         profile = rough()

@@ -7,8 +7,6 @@ import pytest
 from rough_bodies import rough
 from stiction import (
     Profile,
-    half_space,
-    hurst_exponent_of,
     isotropic_spectrum,
     isotropic_surface,
     levelled,
@@ -78,12 +76,6 @@ class TestSurrogate:
         assert np.mean(slopes) == pytest.approx(1, abs=0.02)
         assert np.max(np.abs(np.log(slopes))) < 0.05
         assert np.mean(short) == pytest.approx(1, abs=0.03)
-
-    def test_is_of_the_same_hurst_exponent(self):
-        profile = rough(points=8192, longest_wavelength=5.0, hurst_exponent=0.6)
-        found = hurst_exponent_of(surrogate(profile, 2), band=(0.02, 4.0), periodic=True)
-        # Two estimates, each within its interval nineteen times of twenty.
-        assert found.value == pytest.approx(hurst_exponent_of(profile, band=(0.02, 4.0)).value, abs=0.05)
 
     def test_are_an_ensemble(self):
         profile = rough()
@@ -169,36 +161,6 @@ def test_units_do_not_matter_and_seeds_do():
     for changed in ({"seed": 8}, {"repetition": 3}, {"side": "lower"}):
         other = isotropic_surface(section, **{"seed": 7, "shape": (64, 96), "repetition": 2, "side": "upper"} | changed)
         assert np.abs(other.heights - one.heights).max() > 0.01
-
-
-def test_area_and_friction_are_those_of_the_map():
-    """Pieces have 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
-    bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
-
-    def answers(pairs):
-        found = []
-        for pair in pairs:
-            area = np.prod(pair[0].extent)
-            curve = half_space(*pair, [0.02 * area], direction=[0.0, 90.0, 180.0, 270.0])
-            friction = curve.friction_coefficient(mu0=0.4, tau0=0.1)
-            found.append([curve.contact_area[0] / area, friction.mean()])
-        return np.mean(found, axis=0)
-
-    own = answers(
-        [
-            levelled(type(body)(body.heights[:, at : at + 128], spacing=0.1), "plane")
-            for body in bodies
-        ]
-        for at in range(0, 1024, 128)
-    )  # fmt: skip
-    made = answers(
-        [
-            isotropic_surface(levelled(body.row(20 * each), "line"), 1, shape=(128, 128), side=side, repetition=each)
-            for body, side in zip(bodies, ("upper", "lower"), strict=True)
-        ]
-        for each in range(6)
-    )  # fmt: skip
-    np.testing.assert_allclose(made, own, rtol=SCATTER)
 
 
 @pytest.mark.parametrize(
