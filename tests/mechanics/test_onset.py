@@ -2,7 +2,7 @@ import pickle
 
 import numpy as np
 import pytest
-from reference import dense_onset
+from reference import dense_half_space, dense_onset
 from rough_bodies import rough_maps
 from scipy.integrate import quad
 from stiction import (
@@ -182,8 +182,7 @@ def test_agrees_with_an_active_set(shape, boundary, mu0, tau0):
     assert 20 < bound.size < 600
     periodic = boundary == "periodic"
     spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
-    table = dense_onset.influence(shape, spacing, MODULUS, periodic=periodic)
-    compliance = dense_onset.matrix(table, points, periodic=periodic)
+    compliance = dense_half_space.matrix(shape, spacing, MODULUS, periodic=periodic, points=points)
     parts = [0.1, 0.5, 0.9]
     onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts)
     exact = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts, tolerance=1e-10)
@@ -209,8 +208,7 @@ def test_masings_energy_is_that_of_going_back_and_forth():
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = strength(curve, 0.3, 0.0)
     assert bound.size > 40
-    table = dense_onset.influence((16, 16), lower.spacing, MODULUS, periodic=False)
-    compliance = dense_onset.matrix(table, points, periodic=False)
+    compliance = dense_half_space.matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
     for part in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
         top = onset.displacement[0]

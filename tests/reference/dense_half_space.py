@@ -6,53 +6,47 @@ import scipy.optimize
 from scipy.integrate import quad
 
 
-def points(shape, spacing):
-    """Coordinates of every point, one row each."""
-    axes = [np.arange(n) * step for n, step in zip(shape, spacing, strict=True)]
-    return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+def influence(shape, spacing, modulus, *, periodic):
+    """Displacement (µm) of a grid under 1 GPa on the cell at its origin.
+
+    Where periodic the sum over waves 2/(E*|k|) cos k(x - x'), else integrals over the cell of -2 ln r/(π E*) on a line
+    and 1/(π E* r) on an area.
+    """
+    index = np.meshgrid(*[np.arange(n) for n in shape], indexing="ij")
+    if periodic:
+        table = np.zeros(shape)
+        for wave in np.ndindex(shape):
+            turns = [(m if 2 * m <= n else m - n) for m, n in zip(wave, shape, strict=True)]
+            k = 2 * np.pi * np.array([m / (n * s) for m, n, s in zip(turns, shape, spacing, strict=True)])
+            if any(turns):
+                phase = 2 * np.pi * sum(m * i / n for m, i, n in zip(turns, index, shape, strict=True))
+                table += 2 / (modulus * np.sqrt(k @ k)) * np.cos(phase) / np.prod(shape)
+        return table
+    table = np.empty(shape)
+    for place in np.ndindex(shape):
+        if len(shape) == 1:
+            x, a = place[0] * spacing[0], spacing[0] / 2
+            inside = [0.0] if x == 0 else None
+            table[place] = quad(lambda s, x=x: -2 / np.pi / modulus * np.log(abs(x - s)), -a, a, points=inside)[0]
+        else:
+            (y, x), (b, a) = np.multiply(place, spacing), np.divide(spacing, 2)
+
+            # 1/(π E* r) along x in closed form, along y by quadrature.
+            def strip(s, x=x, y=y, a=a):
+                return np.diff(np.arcsinh(np.array([x - a, x + a]) / abs(y - s)))[0] / np.pi / modulus
+
+            inside = [0.0] if place[0] == 0 else None
+            table[place] = quad(strip, -b, b, points=inside, epsabs=0, epsrel=1e-12, limit=400)[0]
+    return table
 
 
-def periodic_matrix(shape, spacing, modulus):
-    """Displacement at each point under 1 GPa at each other: the sum over waves 2/(E*|k|) cos k(x - x')."""
-    x = points(shape, spacing)
-    waves = np.meshgrid(
-        *[2 * np.pi * np.fft.fftfreq(n, step) for n, step in zip(shape, spacing, strict=True)], indexing="ij"
-    )
-    matrix = np.zeros((len(x), len(x)))
-    for k in zip(*[wave.ravel() for wave in waves], strict=True):
-        size = np.hypot(*k) if len(k) == 2 else abs(k[0])
-        if size > 0:
-            phase = x @ np.array(k)
-            matrix += 2 / (modulus * size) * np.cos(phase[:, None] - phase) / len(x)
-    return matrix
-
-
-def free_matrix(shape, spacing, modulus):
-    """The same for loaded cells of a free half-space: integrals of -2 ln r/(π E*) and 1/(π E* r) over the cell."""
-    x = points(shape, spacing)
-    values = {}
-
-    def influence(distance):
-        key = tuple(np.round(np.abs(distance) / spacing).astype(int))
-        if key not in values:
-            away = np.array(key) * spacing
-            if len(spacing) == 1:
-                a = spacing[0] / 2
-                at = [0.0] if key == (0,) else None
-                values[key] = quad(lambda s: -2 / np.pi / modulus * np.log(abs(away[0] - s)), -a, a, points=at)[0]
-            else:
-                b, a = spacing[0] / 2, spacing[1] / 2
-
-                # Along x in closed form, along y by quadrature.
-                def strip(s):
-                    h = abs(away[0] - s)
-                    return (np.arcsinh((away[1] + a) / h) - np.arcsinh((away[1] - a) / h)) / np.pi / modulus
-
-                inside = [0.0] if key[0] == 0 else None
-                values[key] = quad(strip, -b, b, points=inside, epsabs=0, epsrel=1e-12, limit=200)[0]
-        return values[key]
-
-    return np.array([[influence(one - other) for other in x] for one in x])
+def matrix(shape, spacing, modulus, *, periodic, points=None):
+    """Displacement at every point, or at some that are rows of indices, under 1 GPa on each."""
+    table = influence(shape, spacing, modulus, periodic=periodic)
+    points = np.argwhere(np.ones(shape)) if points is None else points
+    apart = points[:, None, :] - points[None, :, :]
+    apart = apart % np.array(shape) if periodic else np.abs(apart)
+    return table[tuple(np.moveaxis(apart, -1, 0))]
 
 
 def displacement(pressure, spacing, modulus, *, periodic):

@@ -5,46 +5,8 @@ where q = 0 and not more where q is at its bound.
 """
 
 import numpy as np
-from scipy.integrate import quad
 
 ROUND_OFF = 1e-13
-
-
-def influence(shape, spacing, modulus, *, periodic):
-    """Displacement of a grid under 1 GPa on the cell at its origin."""
-    index = np.meshgrid(*[np.arange(n) for n in shape], indexing="ij")
-    if periodic:
-        table = np.zeros(shape)
-        for wave in np.ndindex(shape):
-            turns = [(m if 2 * m <= n else m - n) for m, n in zip(wave, shape, strict=True)]
-            k = 2 * np.pi * np.array([m / (n * s) for m, n, s in zip(turns, shape, spacing, strict=True)])
-            if any(turns):
-                phase = 2 * np.pi * sum(m * i / n for m, i, n in zip(turns, index, shape, strict=True))
-                table += 2 / (modulus * np.sqrt(k @ k)) * np.cos(phase) / np.prod(shape)
-        return table
-    table = np.empty(shape)
-    for place in np.ndindex(shape):
-        if len(shape) == 1:
-            x, a = place[0] * spacing[0], spacing[0] / 2
-            inside = [0.0] if x == 0 else None
-            table[place] = quad(lambda s, x=x: -2 / np.pi / modulus * np.log(abs(x - s)), -a, a, points=inside)[0]
-        else:
-            (y, x), (b, a) = np.multiply(place, spacing), np.divide(spacing, 2)
-
-            # 1/(π E* r) along x in closed form, along y by quadrature.
-            def strip(s, x=x, y=y, a=a):
-                return np.diff(np.arcsinh(np.array([x - a, x + a]) / abs(y - s)))[0] / np.pi / modulus
-
-            inside = [0.0] if place[0] == 0 else None
-            table[place] = quad(strip, -b, b, points=inside, epsabs=0, epsrel=1e-12, limit=400)[0]
-    return table
-
-
-def matrix(table, points, *, periodic):
-    """Displacement at each of some points, rows of indices, under 1 GPa at each."""
-    apart = points[:, None, :] - points[None, :, :]
-    apart = apart % np.array(table.shape) if periodic else np.abs(apart)
-    return table[tuple(np.moveaxis(apart, -1, 0))]
 
 
 def traction(compliance, bound, total):
