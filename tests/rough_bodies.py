@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import scipy.fft
 from stiction import Profile, Surface, self_affine, self_affine_surface
 
 AMPLITUDE, WAVELENGTH = 0.1, 4.0
@@ -34,3 +35,25 @@ def rough_maps(seed=3, *, points=48, **changes):
     """The upper and the lower of a pair of maps."""
     chosen = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (points, points), "spacing": 0.1} | changes
     return [self_affine_surface(seed, side=side, **chosen) for side in ("upper", "lower")]
+
+
+def flat_like(body):
+    """A flat on the grid of a body."""
+    return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
+
+
+def periodic_body(shape, *, seed=1, hurst=0.8, longest=4, shortest=16, slope=0.1):
+    """A periodic self-affine body on a unit length or square: waves from `longest` to `shortest` per unit."""
+    random = np.random.default_rng(seed)
+    waves = np.meshgrid(
+        *[np.fft.fftfreq(n, 1 / n) for n in shape[:-1]], np.fft.rfftfreq(shape[-1], 1 / shape[-1]), indexing="ij"
+    )
+    k = np.sqrt(sum(np.square(wave) for wave in waves))
+    inside = (k >= longest) & (k <= shortest)
+    amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
+    heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
+    gradients = [scipy.fft.irfftn(2j * np.pi * wave * scipy.fft.rfftn(heights), shape) for wave in waves]
+    heights *= slope / np.sqrt(sum(np.mean(np.square(gradient)) for gradient in gradients))
+    if len(shape) == 1:
+        return Profile(heights, spacing=1 / shape[0])
+    return Surface(heights, spacing=(1 / shape[0], 1 / shape[1]))

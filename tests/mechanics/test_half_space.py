@@ -7,6 +7,8 @@ import pytest
 import scipy.fft
 import stiction._core as _core
 from reference import dense_half_space
+from rough_bodies import flat_like
+from rough_bodies import periodic_body as rough
 from soak import half_space as soak
 from stiction import (
     HalfSpaceCurve,
@@ -47,27 +49,6 @@ GRID_OF_A_BALL = 2e-3  # of the load at an approach, with a contact of 24 points
 def solver_of(gap, spacing, *, periodic, bound=np.inf, tolerance):
     grids = _core.HalfSpaceGrids(gap.shape, spacing, effective_modulus=MODULUS, periodic=periodic)
     return _core.HalfSpaceSolver(gap, grids, bound=np.ravel(bound).astype(float), tolerance=tolerance)
-
-
-def flat_like(body):
-    return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
-
-
-def rough(shape, *, seed=1, hurst=0.8, longest=4, shortest=16, slope=0.1):
-    """A periodic self-affine body on a unit length or square: waves from `longest` to `shortest` per unit."""
-    random = np.random.default_rng(seed)
-    waves = np.meshgrid(
-        *[np.fft.fftfreq(n, 1 / n) for n in shape[:-1]], np.fft.rfftfreq(shape[-1], 1 / shape[-1]), indexing="ij"
-    )
-    k = np.sqrt(sum(np.square(wave) for wave in waves))
-    inside = (k >= longest) & (k <= shortest)
-    amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
-    heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
-    gradients = [scipy.fft.irfftn(2j * np.pi * wave * scipy.fft.rfftn(heights), shape) for wave in waves]
-    heights *= slope / np.sqrt(sum(np.mean(np.square(gradient)) for gradient in gradients))
-    if len(shape) == 1:
-        return Profile(heights, spacing=1 / shape[0])
-    return Surface(heights, spacing=(1 / shape[0], 1 / shape[1]))
 
 
 def bowl(n, extent, radii):

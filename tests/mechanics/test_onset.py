@@ -3,7 +3,7 @@ import pickle
 import numpy as np
 import pytest
 from reference import dense_half_space, dense_onset
-from rough_bodies import rough_maps
+from rough_bodies import flat_like, periodic_body, rough_maps
 from scipy.integrate import quad
 from stiction import (
     FourParameterIwan,
@@ -18,8 +18,6 @@ from stiction import (
     hertz_line,
     press,
     random_phases,
-    self_affine,
-    self_affine_surface,
     weierstrass_mandelbrot,
 )
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
@@ -32,10 +30,6 @@ RELATED = 0.01  # of what an independent principle says on rough bodies
 PARTS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
-def flat_like(body):
-    return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
-
-
 def bowl(n, extent, radii):
     """A paraboloid, its highest point off the grid."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
@@ -43,18 +37,8 @@ def bowl(n, extent, radii):
 
 
 def rough(shape, seed=4, slope=0.1):
-    """A periodic self-affine body on a unit length or square."""
-    n = shape[-1]
-    waves = {"longest_wavelength": 0.5, "shortest_wavelength": min(8 / n, 0.25), "hurst_exponent": 0.8, "rms": 1.0}
-    if len(shape) == 1:
-        body = self_affine(seed, points=n, spacing=1 / n, periodic=True, **waves)
-    else:
-        body = self_affine_surface(seed, shape=shape, spacing=1 / n, **waves)
-    steps = [
-        np.diff(body.heights, axis=axis, append=np.take(body.heights, [0], axis)) * n for axis in range(len(shape))
-    ]
-    scale = slope / np.sqrt(sum(np.mean(np.square(step)) for step in steps))
-    return type(body)(body.heights * scale, spacing=body.spacing)
+    """Waves from half of a unit length or square down to 8 points."""
+    return periodic_body(shape, seed=seed, longest=2, shortest=max(shape[-1] // 8, 4), slope=slope)
 
 
 def mean_pressure(body, fraction):
