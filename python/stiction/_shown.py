@@ -141,10 +141,10 @@ def picture(draw: Callable[[Axes], object]) -> str:
     return picture_of(figure)
 
 
-def picture_of(figure: Any, seen: str = "picture") -> str:
+def picture_of(figure: Any) -> str:
     """A figure of matplotlib as a picture that needs no file, with a text for screen readers."""
     coded = base64.b64encode(png_of(figure)).decode("ascii")
-    return f'<img alt="{html.escape(seen)}" style="max-width:100%" src="data:image/png;base64,{coded}"/>'
+    return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{coded}"/>'
 
 
 def png_of(figure: Any) -> bytes:

@@ -175,10 +175,6 @@ class Curve(Shown):
     contact_area: Floats
     normal_elastic: Floats
     tangential_elastic: Floats
-    normal_frictional: Floats
-    tangential_frictional: Floats
-    normal_adhesive: Floats
-    tangential_adhesive: Floats
     effective_modulus: float
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:

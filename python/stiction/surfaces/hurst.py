@@ -335,7 +335,11 @@ def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _B
                     continue
                 end -= end < bins.log_q.size
                 whole = start + (start > 0)
-                start = whole if whole > 0 else _behind_roll_off(bins.part(0, end), weight[:end])
+                if start == 0:  # less a roll-off that is too short for a piece
+                    rolled = [law.least_loss for law in _rolled_off(bins.part(0, end), weight[:end])]
+                    start = int(np.argmin(rolled)) if min(rolled) < rolled[0] - _PARAMETER_PRICE else 0
+                else:
+                    start = whole
                 first = int(bins.first[start])
                 last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
                 width = math.log(q[last] / q[first])
@@ -377,12 +381,6 @@ def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
     """Power laws that are flat up to the first bin, the second and so on: the first has no roll-off."""
     breaks = range(max(1, bins.log_q.size - _FEWEST_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
-
-
-def _behind_roll_off(bins: _Bins, weight: Floats) -> int:
-    """The first bin of a piece of the longest wavelengths, less a roll-off that is too short for a piece."""
-    losses = [law.least_loss for law in _rolled_off(bins, weight)]
-    return int(np.argmin(losses)) if min(losses) < losses[0] - _PARAMETER_PRICE else 0
 
 
 def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:

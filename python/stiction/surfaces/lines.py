@@ -14,7 +14,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, refuse_flat
 
 MOST_FITTED = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
 _BOTH: tuple[Along, Along] = ("x", "y")
@@ -106,8 +106,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     (60, 60)
     """
     choice("along", along, Along)
-    if (surface.heights == surface.heights.flat[0]).all():
-        raise ValueError("a flat surface has no roughness")
+    refuse_flat(surface)
     count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
     if points < _FEWEST_POINTS:
         raise ValueError(f"lines along {along} must have at least {_FEWEST_POINTS} points, got {points}")
