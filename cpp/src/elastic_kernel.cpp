@@ -63,38 +63,67 @@ void multiply_line(const double* waves, const double* own, const double* other, 
   }
 }
 
-// The same of two columns of an area, k and m - k, whose waves along y are also turned around: each factor twice, for
-// both parts of a complex number.
+// The same of two columns of an area, k and m - k, from a wave along y on upwards in the first and from the turned one
+// on downwards in the second: each factor twice, for both parts of a complex number.
 template <class Real>
-STICTION_INLINE void multiply_columns_of(Real* __restrict first, Real* __restrict second, const Real* of_first,
-                                         const Real* of_second, const Real* between, std::size_t size) {
-  const auto both = [&](std::size_t i, std::size_t j) {
+STICTION_INLINE void multiply_turned(Real* __restrict first, Real* __restrict second, const Real* of_first,
+                                     const Real* of_second, const Real* between, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) {
     const Real one = first[i];
-    const Real two = second[j];
+    const Real two = *(second - i);
     first[i] = of_first[i] * one + between[i] * two;
-    second[j] = of_second[i] * two + between[i] * one;
-  };
-  both(0, 1);
-  both(1, 0);
-  Real* turned = second + (size + 1);
-  for (std::size_t i = 2; i < size; ++i) {
-    const Real one = first[i];
-    const Real two = *(turned - i);
-    first[i] = of_first[i] * one + between[i] * two;
-    *(turned - i) = of_second[i] * two + between[i] * one;
+    *(second - i) = of_second[i] * two + between[i] * one;
+  }
+}
+
+// Waves along y of which factors are made at a time.
+constexpr std::size_t waves_at_once = 64;
+
+// `own` and `turned` are the factors of both columns at waves along y up to half of `size`; θ = πk/m. Waves i of the
+// one are mixed with waves size - i of the other, and the factors of both are the same.
+template <class Real>
+STICTION_INLINE void mix_columns_of(Real* __restrict first, Real* __restrict second, const Real* own,
+                                    const Real* turned, Real sine, Real cosine, std::size_t size) {
+  std::array<Real, 2 * waves_at_once> of_first;
+  std::array<Real, 2 * waves_at_once> of_second;
+  std::array<Real, 2 * waves_at_once> between;
+  for (std::size_t from = 0; 2 * from <= size; from += waves_at_once) {
+    const std::size_t count = std::min(waves_at_once, size / 2 + 1 - from);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Real mean = Real{0.5} * (own[from + i] + turned[from + i]);
+      const Real difference = Real{0.5} * (own[from + i] - turned[from + i]);
+      of_first[2 * i] = of_first[2 * i + 1] = mean - difference * sine;
+      of_second[2 * i] = of_second[2 * i + 1] = mean + difference * sine;
+      between[2 * i] = between[2 * i + 1] = difference * cosine;
+    }
+    std::size_t skip = 0;
+    if (from == 0) {
+      multiply_turned(first, second + 1, of_first.data(), of_second.data(), between.data(), 2);
+      skip = 1;
+    }
+    // The wave at half of an even size is turned into itself.
+    const std::size_t both = size % 2 == 0 && from + count == size / 2 + 1 ? count - 1 : count;
+    if (count > skip) {
+      multiply_turned(first + 2 * (from + skip), second + 2 * (size - from - skip) + 1, &of_first[2 * skip],
+                      &of_second[2 * skip], &between[2 * skip], 2 * (count - skip));
+    }
+    if (both > skip) {
+      multiply_turned(second + 2 * (from + skip), first + 2 * (size - from - skip) + 1, &of_second[2 * skip],
+                      &of_first[2 * skip], &between[2 * skip], 2 * (both - skip));
+    }
   }
 }
 
 STICTION_MULTIVERSION
-void multiply_columns(float* first, float* second, const float* of_first, const float* of_second, const float* between,
-                      std::size_t size) {
-  multiply_columns_of(first, second, of_first, of_second, between, size);
+void mix_columns(float* first, float* second, const float* own, const float* turned, float sine, float cosine,
+                 std::size_t size) {
+  mix_columns_of(first, second, own, turned, sine, cosine, size);
 }
 
 STICTION_MULTIVERSION
-void multiply_columns(double* first, double* second, const double* of_first, const double* of_second,
-                      const double* between, std::size_t size) {
-  multiply_columns_of(first, second, of_first, of_second, between, size);
+void mix_columns(double* first, double* second, const double* own, const double* turned, double sine, double cosine,
+                 std::size_t size) {
+  mix_columns_of(first, second, own, turned, sine, cosine, size);
 }
 
 // Columns of an area in memory, one after the other, and back.
@@ -323,10 +352,10 @@ class Filter {
       if (!shape_.packed()) {
         scale(own, k <= count / 2 ? k : count - k);
       } else if (k >= begin && k < end) {
-        mix(own, waves[1] + (end - 1 - k) * apart, k, rooms[4]);
+        mix(own, waves[1] + (end - 1 - k) * apart, k);
       } else {
         std::copy_n(own, size, values);
-        mix(own, values, k, rooms[4]);
+        mix(own, values, k);
       }
     }
     for (std::size_t block = 0; block < 2; ++block) {
@@ -346,28 +375,13 @@ class Filter {
     }
   }
 
-  void mix(Complex* first, Complex* second, std::size_t k, Room& room) const {
-    const std::size_t size = shape_.padded_rows;
+  void mix(Complex* first, Complex* second, std::size_t k) const {
     const std::size_t count = shape_.waves();
     const Real* own = factors_.data() + k * shape_.along_y();
     const Real* turned = factors_.data() + (count - k) * shape_.along_y();
     const double angle = pi * static_cast<double>(k) / static_cast<double>(count);
-    const auto sine = static_cast<Real>(std::sin(angle));
-    const auto cosine = static_cast<Real>(std::cos(angle));
-    Real* of_first = parts(room.waves<Real>(3 * size));
-    Real* of_second = of_first + 2 * size;
-    Real* between = of_second + 2 * size;
-    for (std::size_t i = 0; i < shape_.along_y(); ++i) {
-      const Real mean = Real{0.5} * (own[i] + turned[i]);
-      const Real difference = Real{0.5} * (own[i] - turned[i]);
-      of_first[2 * i] = of_first[2 * i + 1] = mean - difference * sine;
-      of_second[2 * i] = of_second[2 * i + 1] = mean + difference * sine;
-      between[2 * i] = between[2 * i + 1] = difference * cosine;
-    }
-    for (Real* factors : {of_first, of_second, between}) {
-      std::reverse_copy(factors + 2, factors + 2 * (size - shape_.along_y() + 1), factors + 2 * shape_.along_y());
-    }
-    multiply_columns(parts(first), parts(second), of_first, of_second, between, 2 * size);
+    mix_columns(parts(first), parts(second), own, turned, static_cast<Real>(std::sin(angle)),
+                static_cast<Real>(std::cos(angle)), shape_.padded_rows);
   }
 
   Shape shape_;

@@ -58,17 +58,29 @@ double step_between(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-double mean_of(Values values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+// Sums of squares about a value or, with an exponent of 1, of what is beyond it; in as many sums as make it fast.
+template <int Exponent>
+STICTION_INLINE double powers_about(const double* values, std::size_t size, double about) {
+  std::array<double, 8> sums{};
+  for (std::size_t i = 0; i < size; ++i) {
+    const double away = values[i] - about;
+    sums[i % sums.size()] += Exponent == 1 ? away : away * away;
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+STICTION_MULTIVERSION
+double sum_of(const double* values, std::size_t size) { return powers_about<1>(values, size, 0.0); }
+
+STICTION_MULTIVERSION
+double squares_about(const double* values, std::size_t size, double about) {
+  return powers_about<2>(values, size, about);
+}
+
+double mean_of(Values values) { return sum_of(values.data(), values.size()) / static_cast<double>(values.size()); }
+
 double deviation_of(Values values) {
-  const double mean = mean_of(values);
-  double squares = 0.0;
-  for (const double value : values) {
-    squares += (value - mean) * (value - mean);
-  }
-  return std::sqrt(squares / static_cast<double>(values.size()));
+  return std::sqrt(squares_about(values.data(), values.size(), mean_of(values)) / static_cast<double>(values.size()));
 }
 
 // Values along one axis, or whole rows of `width` of them, on a grid of as many points over the same length: straight
@@ -142,18 +154,19 @@ class Descent {
   PressureSearch& search() { return search_; }
   double balance() { return search_.balance(crew_); }
 
-  // The potential; in single precision where the solution is only a start.
+  // The potential; in single precision where iterations follow.
   void renew(Values gap, bool exact) {
     const Values pressure = search_.pressure();
-    std::vector<double> potential(pressure.size());
+    std::vector<double> potential = search_.take_potential();
+    potential.resize(pressure.size());
     if (exact) {
       kernel_.displacement(pressure, potential, workspace_, crew_);
+      std::transform(potential.begin(), potential.end(), gap.begin(), potential.begin(), std::plus<>());
     } else {
       const std::vector<float> single(pressure.begin(), pressure.end());
       kernel_.displacement(single, response_, workspace_, crew_);
-      potential.assign(response_.begin(), response_.end());
+      std::transform(response_.begin(), response_.end(), gap.begin(), potential.begin(), std::plus<>());
     }
-    std::transform(potential.begin(), potential.end(), gap.begin(), potential.begin(), std::plus<>());
     search_.restart(std::move(potential));
     responded_ = false;
   }
@@ -456,9 +469,9 @@ HalfSpaceSolution HalfSpaceSolver::on_level(std::size_t level, std::vector<doubl
     pressure *= factor;
   }
   Descent descent(kernels, std::move(start), mean_pressure, bound_, workspace, crew);
-  descent.renew(gap(level), level == 0);
+  descent.renew(gap(level), false);
   const std::int64_t most = level == 0 ? most_iterations : most_coarse_iterations;
-  bool exact = true;
+  bool exact = false;
   int certificates = 0;
   double error = 0.0;
   std::int64_t iterations = 0;

@@ -91,12 +91,38 @@ Moments moments_of(const float* values, std::int32_t first, std::int32_t count) 
   return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(moments.begin(), moments.end(), 0.0)};
 }
 
+struct Loads {
+  double between = 0.0;   // of points below their bound
+  double at_bound = 0.0;  // of points at it
+};
+
+// Sums of a few pressures; in as many sums as make it fast, as below.
+STICTION_MULTIVERSION
+Loads loads_of(const double* pressure, const double* bound, std::size_t size) {
+  std::array<double, sums_at_once> between{};
+  std::array<double, sums_at_once> at_bound{};
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool below = pressure[i] < bound[i];
+    between[i % sums_at_once] += below ? pressure[i] : 0.0;
+    at_bound[i % sums_at_once] += below ? 0.0 : pressure[i];
+  }
+  return {std::accumulate(between.begin(), between.end(), 0.0), std::accumulate(at_bound.begin(), at_bound.end(), 0.0)};
+}
+
+STICTION_MULTIVERSION
+void scale_between(double* pressure, const double* bound, std::size_t size, double factor) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const double scaled = pressure[i] * factor;
+    pressure[i] = pressure[i] < bound[i] ? (scaled < bound[i] ? scaled : bound[i]) : pressure[i];
+  }
+}
+
 struct Cut {
   double sum;
   double between;  // how many are within the bounds
 };
 
-// Pressures less the shift, cut to 0 and their bounds; in as many sums as make it fast.
+// Pressures less the shift, cut to 0 and their bounds.
 STICTION_MULTIVERSION
 Cut cut(const double* pressure, const double* bound, std::size_t size, double shift) {
   std::array<double, sums_at_once> sums{};
@@ -152,12 +178,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
 }  // namespace
 
 PressureSearch::PressureSearch(std::vector<double> pressure, double total, Values bound, bool line)
-    : pressure_(std::move(pressure)),
-      potential_(pressure_.size()),
-      total_(total),
-      line_(line),
-      residual_(pressure_.size()),
-      step_(pressure_.size()) {
+    : pressure_(std::move(pressure)), total_(total), line_(line), residual_(pressure_.size()), step_(pressure_.size()) {
   const std::size_t size = pressure_.size();
   if (size == 0 || size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::invalid_argument("PressureSearch: pressure must have from 1 to below 2^31 points");
@@ -170,22 +191,28 @@ PressureSearch::PressureSearch(std::vector<double> pressure, double total, Value
     bounds_.assign(bound.begin(), bound.end());
   }
   everywhere_.fill(bound[0]);
-  double most = 0.0;
-  double most_of_loaded = 0.0;
-  for (std::size_t i = 0; i < size; ++i) {
-    most += bound_at(i);
-    most_of_loaded += pressure_[i] > 0.0 ? bound_at(i) : 0.0;
-  }
+  const double most = bounds_.empty() ? everywhere_[0] * static_cast<double>(size)
+                                      : std::accumulate(bounds_.begin(), bounds_.end(), 0.0);
   if (!(total > 0.0) || !(total < most)) {
     throw std::invalid_argument("PressureSearch: total must be positive and below the sum of the bounds");
   }
   // As many points bear the load as are needed.
-  const bool all = !(most_of_loaded > total);
+  const auto bear = [&](std::size_t i) {
+    moved_.push_back(static_cast<std::int32_t>(i));
+    target_.push_back(pressure_[i]);
+    most_.push_back(bound_at(i));
+  };
   for (std::size_t i = 0; i < size; ++i) {
-    if (all || pressure_[i] > 0.0) {
-      moved_.push_back(static_cast<std::int32_t>(i));
-      target_.push_back(pressure_[i]);
-      most_.push_back(bound_at(i));
+    if (pressure_[i] > 0.0) {
+      bear(i);
+    }
+  }
+  if (!(std::accumulate(most_.begin(), most_.end(), 0.0) > total)) {
+    moved_.clear();
+    target_.clear();
+    most_.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+      bear(i);
     }
   }
   const double shift = shift_to_sum(target_, most_, total);
@@ -196,16 +223,18 @@ PressureSearch::PressureSearch(std::vector<double> pressure, double total, Value
 }
 
 void PressureSearch::settle() {
-  double between = 0.0;
-  double at_bound = 0.0;
-  for (std::size_t i = 0; i < pressure_.size(); ++i) {
-    (pressure_[i] < bound_at(i) ? between : at_bound) += pressure_[i];
+  const std::size_t size = pressure_.size();
+  const auto bounds = [&](std::size_t first) { return bounds_.empty() ? everywhere_.data() : &bounds_[first]; };
+  Loads all;
+  for (std::size_t first = 0; first < size; first += block) {
+    const Loads few = loads_of(&pressure_[first], bounds(first), std::min(block, size - first));
+    all.between += few.between;
+    all.at_bound += few.at_bound;
   }
-  const double factor = (total_ - at_bound) / between;
-  if (between > 0.0 && factor > 0.0) {
-    for (std::size_t i = 0; i < pressure_.size(); ++i) {
-      const double most = bound_at(i);
-      pressure_[i] = pressure_[i] < most ? std::min(pressure_[i] * factor, most) : pressure_[i];
+  const double factor = (total_ - all.at_bound) / all.between;
+  if (all.between > 0.0 && factor > 0.0) {
+    for (std::size_t first = 0; first < size; first += block) {
+      scale_between(&pressure_[first], bounds(first), std::min(block, size - first), factor);
     }
   }
 }
@@ -507,8 +536,8 @@ double PressureSearch::work() const {
 }
 
 void PressureSearch::restart(std::vector<double> potential) {
-  if (potential.size() != potential_.size()) {
-    throw std::invalid_argument("PressureSearch: potential must keep its length");
+  if (potential.size() != pressure_.size()) {
+    throw std::invalid_argument("PressureSearch: potential must have as many points as the pressure");
   }
   potential_ = std::move(potential);
   part_ = 0.0;

@@ -103,9 +103,10 @@ double largest(const std::vector<double>& values) {
 }
 
 std::vector<Grid> grids(bool periodic) {
-  return {{1, 2, 1.0, 0.1, true, periodic},    {1, 97, 1.0, 0.1, true, periodic},  {1, 96, 1.0, 0.1, true, periodic},
-          {12, 15, 0.2, 0.1, false, periodic}, {9, 16, 0.1, 0.1, false, periodic}, {17, 34, 0.1, 0.3, false, periodic},
-          {2, 2, 0.1, 0.1, false, periodic},   {1, 6, 0.1, 0.1, false, periodic},  {7, 4, 0.1, 0.1, false, periodic}};
+  return {{1, 2, 1.0, 0.1, true, periodic},    {1, 97, 1.0, 0.1, true, periodic},   {1, 96, 1.0, 0.1, true, periodic},
+          {12, 15, 0.2, 0.1, false, periodic}, {9, 16, 0.1, 0.1, false, periodic},  {17, 34, 0.1, 0.3, false, periodic},
+          {2, 2, 0.1, 0.1, false, periodic},   {1, 6, 0.1, 0.1, false, periodic},   {7, 4, 0.1, 0.1, false, periodic},
+          {128, 4, 0.1, 0.1, false, periodic}, {129, 2, 0.1, 0.1, false, periodic}, {70, 6, 0.1, 0.1, false, periodic}};
 }
 
 }  // namespace

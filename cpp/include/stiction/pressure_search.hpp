@@ -68,6 +68,8 @@ class PressureSearch {
   Values pressure() const { return pressure_; }
   /// The pressure, of which the search is then empty.
   std::vector<double> take_pressure() { return std::move(pressure_); }
+  /// The potential, whose memory `restart` can have again.
+  std::vector<double> take_potential() { return std::move(potential_); }
 
  private:
   static constexpr std::size_t block = 64;  // points that are looked at together

@@ -32,6 +32,7 @@ LONGEST_CELL = 1e6  # ratio of the sides of a grid's cell, above which heights o
 
 _shared: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
 _last: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
+_even: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.WeakKeyDictionary()
 
 
 def grids_of(
@@ -99,7 +100,11 @@ class Problem:
     @cached_property
     def even(self) -> Floats:
         """Displacement under an even pressure of 1 GPa on what was measured, µm; 0 of whole periodic bodies."""
-        return np.asarray(self.grids.displacement(self.measured, threads=threads()))
+        if self.missing is not None:
+            return np.asarray(self.grids.displacement(self.measured, threads=threads()))
+        if (known := _even.get(self.grids)) is None:
+            known = _even[self.grids] = read_only(self.grids.displacement(self.measured, threads=threads()))
+        return known
 
     @cached_property
     def slope(self) -> list[Floats]:

@@ -37,6 +37,7 @@ MEMBERS, FEW = 16, 4  # whose onset is computed, unless another number is asked 
 FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is."""
 
+TOLERANCE = 1e-5  # of a member's tractions, which moves displacements by 1e-7 of themselves
 POISSON_RATIO = 0.3  # of both bodies, where nothing is known of them
 _CURVES = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
 _NUMBERS = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
@@ -82,7 +83,8 @@ def onset_of_member(
         pressed = OneLoad.of(study, member.pair, load)
         if pressed is None:
             return None
-        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=FRACTIONS, poisson=poisson)
+        exactly: dict[str, Any] = {"tolerance": TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
+        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=FRACTIONS, poisson=poisson, **exactly)
     except (RuntimeError, ValueError):  # no solution, or a law that has no onset
         return None
     found: dict[str, Any] = {
