@@ -351,7 +351,7 @@ class TestMeasured:
         monkeypatch.chdir(tmp_path)
         assert study_from_text(text, "here").with_known_files().surfaces.upper.file == str(tmp_path / "scan.npy")
         with pytest.raises(ValueError, match="cannot be read"):
-            AREAS.surfaces.located(tmp_path / "none").known()
+            AREAS.surfaces.upper.located(tmp_path / "none").known()
         assert Study().with_known_files() == Study()
 
 

@@ -11,7 +11,14 @@ from typing import Any
 from stiction._core import __version__
 from stiction._files import replace as put
 from stiction._text import duration_text
+from stiction.studies.contact_picture import FILE as PICTURE
+from stiction.studies.contact_picture import contact_picture
+from stiction.studies.hardness import FILE as HARDNESS
+from stiction.studies.hardness import areas_over_hardness, hardness_beside
+from stiction.studies.onset import FILE as ONSET
+from stiction.studies.onset import TABLE, backbone, onset_beside, onset_of_result
 from stiction.studies.pressed import cost_of_member
+from stiction.studies.resolution import FOLDER, resolution_study
 from stiction.studies.runner import fill, filled, prepared
 from stiction.studies.store import BLOCKS, STUDY, Stored, export, open_stored
 from stiction.studies.study import Study, computed_otherwise, differences, differences_text
@@ -33,8 +40,6 @@ def complete(
     `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
     `announce` tell what was done, is worth knowing and comes, and `answered` is given the result of the blocks.
     """
-    from stiction.studies.contact_picture import FILE, contact_picture
-
     there = open_stored(folder) if (folder / STUDY).exists() else None
     if replace and there:
         remove_result(there)
@@ -49,25 +54,18 @@ def complete(
     if part is not None:
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return stored
-    fill_hardness(stored, executor)
+    if measured and hardness_beside(stored) is None:  # a few members at other hardnesses, where it is a range
+        _put_beside(stored, HARDNESS, lambda: areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
     elif before == total:
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{folder} holds this study already{by}")
     answered(stored)
-    if measured and (before < total or not (stored.path / FILE).exists()):
-        _put_beside(stored, FILE, lambda: contact_picture(stored))
+    if measured and (before < total or not (stored.path / PICTURE).exists()):
+        _put_beside(stored, PICTURE, lambda: contact_picture(stored))
     fill_beside(stored, executor, onset, progress=progress, announce=announce, say=say)
     return stored
-
-
-def fill_hardness(stored: Stored, executor: Executor) -> None:
-    """Press a few members of a pair at other hardnesses, where the hardness is a range, unless that was done."""
-    from stiction.studies.hardness import FILE, areas_over_hardness, hardness_beside
-
-    if stored.study.is_measured and hardness_beside(stored) is None:
-        _put_beside(stored, FILE, lambda: areas_over_hardness(stored.study, executor))
 
 
 def _put_beside(stored: Stored, name: str, make: Callable[[], Any]) -> None:
@@ -82,9 +80,6 @@ def fill_beside(
     say: Say = _nothing,
 ) -> None:  # fmt: skip
     """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset."""
-    from stiction.studies.onset import FILE, TABLE, backbone, onset_beside, onset_of_result
-    from stiction.studies.resolution import FOLDER, resolution_study
-
     if not stored.study.is_measured:
         return
     try:
@@ -106,15 +101,13 @@ def fill_beside(
         say(f"without cut-offs or onset: {error}")
         return
     if curve is not None:
-        export(curve, stored.path / FILE, replace=True)
+        export(curve, stored.path / ONSET, replace=True)
         put(stored.path / TABLE, backbone(curve).encode())
 
 
 def remove_result(stored: Stored) -> None:
     """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
-    from stiction.studies.onset import FILE, TABLE
-
     for block in stored.blocks:
         (stored.path / BLOCKS / block.name).unlink(missing_ok=True)
-    for name in (STUDY, FILE, TABLE) if (stored.path / FILE).exists() else (STUDY,):
+    for name in (STUDY, ONSET, TABLE) if (stored.path / ONSET).exists() else (STUDY,):
         (stored.path / name).unlink(missing_ok=True)

@@ -366,12 +366,9 @@ def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Co
     return contact
 
 
-def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_STEPS) -> Floats:
+def _around(given: Floats, ratio: float, steps: int) -> Floats:
     """Given loads (mN), and enough others around them in equal ratios for a curve."""
-    given = np.atleast_1d(float_array("loads", loads))
-    if not given.size or not (given > 0).all():
-        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    others = np.geomspace(given.min() / around, given.max() * around, steps)
+    others = np.geomspace(given.min() / ratio, given.max() * ratio, steps)
     # Given ones stay to the bit; others next to them would be the same again.
     apart = np.abs(others[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given, others[apart]]))
@@ -379,18 +376,17 @@ def loads_around(loads: ArrayLike, *, around: float = AROUND, steps: int = LOAD_
 
 def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
     """Loads (mN) that a measured pair is pressed to around given ones, all below `most`; some `lighter` of areas."""
+    given = np.atleast_1d(float_array("loads", loads))
+    if not given.size or not (given > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     if press == "lines" and mechanics == "asperities":
-        around = loads_around(loads)
+        around = _around(given, AROUND, LOAD_STEPS)
     elif press == "lines":
-        around = loads_around(loads, around=AROUND_HALF_SPACE, steps=HALF_SPACE_STEPS)
+        around = _around(given, AROUND_HALF_SPACE, HALF_SPACE_STEPS)
     else:
-        given = np.atleast_1d(float_array("loads", loads))
-        around = np.unique(
-            np.concatenate(
-                [given, given.min() / AROUND_AREAS ** np.arange(1, lighter + 1), [given.max() * AROUND_AREAS]]
-            )
-        )
+        below = given.min() / AROUND_AREAS ** np.arange(1, lighter + 1)
+        around = np.unique(np.concatenate([given, below, [given.max() * AROUND_AREAS]]))
     # Those that are asked for stay to the bit, the others are written in few digits.
-    asked = set(np.atleast_1d(float_array("loads", loads)).tolist())
+    asked = set(given.tolist())
     short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])
     return short if most is None else short[short < most]

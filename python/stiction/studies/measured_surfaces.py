@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
@@ -302,8 +303,7 @@ class Facts:
     shape: Sequence[int]
     spacing: Sequence[float]
     used: Sequence[float]
-    scanned_spacing: Sequence[Floats]
-    scanned_extent: Sequence[Floats]
+    scans: Sequence[Any]  # of the upper and of the lower body, with their spacings and extents
 
 
 @dataclass(frozen=True)
@@ -363,20 +363,9 @@ class MeasuredBodies(Table):
         unknown = unknown_below([*self.upper.bodies, *self.lower.bodies])
         return next((each for each in asked if each >= unknown), asked[0])
 
-    def _both(self, change: Callable[[str, MeasuredFile], MeasuredFile]) -> Self:
-        return self.model_copy(update={side: change(side, getattr(self, side)) for side in SIDES})
-
-    def located(self, directory: Path) -> Self:
-        """The same with absolute names of files; those that are not absolute are relative to the directory."""
-        return self._both(lambda _, file: file.located(directory))
-
-    def known(self) -> Self:
-        """The same with the checksums of the files as they are."""
-        return self._both(lambda _, file: file.known())
-
-    def kept(self, folder: Path) -> Self:
-        """The same with bodies in memory in files in a folder."""
-        return self._both(lambda side, file: file.kept(folder, side))
+    def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
+        """The same with what a function makes of the file of each side."""
+        return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scanned(self) -> int:
@@ -517,7 +506,7 @@ def _facts_of_lines(slider: Profile, track: Profile, used: float, scans: tuple[A
     """What all members of lines share, and which fraction of the upper scan a slider is."""
     return Facts(
         slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
-        [np.atleast_1d(scan.spacing) for scan in scans], [np.atleast_1d(scan.extent) for scan in scans],
+        scans,
     )  # fmt: skip
 
 
@@ -629,14 +618,11 @@ class Areas:
     def facts(self) -> Facts:
         """What all members share."""
         pairs = self.pairs
-        scans: Any = self.scans
+        scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectrumPairs):  # as if two points were the shortest wave
-            spacings = [np.array([max(body.shortest, pairs.finest) / 2]) for body in (pairs.upper, pairs.lower)]
-            extents = [np.array([pairs.side])] * 2
-        else:
-            spacings = [np.atleast_1d(scan.spacing) for scan in scans]
-            extents = [np.atleast_1d(scan.extent) for scan in scans]
-        return Facts(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, spacings, extents)
+            waves = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
+            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in waves]
+        return Facts(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
 
 
 @dataclass(frozen=True, eq=False)
@@ -659,8 +645,7 @@ class AreasAt:
         assert isinstance(piece, Surface)
         return Facts(
             *both, float(np.prod(piece.extent)), piece.heights.shape, piece.spacing,
-            [piece.heights.size / body.heights.size for body in both], [np.array(body.spacing) for body in both],
-            [np.array(body.extent) for body in both],
+            [piece.heights.size / body.heights.size for body in both], both,
         )  # fmt: skip
 
 

@@ -199,8 +199,9 @@ class Bodies:
             "spacing_um": np.array(facts.spacing, np.float64),
             "fraction_used": np.array(facts.used, np.float64),
         }
-        for side, spacing, extent in zip(SIDES, facts.scanned_spacing, facts.scanned_extent, strict=True):
-            attributes |= {f"{side}_spacing_um": spacing, f"{side}_extent_um": extent}
+        for side, scan in zip(SIDES, facts.scans, strict=True):
+            attributes[f"{side}_spacing_um"] = np.atleast_1d(np.asarray(scan.spacing, np.float64))
+            attributes[f"{side}_extent_um"] = np.atleast_1d(np.asarray(scan.extent, np.float64))
             if (filled := getattr(self._surfaces, side).filled()).any():
                 attributes[f"{side}_filled"] = filled
         return About(nominal_area=float(facts.area) * self._measured(), attributes=attributes)

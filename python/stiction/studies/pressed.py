@@ -53,7 +53,7 @@ from stiction.studies.members import (
     unscaled_surface,
 )
 from stiction.studies.result import Arrays, names_of, variables_of
-from stiction.studies.study import Study, generated, measured, profiles
+from stiction.studies.study import Study, measured, profiles
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -338,14 +338,22 @@ def cost_of_member(study: Study) -> float:
 
 
 def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Parts of a repetition with their places among the cells."""
+    """Parts of a repetition with their places among the cells, fractal dimension and amplitude."""
     if not (study.is_areal or study.by_half_space or study.contact.onset):
-        for place, uppers, lowers, scratch in _families(study, repetition):
-            yield place, pressed_families(study, uppers, lowers, scratch)
+        yield from _families(study, repetition)
         return
-    pairs = (_surfaces if study.is_areal else _profiles)(study, repetition)
-    for cell, upper, lower in pairs:
-        yield cell, (pressed_to_loads if study.by_half_space else _pressed_to_approaches)(study, upper, lower)
+    press_pair = pressed_to_loads if study.by_half_space else _pressed_to_approaches
+    cells: Any = study.surfaces.cells()
+    dimensions, amplitudes = cells["fractal_dimension"], cells["amplitude"]
+    if not study.is_areal:
+        for a, amplitude in enumerate(amplitudes):
+            for d, pair in enumerate(pairs_of(study, repetition, dimensions, amplitude)):
+                yield (d, a), press_pair(study, *pair)
+        return
+    for d, dimension in enumerate(dimensions):
+        upper, lower = (unscaled_surface(study, repetition, side, dimension) for side in SIDES)
+        for a, amplitude in enumerate(amplitudes):
+            yield (d, a), press_pair(study, *(scaled_surface(study, body, amplitude) for body in (upper, lower)))
 
 
 def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
@@ -381,27 +389,6 @@ def _onset(study: Study, curve: LoadCurve) -> Arrays:
     return found
 
 
-def pressed_families(
-    study: Study, upper: tuple[Floats, Floats], lower: tuple[Floats, Floats], scratch: Floats
-) -> Arrays:
-    """What `pressed` has of each pair of two families of profiles that touch at asperities, in one call.
-
-    A family is its unscaled heights (k, points), µm, which are used up, and what `fill_profiles` returns of
-    them; the scratch is (2, points). Each sum is an array (k, amplitudes, rules, steps); of those that do not depend on
-    the motion there is one rule.
-    """
-    surfaces, models, steps = profiles(study), _models(study.contact), _steps(study.contact)
-    amplitudes = surfaces.amplitudes()
-    columns = _core.press_families(
-        *upper, *lower, spacing=surfaces.spacing, amplitudes=amplitudes,
-        measure=surfaces.amplitude_measure, approaches=steps, models=[model.for_profiles().core() for model in models],
-        scratch=scratch,
-    )  # fmt: skip
-    shape = len(upper[0]), amplitudes.size, len(models), steps.size
-    tables = {name: columns[name].reshape(shape) for name in study.sums()}
-    return {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()}
-
-
 @functools.lru_cache(maxsize=4)
 def _models(contact: Any) -> tuple[ContactModel, ...]:
     return tuple(contact.model(rule) for rule in contact.rules())
@@ -412,35 +399,30 @@ def _steps(contact: Any) -> Floats:
     return read_only(contact.steps())
 
 
-def _surfaces(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Surface, Surface]]:
-    """Each pair with its place (fractal dimension, amplitude)."""
-    for d, dimension in enumerate(generated(study).fractal_dimensions()):
-        upper, lower = (unscaled_surface(study, repetition, side, dimension) for side in SIDES)
-        for a, amplitude in enumerate(generated(study).amplitudes()):
-            yield (d, a), scaled_surface(study, upper, amplitude), scaled_surface(study, lower, amplitude)
+def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
+    """Sums of profiles that touch at asperities, of some fractal dimensions at a time, each in one call.
 
-
-def _profiles(study: Study, repetition: int) -> Iterator[tuple[tuple[int, int], Profile, Profile]]:
-    """Each pair with its place (fractal dimension, amplitude)."""
-    for a, amplitude in enumerate(profiles(study).amplitudes()):
-        for d, pair in enumerate(pairs_of(study, repetition, profiles(study).fractal_dimensions(), amplitude)):
-            yield (d, a), *pair
-
-
-def _families(
-    study: Study, repetition: int
-) -> Iterator[tuple[slice, tuple[Floats, Floats], tuple[Floats, Floats], Floats]]:
-    """Unscaled profiles and their levels at some fractal dimensions at a time, and memory for a scaled pair."""
-    dimensions, points = profiles(study).fractal_dimensions(), profiles(study).points
-    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * points)))
-    memory = _memory((2 * members + 2, points))
+    Each is an array (dimensions, amplitudes, rules, steps), of one rule where it does not depend on the motion.
+    """
+    surfaces, steps, models = profiles(study), _steps(study.contact), _models(study.contact)
+    dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
+    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * surfaces.points)))
+    memory = _memory((2 * members + 2, surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
         uppers, lowers = memory[: family.size], memory[members : members + family.size]
-        yield (
-            slice(first, first + family.size), (uppers, fill_profiles(study, uppers, family, repetition, "upper")),
-            (lowers, fill_profiles(study, lowers, family, repetition, "lower")), memory[-2:],
+        columns = _core.press_families(
+            uppers, fill_profiles(study, uppers, family, repetition, "upper"), lowers,
+            fill_profiles(study, lowers, family, repetition, "lower"), spacing=surfaces.spacing, amplitudes=amplitudes,
+            measure=surfaces.amplitude_measure, approaches=steps, scratch=memory[-2:],
+            models=[model.for_profiles().core() for model in models],
         )  # fmt: skip
+        shape = family.size, amplitudes.size, len(models), steps.size
+        tables = {name: columns[name].reshape(shape) for name in study.sums()}
+        yield (
+            slice(first, first + family.size),
+            {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()},
+        )
 
 
 def _memory(shape: tuple[int, ...]) -> Floats:

@@ -21,7 +21,7 @@ from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, UNLOADED, attributes_of
 from stiction.studies.contact_statistics import QUANTILES, STATISTICS
 from stiction.studies.measured_surfaces import About
-from stiction.studies.study import Study, generated
+from stiction.studies.study import Study
 
 if TYPE_CHECKING:
     import xarray
@@ -66,8 +66,9 @@ def coordinates_of(
         values["fraction_below"] = np.array(QUANTILES)
     more: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
     if not study.is_measured:
-        more["fractal_dimension"] = {"convention": generated(study).convention}
-        more["amplitude"] = {"measure": generated(study).amplitude_measure}
+        surfaces: Any = study.surfaces
+        more["fractal_dimension"] = {"convention": surfaces.convention}
+        more["amplitude"] = {"measure": surfaces.amplitude_measure}
     return {
         name: (Array((name,), each.shape, each.dtype, attributes_of(name) | more.get(name, {})), each)
         for name, each in values.items()

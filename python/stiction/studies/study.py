@@ -20,7 +20,7 @@ from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, HALF_S
 from stiction.studies.contact_tables import KEYS, Contact, contact_case, ladder, read_contact
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.known import KnownTable
-from stiction.studies.measured_surfaces import Measured
+from stiction.studies.measured_surfaces import Measured, MeasuredFile
 from stiction.studies.values import (
     REQUIRED,
     Coefficients,
@@ -300,8 +300,11 @@ class Study(Table):
         """
         if not isinstance(self.surfaces, Measured):
             return self
-        surfaces = self.surfaces if folder is None else self.surfaces.kept(folder)
-        return self.model_copy(update={"surfaces": surfaces.located(Path.cwd()).known()})
+
+        def known(file: MeasuredFile, side: str) -> MeasuredFile:
+            return (file if folder is None else file.kept(folder, side)).located(Path.cwd()).known()
+
+        return self.model_copy(update={"surfaces": self.surfaces.with_files(known)})
 
     @classmethod
     def named(cls, name: str) -> Study:
@@ -336,7 +339,9 @@ class Study(Table):
             raise StudyError(f"{named(path)}: is not a text file, so it is no study") from None
         if not isinstance(study.surfaces, Measured):
             return study
-        return study.model_copy(update={"surfaces": study.surfaces.located(Path(path).absolute().parent)})
+        folder = Path(path).absolute().parent
+        surfaces = study.surfaces.with_files(lambda file, _: file.located(folder))
+        return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
         """The study with some values replaced, by dotted key.
@@ -490,12 +495,6 @@ def study_from_text(text: str, source: str) -> Study:
     except ValueError as error:
         raise StudyError(f"{named(source)}: is not TOML: {printable(error, LONGEST_NAME)}") from None
     return validated(Study, data, source)
-
-
-def generated(study: Study) -> Generated:
-    """The surfaces of a study of which it is known that they are generated."""
-    assert isinstance(study.surfaces, Generated)
-    return study.surfaces
 
 
 def profiles(study: Study) -> Profiles:
