@@ -101,13 +101,6 @@ def test_a_law_that_is_one_comes_back(dataset):
     assert found["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_other_materials_cost_nothing(dataset):
-    other = friction_table(dataset, mu0=[0.1, 0.2, 0.3], tau0=0.05)
-    assert other.sizes["mu0"] == 3
-    here = friction_table(dataset)["friction_coefficient"].sel(mu0=0.3, tau0=0.05)
-    np.testing.assert_allclose(other["friction_coefficient"].sel(mu0=0.3, tau0=0.05), here)
-
-
 def test_intervals_are_those_of_a_jackknife(dataset, table):
     """Two pairs are left out in turn by hand; the width is held to the spread of the pairs' own coefficients."""
     at = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
@@ -119,14 +112,6 @@ def test_intervals_are_those_of_a_jackknife(dataset, table):
     )
     error = float(each.std(ddof=1)) / 2
     assert 2 * error < upper - mean < 14 * error
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"), [({"mu0": -0.1}, "mu0 must not be negative"), ({"tau0": [-1.0]}, "tau0 must not be negative")]
-)
-def test_bad_material(dataset, changes, words):
-    with pytest.raises(ValueError, match=words):
-        friction_table(dataset, **changes)
 
 
 def test_a_study_of_profiles_is_refused(small_result):

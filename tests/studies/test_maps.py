@@ -74,16 +74,19 @@ def test_nothing_is_extrapolated_and_every_point_says_why_not():
     assert np.isnan(out["friction_coefficient"]).all()
 
 
-def test_one_approach_and_one_repetition_are_enough_for_a_value_but_not_for_an_interval():
-    out = at(dataset([[2.0]], [[1.0]]), [2.0, 3.0])
-    assert out["friction_coefficient"].values[0] == 0.5
-    assert np.isnan(out["lower"].values).all()
-    assert np.isnan(out["upper"].values).all()
-
-
-def test_no_friction_has_an_interval_too():
-    out = at(dataset([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2), [1.5])
-    assert [float(out[name][0]) for name in ("friction_coefficient", "lower", "upper")] == [0, 0, 0]
+@pytest.mark.parametrize(
+    ("normal", "tangential", "load", "value", "width"),
+    [
+        ([[2.0]], [[1.0]], 2.0, 0.5, np.nan),  # one approach and one repetition
+        ([[0.0, 0.0]] * 4 + [[1.0, 2.0]], [[0.0, 0.0]] * 4 + [[0.5, 1.0]], 0.3, 0.5, np.nan),  # one carries all
+        ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),  # equal repetitions
+        ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
+    ],
+)
+def test_few_or_equal_repetitions_have_a_value_and_no_width(normal, tangential, load, value, width):
+    out = at(dataset(normal, tangential), [load])
+    ends = [float(out[name][0]) for name in ("friction_coefficient", "lower", "upper")]
+    assert ends == pytest.approx([value, value + width, value + width], rel=EXACT, nan_ok=True)
 
 
 def test_loads_that_not_every_part_of_the_ensemble_reaches_have_an_interval():
@@ -91,12 +94,6 @@ def test_loads_that_not_every_part_of_the_ensemble_reaches_have_an_interval():
     out = at(dataset(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert out["status"].values.tolist() == ["ok"]
     assert out["lower"].values[0] < out["friction_coefficient"].values[0] < out["upper"].values[0]
-
-
-def test_one_repetition_that_carries_load_is_no_ensemble():
-    out = at(dataset([[0.0, 0.0]] * 4 + [[1.0, 2.0]], [[0.0, 0.0]] * 4 + [[0.5, 1.0]]), [0.3])
-    assert out["friction_coefficient"].values[0] == pytest.approx(0.5)
-    assert np.isnan(out["lower"].values).all()
 
 
 def test_intervals_of_what_is_never_negative_are_not_either():

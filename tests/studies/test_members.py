@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-from stiction import Study, pair_of, press, random_phases, run, weierstrass_mandelbrot
-from stiction.mechanics.quantities import SUMS
+from stiction import Study, pair_of, random_phases, weierstrass_mandelbrot
 from stiction.studies import members as bodies
 
 STUDY = Study().with_changes(
@@ -33,17 +32,6 @@ def test_pairs_of_several_dimensions_are_those_of_each(monkeypatch, members):
         for body, alone in zip(found, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
             assert body.heights.tobytes() == alone.heights.tobytes()
             assert body.spacing == alone.spacing
-
-
-def test_a_pair_gives_the_bits_of_the_run():
-    result = run(STUDY)
-    for repetition in range(3):
-        for d, dimension in enumerate(result["fractal_dimension"].values):
-            for a, amplitude in enumerate(result["amplitude"].values):
-                pair = pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
-                curve = press(*pair, STUDY.contact.steps())
-                for name in SUMS:
-                    assert result[name].values[d, a, repetition].tobytes() == getattr(curve, name).tobytes(), name
 
 
 def test_a_pair_is_two_profiles_of_its_study():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Study, contacts, pair_of, press, read_result, run
 from stiction.mechanics.quantities import ONSET
-from stiction.studies.at_load import at_load, member_values
+from stiction.studies.at_load import at_load
 from stiction.studies.study import StudyError
 from stiction.views.report import report_page
 from stiction.views.text import quantities_text
@@ -102,13 +102,6 @@ def test_without_adhesion_they_creep_in_proportion_to_their_deepest_contact():
     deepest = (listed.overlap * listed.normal[:, 2]).max()
     creep = one["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
     assert creep == pytest.approx(0.4 * deepest, rel=1e-9)
-
-
-def test_members_have_their_own(result):
-    at = member_values(result, [1e-3], mu0=[0.3], tau0=[0.02])
-    assert at["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "load")
-    reached = np.isfinite(at["friction_coefficient"]).all(["sliding", "direction", "mu0", "tau0"])
-    assert np.isfinite(at["fraction_slipped"].values[reached.transpose(*at["fraction_slipped"].dims).values]).all()
 
 
 def test_table_figure_and_page_show_it(study, tmp_path):

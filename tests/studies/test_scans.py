@@ -130,27 +130,6 @@ def test_the_spread_between_places_is_in_the_interval_and_in_the_budget(spread) 
     assert low <= result.interval[0] < result.interval[1] <= high
 
 
-@pytest.mark.soak
-@pytest.mark.parametrize("spread", [0.0, 0.2])
-def test_pressed_scans_cover_the_mean_of_their_parts(spread) -> None:
-    rng = np.random.default_rng(7)
-    given = {"mechanics": "asperities", "onset": 0, **QUICK}
-
-    def scans_of(part: int, count: int):
-        seeds = 1000 * part + np.arange(count)
-        gradients = np.exp(spread * rng.standard_normal((2, count)))
-        return [
-            [scan(int(s), side, g) for s, g in zip(seeds, own, strict=True)]
-            for side, own in zip(("upper", "lower"), gradients, strict=True)
-        ]
-
-    truth = pair(*scans_of(100, 24), shifts=576, **given).value  # all parts are of one kind
-    found = [pair(*scans_of(part, 3 + part % 4), shifts=32, **given) for part in range(20)]
-    covered = sum(each.interval[0] <= truth <= each.interval[1] for each in found)
-    print(f"spread {spread}: {covered} of 20 cover {truth:.4f}")
-    assert covered >= 17
-
-
 def test_scans_are_a_list_a_folder_or_names_between_commas(tmp_path) -> None:
     (tmp_path / "part").mkdir()
     names = []

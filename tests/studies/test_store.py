@@ -1,6 +1,5 @@
 """A result in its folder: what is there, what is continued, and what is refused."""
 
-import contextlib
 import errno
 import io
 import itertools
@@ -155,6 +154,9 @@ def test_a_finished_one_is_read(whole, undisturbed, computed):
     before = files(whole)
     assert_same_bits(run(TINY, store=whole), undisturbed)
     assert files(whole) == before
+    other = TINY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
+    assert run(other, store=whole).attrs["study"] == other.to_toml()
+    assert store.info(whole).study == other
     assert computed == []
 
 
@@ -200,13 +202,6 @@ def test_two_writers_do_no_harm(tmp_path, undisturbed):
         assert_same_bits(result, undisturbed)
     assert len(files(tmp_path / "r")) == 6
     assert_nothing_is_left(tmp_path)
-
-
-def test_other_friction_and_figures_may_be_asked_for(whole, computed):
-    other = TINY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
-    assert run(other, store=whole).attrs["study"] == other.to_toml()
-    assert store.info(whole).study == other
-    assert computed == []
 
 
 @pytest.mark.parametrize(
@@ -424,13 +419,14 @@ def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeyp
     assert store.info(tmp_path / "moved").finished == 8
 
 
-def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(whole, monkeypatch):
+def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(whole, computed, monkeypatch):
     def refused(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
     monkeypatch.setattr(_files, "sweep", refused)
     other = TINY.with_changes({"friction.mu0": [0.2]})
     assert run(other, store=whole).attrs["study"] == other.to_toml()
+    assert computed == []
     for study, folder in ((repetitions(23), whole), (TINY, whole.with_name("new"))):
         with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
             run(study, store=folder)
@@ -475,55 +471,6 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
     (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
     assert_same_bits(run(TINY, store=tmp_path), undisturbed)
     assert swept
-
-
-INTERRUPTED = r"""
-import os, signal, sys, threading
-from stiction import Study
-from stiction.studies import runner
-study, sums, interrupted = Study.from_toml("s.toml"), runner.member_sums, threading.Event()
-def tell(word):  # in one piece: print() writes the end of a line by itself, and another thread between both
-    os.write(1, f"{word}\n".encode())
-def held(study, member):
-    if member >= 20:
-        tell("held")
-        interrupted.wait()
-    return sums(study, member)
-def interrupt(*of):
-    interrupted.set()
-    signal.default_int_handler(*of)
-signal.signal(signal.SIGINT, interrupt)
-runner.member_sums = held
-runner.block_size = lambda study: 8
-tell("begun")
-try:
-    runner.fill(study, "r", say=lambda text: tell("ready"))
-except KeyboardInterrupt:
-    sys.exit(130)
-"""
-
-
-def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path):
-    study = repetitions(1000)
-    (tmp_path / "s.toml").write_text(study.to_toml())
-    with (
-        subprocess.Popen(
-            [sys.executable, "-c", INTERRUPTED], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
-        ) as process,
-        contextlib.ExitStack() as whatever_happens,
-    ):
-        whatever_happens.callback(process.kill)  # which does nothing to one that has ended
-        assert process.stdout.readline() == b"begun\n"
-        wanted = {b"ready\n", b"held\n"}  # each thread is held, and says so, in any order
-        while wanted and (line := process.stdout.readline()):
-            wanted.discard(line)
-        process.send_signal(signal.SIGINT)
-        assert process.wait(300) == 130
-    kept = store.open_stored(tmp_path / "r")
-    assert 8 <= kept.finished.size < 500  # and not all, however busy the machine is
-    assert_nothing_is_left(tmp_path)
-    computed = run(repetitions(int(kept.finished[-1]) + 1))
-    assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))
 
 
 def test_an_interruption_between_a_file_and_its_content_leaves_nothing(tmp_path, monkeypatch):
