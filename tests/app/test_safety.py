@@ -51,20 +51,15 @@ def test_other_names_of_this_computer_are_no_names_of_the_server(app, host):
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1:{port}"])
-def test_pages_of_others_ask_for_nothing(app, origin):
+def test_pages_of_others_ask_for_nothing_and_the_page_may_load_its_own_alone(app, origin):
     for method, path in (("GET", "/"), ("POST", "/demo"), ("POST", "/jobs"), ("PUT", "/scans?name=a.csv")):
         assert app.ask(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
-
-
-def test_changes_need_an_origin_and_reading_no_other_site(app):
+    # Changes need an origin, and reading no other site.
     assert app.ask("POST", "/demo", b"", Origin=None)[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
-    assert app.ask("GET", "/", Sec_Fetch_Site="same-origin")[0] == 200
-
-
-def test_the_page_may_load_its_own_alone(app):
-    _, headers, _ = app.ask("GET", "/")
+    status, headers, _ = app.ask("GET", "/", Sec_Fetch_Site="same-origin")
+    assert status == 200
     assert "default-src 'none'" in headers["content-security-policy"]
     assert "unsafe" not in headers["content-security-policy"]
     assert headers["cache-control"] == "no-store"

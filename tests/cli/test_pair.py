@@ -646,10 +646,5 @@ def test_a_scan_of_waves_that_are_not_its_own_is_pressed_with_and_without_them(t
     lengths = {name: [float(each) for each in study.surfaces.cut_off] for name, study in studies.items()}
     assert (lengths["clean"], lengths["vouched"], lengths["cut"]) == ([0.0], [0.0], [0.3])
     assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
-    faults = {
-        name: [doubt for doubt in doubts_of_inputs(noisy, noisy, study) if doubt.severity == "fault"]
-        for name, study in studies.items()
-        if name != "clean"
-    }
-    assert {name: len(found) for name, found in faults.items()} == {"noisy": 1, "vouched": 0, "cut": 1}
-    assert faults["cut"][0].cut_off < 0.3  # so that the answer with this cut-off has no such doubt
+    (fault,) = [each for each in doubts_of_inputs(noisy, noisy, studies["cut"]) if each.severity == "fault"]
+    assert fault.cut_off < 0.3  # so that the answer with this cut-off has no such doubt

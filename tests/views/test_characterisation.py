@@ -63,10 +63,13 @@ class TestText:
         assert "given" in said["fitted band"]
         assert "periodic" in said["spectrum"]
 
-    def test_says_where_there_is_no_band_and_refuses_a_given_one_that_is_empty(self, profile):
+    def test_says_where_there_is_no_band_and_refuses_an_empty_one_and_flat_and_short_profiles(self, profile):
         assert "none" in rows(characterisation_text(NO_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
+        for heights, match in (([1.0] * 20, "flat"), ([0.0, 1.0, 0.0, 1.0], "7 points")):
+            with pytest.raises(ValueError, match=match):
+                characterisation_text(Profile(heights, spacing=1.0))
 
     @pytest.mark.parametrize(
         ("factor", "said"), [(1e-4, "5.2 pm"), (1e-3, "52 pm"), (1.0, "52 nm"), (1e3, "52 µm"), (1e5, "5.2 mm")]
@@ -74,11 +77,6 @@ class TestText:
     def test_lengths_have_a_unit_that_suits_them(self, profile, factor, said):
         heights = profile.with_amplitude(0.052 * factor, "Rq").heights
         assert rows(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == said
-
-    def test_flat_and_short_profiles_are_refused(self):
-        for heights, match in (([1.0] * 20, "flat"), ([0.0, 1.0, 0.0, 1.0], "7 points")):
-            with pytest.raises(ValueError, match=match):
-                characterisation_text(Profile(heights, spacing=1.0))
 
 
 def test_untrusted_waves_that_do_not_matter_are_called_harmless(profile):
@@ -186,7 +184,7 @@ def characterised(surface):
     return Characterisation(surface)
 
 
-def test_a_surface_has_parameters_moments_and_a_dimension(surface, characterised):
+def test_a_surface_has_parameters_moments_and_a_dimension_and_a_figure_with_the_fit(surface, characterised):
     text = characterisation_text(characterised)
     said, found, estimate = rows(text), surface_parameters(surface), hurst_exponent_of(surface)
     assert said["Sa"] == f"{1000 * found.Sa:.4g} nm"
@@ -199,9 +197,6 @@ def test_a_surface_has_parameters_moments_and_a_dimension(surface, characterised
     assert said["off the line"].startswith("factor 1.")
     assert "band found in" not in said
     assert "band found in" not in characterisation_text(surface, band=(0.4, 4.0))
-
-
-def test_the_figure_of_a_surface_shows_the_fit(characterised):
     figure = characterisation_figure(characterised)
     legends = [text.get_text() for ax in figure.findobj(Axes) if ax.get_legend() for text in ax.get_legend().texts]
     assert any("q^{-2-2H}" in text for text in legends)
@@ -215,9 +210,7 @@ def test_friction_by_slope_is_that_of_two_bodies_of_the_same_roughness():
     line = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
     said = rows(characterisation_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0)))
     assert said["friction by slope"].startswith(f"{line:.3f}, against its like, where mu0 is 0.4")
-
-
-def test_friction_by_slope_of_a_surface_is_along_both_axes():
+    # Of a surface along both axes.
     x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
     random = np.random.default_rng(1)
     heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)

@@ -59,7 +59,7 @@ def test_figures_are_files_of_every_format_with_something_in_them(result, tmp_pa
     assert [path.read_bytes() for path in paths] == before  # equal figures are equal files
 
 
-def test_files_of_others_are_not_replaced(tmp_path):
+def test_files_of_others_are_not_replaced_and_nothing_to_draw_is_said(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FORMATS:
@@ -73,9 +73,6 @@ def test_files_of_others_are_not_replaced(tmp_path):
         save_picture(Figure(), tmp_path / "figure.jpg")
     with pytest.raises(ValueError, match="formats"):
         drawn(empty_dataset(SMALL), tmp_path, formats=["tiff"])
-
-
-def test_nothing_to_draw_is_said_so():
     with pytest.raises(ValueError, match="nothing to draw"):
         drawn(empty_dataset(SMALL), Path())
 
@@ -235,7 +232,7 @@ def test_bodies_touch_where_the_picture_has_contacts(maps, lines):
     assert high - low < np.ptp(whole.get_xlim())
 
 
-def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc):
+def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc, tmp_path):
     upper, lower = (circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     figure = contact_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
     large = figure.axes[1]
@@ -246,9 +243,7 @@ def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc):
         length = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
         assert (start[:, 1] + length <= frame.y1).all()
     assert "times larger" in large.get_title(loc="left")
-
-
-def test_two_flat_bodies_without_contact_are_drawn(tmp_path):
+    # And two flat bodies without a contact are drawn.
     flat = Profile(np.zeros(200), spacing=0.01)
     save_picture(contact_figure(flat, flat, 0.0, mu0=0.3), tmp_path / "contact.png")
 

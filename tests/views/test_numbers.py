@@ -285,10 +285,7 @@ def test_contacts_of_measured_bodies_are_those_of_the_library(measured):
         )  # fmt: skip
         expected = wanted[name].transpose("load", "statistic").values
         assert np.array(found) == pytest.approx(expected, rel=MEASURED, abs=1e-15, nan_ok=True), name
-
-
-def test_a_load_that_was_not_computed_has_no_value(measured):
-    _, numbers = measured
+    # A load that was not computed has no value.
     assert numbers("() => readOff(result, 'friction', 0, 0, [0.3], 0.3, 0)[0].status") == "not-reached"
 
 
@@ -368,9 +365,7 @@ def test_geometric_loads_and_edges_hold_their_ends(numbers, scale):
     assert (np.array(ends[1:-1]) == (np.array(loads[1:]) + loads[:-1]) / 2).all()
     assert ends[0] < loads[0]
     assert ends[-1] > loads[-1]
-
-
-def test_lines_on_a_map(numbers):
+    # Lines on a map between what is true and what is false.
     x, y = [0, 1, 2], [0, 10, 20]
     assert numbers("(...at) => boundary([[true, false], [true, null]], ...at)", x, y) == [[1, 0, 1, 10]]
     assert numbers("(...at) => boundary([[true], [false]], ...at)", x[:2], y) == [[0, 10, 1, 10]]

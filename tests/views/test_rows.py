@@ -59,9 +59,6 @@ def test_csv_has_a_row_for_each_motion_with_units_verdict_and_doubts():
     assert {float(row[area]) for row in rows} == {LOADED["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
     assert {row["doubts"] for row in rows} == {"a parabola, which carries the load: take it off"}
-
-
-def test_csv_of_generated_bodies_has_their_dimensions():
     rows = rows_of(csv_text(generated(), generated_study()))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}

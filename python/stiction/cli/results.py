@@ -86,8 +86,7 @@ def export(
     ],
 ) -> None:
     """Write a result, or what is finished of it, to one netCDF file; or its values at the loads of `info` to CSV."""
-    from stiction.views.files import check_name, write_result
+    from stiction.views.files import write_result
 
-    check_name(file)
     write_result(opened(directory), file)
     tell(f"wrote {file}")

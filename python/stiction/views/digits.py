@@ -103,6 +103,8 @@ def with_unit(value: float, unit: str) -> str:
     >>> with_unit(0.0005336, "mN"), with_unit(0.05, "GPa"), with_unit(0.039, "um")
     ('0.534 µN', '50 MPa', '39 nm')
     """
+    if math.isnan(value):
+        return "none"
     factor, name = prefix(value, unit)
     shown = f"{value / factor:.3g}"
     return f"{float(shown):g} {name}" if "e" in shown else f"{shown} {name}"

@@ -35,14 +35,9 @@ def write_result(stored: Stored, path: Path) -> None:
 
     Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `WRITERS`.
     """
-    check_name(path)
-    WRITERS[path.suffix.lower()][1](stored, path)
-
-
-def check_name(path: Path) -> None:
-    """Refuse a name by which no result can be written."""
     if path.suffix.lower() not in WRITERS:
         endings = " or ".join(f"{ending} ({what})" for ending, (what, _) in WRITERS.items())
         raise ValueError(f"{named(path)}: its name must end in {endings}")
     if path.exists():
         raise ValueError(f"{named(path)}: exists already; remove it, or choose another name")
+    WRITERS[path.suffix.lower()][1](stored, path)

@@ -53,7 +53,7 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
             with_unit(cut_off, "um") if cut_off else "none off",
             quoted(value_of(point, "rms_gradient")),
             percent(value_of(point, "contact_area_fraction")),
-            _or_none(pressure_of(point), "GPa"),
+            with_unit(pressure_of(point), "GPa"),
             *(f"{float(friction.sel(sliding=rule, statistic='mean')):.3f}" for rule in rules),
         ])  # fmt: skip
     limit = plastic_limit(at, study)
@@ -62,10 +62,6 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
         area = float(at["load"]) / hardness / float(at["nominal_area"])
         rows.append(["plastic limit", "", percent(area), with_unit(hardness, "GPa"), f"{limit:.3f}"])
     return rows
-
-
-def _or_none(value: float, unit: str) -> str:
-    return with_unit(value, unit) if math.isfinite(value) else "none"
 
 
 def hardness_of(study: Study) -> float:
@@ -133,7 +129,7 @@ def yielding_rows(point: xarray.Dataset, study: Study, found: Seen) -> Rows:
         elif wave > found.shortest:
             reached = "this scan already"
         else:
-            ends = ", ".join(_or_none(end, "um") for end in (low, min(high, found.shortest)))
+            ends = ", ".join(with_unit(end, "um") for end in (low, min(high, found.shortest)))
             reached = f"{with_unit(wave, 'um')} [{ends}]"
         rows.append([with_unit(hardness, "GPa"), reached, f"{limit:.3f}"])
     return [["if the hardness is", "it yields at waves of", "μ_s all rub, at least"], *rows] if rows else []

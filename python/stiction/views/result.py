@@ -84,13 +84,12 @@ class Result:
     @property
     def value(self) -> float:
         """The coefficient of static friction to quote first; NaN where there is none."""
-        return self._first.value if self._first.rules else float("nan")
+        return self._first.value
 
     @property
     def interval(self) -> tuple[float, float]:
         """The ends of its 95 % interval, of everything that is known: inputs, positions and finer waves."""
-        first = self._first
-        return (first.lower, first.upper) if first.rules else (float("nan"), float("nan"))
+        return self._first.lower, self._first.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:

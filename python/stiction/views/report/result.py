@@ -88,10 +88,7 @@ def report_page(result: xarray.Dataset | Stored, *, name: str = "", picture: xar
 
 
 def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | None) -> Page:
-    import xarray
 
-    if not isinstance(result, (xarray.Dataset, Stored)):
-        raise ReportError(f"result must be a Dataset or a stored result, got {type(result).__name__}")
     try:
         study = study_of_result(result)
     except ValueError as error:
