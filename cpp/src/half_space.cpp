@@ -173,7 +173,7 @@ class Descent {
 
   // One step, after a balance.
   void iterate() {
-    std::span<const float> residual = search_.residual();
+    std::span<const float> residual = search_.residual(crew_);
     if (!search_.plain()) {
       if (inverse_) {
         residual = (*inverse_)(search_.free(), residual, workspace_, crew_);
@@ -184,8 +184,8 @@ class Descent {
       }
     }
     const auto before = responded_ ? std::span<const float>(response_) : std::span<const float>();
-    kernel_.displacement(search_.step(residual, before), response_, workspace_, crew_);
-    responded_ = search_.advance(response_);
+    kernel_.displacement(search_.step(residual, before, crew_), response_, workspace_, crew_);
+    responded_ = search_.advance(response_, crew_);
   }
 
  private:

@@ -16,6 +16,8 @@ constexpr double block_tolerance = 1e-4;
 constexpr double springs_kept = 0.02;
 // Free points that one thread looks at.
 constexpr std::size_t free_points_at_once = std::size_t{1} << 14;
+// Sums over blocks that are made at once, and then added.
+constexpr std::size_t most_sums = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {
   return std::inner_product(left.begin(), left.end(), right.begin(), 0.0, std::plus<>(), [](float one, float other) {
@@ -81,7 +83,7 @@ std::span<const float> NearInverse::operator()(std::span<const std::int32_t> fre
     renew_springs(free, crew);
   }
   sharpen(free, moved, crew);
-  gather(free, loads_);
+  gather(free, loads_, crew);
   answer(workspace, crew);
   const std::size_t wide = blocks_.grid().columns;
   in_parts(free.size(), crew, [&](std::size_t first, std::size_t last) {
@@ -98,9 +100,11 @@ std::span<const float> NearInverse::operator()(std::span<const std::int32_t> fre
     }
   });
   sharpen(free, rest_, crew);
-  for (const std::int32_t point : free) {
-    rest_[static_cast<std::size_t>(point)] = 0.0F;
-  }
+  in_parts(free.size(), crew, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      rest_[static_cast<std::size_t>(free[k])] = 0.0F;
+    }
+  });
   return result_;
 }
 
@@ -109,7 +113,7 @@ void NearInverse::renew_springs(std::span<const std::int32_t> free, const Crew& 
     rest_[static_cast<std::size_t>(point)] = 1.0F;  // until the answer takes its place
   }
   sharpen(free, rest_, crew);
-  gather(free, springs_);
+  gather(free, springs_, crew);
   count_ = free.size();
 }
 
@@ -132,21 +136,29 @@ void NearInverse::sharpen(std::span<const std::int32_t> free, std::span<const fl
   });
 }
 
-void NearInverse::gather(std::span<const std::int32_t> free, std::vector<float>& sums) const {
+void NearInverse::gather(std::span<const std::int32_t> free, std::vector<float>& sums, const Crew& crew) {
   const std::size_t wide = blocks_.grid().columns;
-  sums.assign(blocks_.grid().size(), 0.0F);
-  for (const std::int32_t one : free) {
-    const auto point = static_cast<std::size_t>(one);
-    const Part& y = along_y_[point / columns_];
-    const Part& x = along_x_[point % columns_];
-    const float high = y.part * result_[point];
-    const auto add = [&](std::int32_t row, float value) {
-      float* line = sums.data() + static_cast<std::size_t>(row) * wide;
-      line[x.low] += value - x.part * value;
-      line[x.high] += x.part * value;
-    };
-    add(y.low, result_[point] - high);
-    add(y.high, high);
+  const std::size_t at_once = std::max(free_points_at_once, free.size() / most_sums + 1);
+  parts_.resize(std::max<std::size_t>((free.size() + at_once - 1) / at_once, 1));
+  crew.each(parts_.size(), [&](std::size_t part, std::size_t) {
+    parts_[part].assign(blocks_.grid().size(), 0.0F);
+    for (std::size_t k = part * at_once; k < std::min((part + 1) * at_once, free.size()); ++k) {
+      const auto point = static_cast<std::size_t>(free[k]);
+      const Part& y = along_y_[point / columns_];
+      const Part& x = along_x_[point % columns_];
+      const float high = y.part * result_[point];
+      const auto add = [&](std::int32_t row, float value) {
+        float* line = parts_[part].data() + static_cast<std::size_t>(row) * wide;
+        line[x.low] += value - x.part * value;
+        line[x.high] += x.part * value;
+      };
+      add(y.low, result_[point] - high);
+      add(y.high, high);
+    }
+  });
+  sums = parts_[0];
+  for (std::size_t part = 1; part < parts_.size(); ++part) {
+    std::transform(sums.begin(), sums.end(), parts_[part].begin(), sums.begin(), std::plus<>());
   }
 }
 

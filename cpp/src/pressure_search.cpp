@@ -28,8 +28,9 @@ constexpr double retreat = 0.25;
 constexpr double most_reach = 1e3;
 constexpr int most_newton_steps = 200;
 constexpr std::size_t sums_at_once = 8;
-// Points of a grid that one thread looks at.
+// Points of a grid, and free ones among them, that one thread looks at.
 constexpr std::size_t points_at_once = std::size_t{1} << 16;
+constexpr std::size_t free_at_once = std::size_t{1} << 14;
 
 // Adds what the last step did to some potentials.
 STICTION_MULTIVERSION
@@ -118,8 +119,13 @@ void scale_between(double* pressure, const double* bound, std::size_t size, doub
 }
 
 struct Cut {
-  double sum;
-  double between;  // how many are within the bounds
+  double sum = 0.0;
+  double between = 0.0;  // how many are within the bounds
+
+  void add(const Cut& other) {
+    sum += other.sum;
+    between += other.between;
+  }
 };
 
 // Pressures less the shift, cut to 0 and their bounds.
@@ -144,14 +150,40 @@ Cut cut(const double* pressure, const double* bound, std::size_t size, double sh
   return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(between.begin(), between.end(), 0.0)};
 }
 
+std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
+  return static_cast<std::size_t>(points[k]);
+}
+
+// `work(first, last)` for parts of so many places, which threads share.
+template <class Work>
+void in_parts(std::size_t count, const Crew& crew, const Work& work) {
+  crew.each((count + free_at_once - 1) / free_at_once, [&](std::size_t part, std::size_t) {
+    work(part * free_at_once, std::min((part + 1) * free_at_once, count));
+  });
+}
+
+// What `work(first, last)` gives for each part, put together in their order.
+template <class Sums, class Work>
+Sums sums_in_parts(std::size_t count, const Crew& crew, const Work& work) {
+  std::vector<Sums> parts(std::max<std::size_t>((count + free_at_once - 1) / free_at_once, 1));
+  in_parts(count, crew, [&](std::size_t first, std::size_t last) { parts[first / free_at_once] = work(first, last); });
+  Sums all = parts[0];
+  for (std::size_t part = 1; part < parts.size(); ++part) {
+    all.add(parts[part]);
+  }
+  return all;
+}
+
 // The shift for which pressures less the shift, cut to the bounds, have the sum asked for. The sum falls with the
 // shift, in straight pieces: Newton's steps, kept within a bracket.
-double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum) {
+double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum, const Crew& crew) {
   double left = -std::numeric_limits<double>::infinity();
   double right = std::numeric_limits<double>::infinity();
   double shift = 0.0;
   for (int count = 0; count < most_newton_steps; ++count) {
-    const Cut now = cut(pressure.data(), bound.data(), pressure.size(), shift);
+    const Cut now = sums_in_parts<Cut>(pressure.size(), crew, [&](std::size_t first, std::size_t last) {
+      return cut(&pressure[first], &bound[first], last - first, shift);
+    });
     const double excess = now.sum - sum;
     if (std::abs(excess) <= 1e-15 * sum) {
       return shift;
@@ -215,7 +247,7 @@ PressureSearch::PressureSearch(std::vector<double> pressure, double total, Value
       bear(i);
     }
   }
-  const double shift = shift_to_sum(target_, most_, total);
+  const double shift = shift_to_sum(target_, most_, total, Crew());
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     pressure_[static_cast<std::size_t>(moved_[k])] = std::clamp(target_[k] - shift, 0.0, most_[k]);
   }
@@ -249,26 +281,30 @@ double PressureSearch::balance(const Crew& crew) {
   if (line_) {
     std::fill(residual_.begin(), residual_.end(), 0.0F);
   } else {
-    for (const std::int32_t i : free_) {
-      residual_[static_cast<std::size_t>(i)] = 0.0F;
-    }
+    in_parts(free_.size(), crew, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        residual_[point(free_, k)] = 0.0F;
+      }
+    });
   }
   // Every point under pressure has moved, or is at its bound and says nothing of the approach.
-  double sum = 0.0;
-  std::size_t count = 0;
   const float* response = part_ != 0.0 ? response_.data() : residual_.data();
-  for (const std::int32_t point : moved_) {
-    const auto i = static_cast<std::size_t>(point);
-    const double p = pressure_[i];
-    const bool between = (p > 0.0) & (p < bound_at(i));  // without a branch, which is hard to foresee
-    sum += between ? potential_[i] + part_ * static_cast<double>(response[i]) : 0.0;
-    count += between ? 1 : 0;
-  }
-  if (count == 0) {
+  const Cut between = sums_in_parts<Cut>(moved_.size(), crew, [&](std::size_t first, std::size_t last) {
+    Cut some;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(moved_, k);
+      const double p = pressure_[i];
+      const bool is_between = (p > 0.0) & (p < bound_at(i));  // without a branch, which is hard to foresee
+      some.sum += is_between ? potential_[i] + part_ * static_cast<double>(response[i]) : 0.0;
+      some.between += is_between ? 1.0 : 0.0;
+    }
+    return some;
+  });
+  if (between.between == 0.0) {
     add_response(0, pressure_.size());
     part_ = 0.0;
   }
-  approach_ = count > 0 ? sum / static_cast<double>(count) : approach_of_bounds();
+  approach_ = between.between > 0.0 ? between.sum / between.between : approach_of_bounds();
   // The last step, and at once who is free now: the grid is read but once.
   const std::size_t size = pressure_.size();
   found_.resize((size + points_at_once - 1) / points_at_once);
@@ -281,15 +317,26 @@ double PressureSearch::balance(const Crew& crew) {
   for (const std::vector<std::int32_t>& found : found_) {
     free_.insert(free_.end(), found.begin(), found.end());
   }
-  double distance = 0.0;
-  sum = 0.0;
-  for (const std::int32_t point : free_) {
-    const double gap = potential_[static_cast<std::size_t>(point)] - approach_;
-    distance = std::max(distance, std::abs(gap));
-    sum += gap;
-  }
-  mean_ = approach_ + (free_.empty() ? 0.0 : sum / static_cast<double>(free_.size()));
-  return std::isfinite(mean_) ? distance : std::numeric_limits<double>::infinity();
+  struct Gaps {
+    double farthest = 0.0;
+    double sum = 0.0;
+
+    void add(const Gaps& other) {
+      farthest = std::max(farthest, other.farthest);
+      sum += other.sum;
+    }
+  };
+  const Gaps gaps = sums_in_parts<Gaps>(free_.size(), crew, [&](std::size_t first, std::size_t last) {
+    Gaps some;
+    for (std::size_t k = first; k < last; ++k) {
+      const double gap = potential_[point(free_, k)] - approach_;
+      some.farthest = std::max(some.farthest, std::abs(gap));
+      some.sum += gap;
+    }
+    return some;
+  });
+  mean_ = approach_ + (free_.empty() ? 0.0 : gaps.sum / static_cast<double>(free_.size()));
+  return std::isfinite(mean_) ? gaps.farthest : std::numeric_limits<double>::infinity();
 }
 
 void PressureSearch::add_response(std::size_t first, std::size_t count) {
@@ -355,11 +402,13 @@ void PressureSearch::for_each_gap(Between between) const {
           std::array<Run, 2>{{{free_[last] + 1, after, 0}, {0, free_[0], after}}});
 }
 
-std::span<const float> PressureSearch::residual() {
-  for (const std::int32_t point : free_) {
-    const auto i = static_cast<std::size_t>(point);
-    residual_[i] = static_cast<float>(mean_ - potential_[i]);
-  }
+std::span<const float> PressureSearch::residual(const Crew& crew) {
+  in_parts(free_.size(), crew, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(free_, k);
+      residual_[i] = static_cast<float>(mean_ - potential_[i]);
+    }
+  });
   if (continued()) {
     for_each_gap([&](std::size_t left, std::size_t right, std::int32_t count, const std::array<Run, 2>& runs) {
       const float from = residual_[static_cast<std::size_t>(free_[left])];
@@ -392,7 +441,8 @@ void PressureSearch::collect(std::span<const float> preconditioned) {
   }
 }
 
-std::span<const float> PressureSearch::step(std::span<const float> preconditioned, std::span<const float> response) {
+std::span<const float> PressureSearch::step(std::span<const float> preconditioned, std::span<const float> response,
+                                            const Crew& crew) {
   check(preconditioned);
   if (!response.empty()) {
     check(response);
@@ -401,76 +451,105 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   const auto count = static_cast<double>(std::max<std::size_t>(size, 1));
   collect(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
-  double load = 0.0;  // of free points, which a step keeps: what it lacked would grow with longer steps
-  double mean = 0.0;
-  double mean_step = 0.0;
-  double product = 0.0;
-  double mean_response = 0.0;
-  for (std::size_t k = 0; k < size; ++k) {
-    const auto i = static_cast<std::size_t>(free_[k]);
-    const double value = collected_[k];
-    load += pressure_[i];
-    mean += value;
-    if (conjugate_) {
-      mean_step += static_cast<double>(step_[i]);
-      mean_response += static_cast<double>(response[i]);
-      product += value * static_cast<double>(response[i]);
+  struct Products {
+    double load = 0.0;  // of free points, which a step keeps: what it lacked would grow with longer steps
+    double value = 0.0;
+    double step = 0.0;
+    double response = 0.0;
+    double product = 0.0;
+
+    void add(const Products& other) {
+      load += other.load;
+      value += other.value;
+      step += other.step;
+      response += other.response;
+      product += other.product;
     }
-  }
-  mean /= count;
-  mean_step /= count;
-  double beta = conjugate_ ? std::max((mean * mean_response - product) / curvature_, 0.0) : 0.0;
+  };
   target_.resize(size);
   most_.resize(size);
-  for (std::size_t k = 0; k < size; ++k) {
-    most_[k] = bound_at(static_cast<std::size_t>(free_[k]));
-  }
+  const Products sums = sums_in_parts<Products>(size, crew, [&](std::size_t first, std::size_t last) {
+    Products some;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(free_, k);
+      const double value = collected_[k];
+      most_[k] = bound_at(i);
+      some.load += pressure_[i];
+      some.value += value;
+      if (conjugate_) {
+        some.step += static_cast<double>(step_[i]);
+        some.response += static_cast<double>(response[i]);
+        some.product += value * static_cast<double>(response[i]);
+      }
+    }
+    return some;
+  });
+  const double mean = sums.value / count;
+  const double mean_step = sums.step / count;
+  double beta = conjugate_ ? std::max((mean * sums.response - sums.product) / curvature_, 0.0) : 0.0;
   length_before_ = plain_length_;
-  double reach = 0.0;
-  const auto aim = [&] {
-    const double length = plain_ ? plain_length_ : length_;
+  struct Aim {
     double slope = 0.0;
     double square = 0.0;
-    reach = 0.0;
+    double reach = 0.0;
     bool outside = false;
-    for (std::size_t k = 0; k < size; ++k) {
-      const auto i = static_cast<std::size_t>(free_[k]);
-      const auto rest = static_cast<double>(residual_[i]);
-      double direction = collected_[k] - mean;
-      if (beta > 0.0) {
-        direction += beta * (static_cast<double>(step_[i]) - mean_step);
-      }
-      slope += direction * rest;
-      square += rest * rest;
-      reach = std::max(reach, std::abs(length * direction));
-      target_[k] = pressure_[i] + length * direction;
-      outside |= (target_[k] < 0.0) | (target_[k] > most_[k]);
+
+    void add(const Aim& other) {
+      slope += other.slope;
+      square += other.square;
+      reach = std::max(reach, other.reach);
+      outside |= other.outside;
     }
-    clipped_ = outside;
-    if (!plain_ && slope > 0.0 && square > 0.0) {
-      plain_length_ = length_ * slope / square;
-    }
-    return slope;
   };
-  if (!(aim() > 0.0) && beta > 0.0) {
+  const auto aim = [&] {
+    const double length = plain_ ? plain_length_ : length_;
+    const Aim all = sums_in_parts<Aim>(size, crew, [&](std::size_t first, std::size_t last) {
+      Aim some;
+      for (std::size_t k = first; k < last; ++k) {
+        const std::size_t i = point(free_, k);
+        const auto rest = static_cast<double>(residual_[i]);
+        double direction = collected_[k] - mean;
+        if (beta > 0.0) {
+          direction += beta * (static_cast<double>(step_[i]) - mean_step);
+        }
+        some.slope += direction * rest;
+        some.square += rest * rest;
+        some.reach = std::max(some.reach, std::abs(length * direction));
+        target_[k] = pressure_[i] + length * direction;
+        some.outside |= (target_[k] < 0.0) | (target_[k] > most_[k]);
+      }
+      return some;
+    });
+    clipped_ = all.outside;
+    if (!plain_ && all.slope > 0.0 && all.square > 0.0) {
+      plain_length_ = length_ * all.slope / all.square;
+    }
+    return all;
+  };
+  Aim aimed = aim();
+  if (!(aimed.slope > 0.0) && beta > 0.0) {
     beta = 0.0;
-    aim();
+    aimed = aim();
   }
-  if (load > 0.0 && reach > most_reach * load) {
-    (plain_ ? plain_length_ : length_) *= most_reach * load / reach;
+  if (sums.load > 0.0 && aimed.reach > most_reach * sums.load) {
+    (plain_ ? plain_length_ : length_) *= most_reach * sums.load / aimed.reach;
     aim();
   }
   conjugate_ = beta > 0.0;
-  const double shift = shift_to_sum(target_, most_, load);
-  for (const std::int32_t point : moved_) {
-    step_[static_cast<std::size_t>(point)] = 0.0F;
-  }
+  const double shift = shift_to_sum(target_, most_, sums.load, crew);
+  in_parts(moved_.size(), crew, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      step_[point(moved_, k)] = 0.0F;
+    }
+  });
   moved_ = free_;
-  for (std::size_t k = 0; k < size; ++k) {
-    const auto i = static_cast<std::size_t>(free_[k]);
-    target_[k] = std::clamp(target_[k] - shift, 0.0, most_[k]);
-    step_[i] = static_cast<float>(target_[k] - pressure_[i]);
-  }
+  in_parts(size, crew, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(free_, k);
+      target_[k] = std::clamp(target_[k] - shift, 0.0, most_[k]);
+      step_[i] = static_cast<float>(target_[k] - pressure_[i]);
+    }
+  });
   return step_;
 }
 
@@ -478,7 +557,7 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
 double PressureSearch::farthest() const {
   double part = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < moved_.size(); ++k) {
-    const auto i = static_cast<std::size_t>(moved_[k]);
+    const std::size_t i = point(moved_, k);
     const auto move = static_cast<double>(step_[i]);
     const double room = move < 0.0 ? pressure_[i] : most_[k] - pressure_[i];
     part = move == 0.0 ? part : std::min(part, room / std::abs(move));
@@ -486,18 +565,29 @@ double PressureSearch::farthest() const {
   return part;
 }
 
-bool PressureSearch::advance(std::span<const float> response) {
+bool PressureSearch::advance(std::span<const float> response, const Crew& crew) {
   check(response);
-  double descent = 0.0;
-  double curvature = 0.0;
-  for (std::size_t k = 0; k < moved_.size(); ++k) {
-    const auto i = static_cast<std::size_t>(moved_[k]);
-    const auto move = static_cast<double>(step_[i]);
-    descent += move * (mean_ - potential_[i]);
-    curvature += move * static_cast<double>(response[i]);
-  }
-  const double best = descent / curvature;
-  if (!(descent > 0.0) || !(curvature > 0.0) || !std::isfinite(best)) {
+  struct Energy {
+    double descent = 0.0;
+    double curvature = 0.0;
+
+    void add(const Energy& other) {
+      descent += other.descent;
+      curvature += other.curvature;
+    }
+  };
+  const Energy energy = sums_in_parts<Energy>(moved_.size(), crew, [&](std::size_t first, std::size_t last) {
+    Energy some;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(moved_, k);
+      const auto move = static_cast<double>(step_[i]);
+      some.descent += move * (mean_ - potential_[i]);
+      some.curvature += move * static_cast<double>(response[i]);
+    }
+    return some;
+  });
+  const double best = energy.descent / energy.curvature;
+  if (!(energy.descent > 0.0) || !(energy.curvature > 0.0) || !std::isfinite(best)) {
     (plain_ ? plain_length_ : length_) *= retreat;
     if (!conjugate_ && !plain_) {
       plain_ = true;
@@ -512,11 +602,13 @@ bool PressureSearch::advance(std::span<const float> response) {
   // the pressure on points that it wants to free.
   const double part =
       clipped_ ? (best >= least_change ? 1.0 : best) : (best <= 1.0 ? best : std::min(best, std::max(farthest(), 1.0)));
-  for (std::size_t k = 0; k < moved_.size(); ++k) {
-    const auto i = static_cast<std::size_t>(moved_[k]);
-    pressure_[i] =
-        part == 1.0 ? target_[k] : std::clamp(pressure_[i] + part * static_cast<double>(step_[i]), 0.0, most_[k]);
-  }
+  in_parts(moved_.size(), crew, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(moved_, k);
+      pressure_[i] =
+          part == 1.0 ? target_[k] : std::clamp(pressure_[i] + part * static_cast<double>(step_[i]), 0.0, most_[k]);
+    }
+  });
   response_ = response;
   part_ = part;
   if (plain_) {
@@ -526,7 +618,7 @@ bool PressureSearch::advance(std::span<const float> response) {
     length_ *= std::clamp(best, least_change, failures_ > 0 ? most_regain : most_change);
     failures_ = conjugate_ ? failures_ : 0;
   }
-  curvature_ = curvature;
+  curvature_ = energy.curvature;
   conjugate_ = true;
   return true;
 }

@@ -91,12 +91,14 @@ TEST_CASE("pressures meet what is asked of them on lines and areas, whatever bou
 }
 
 TEST_CASE("threads change no bits of a solution") {
-  const Grid grid{150, 128, 0.01, 0.01, false, false};
+  const Grid grid{250, 240, 0.01, 0.01, false, false};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
   const std::vector<double> gap = waves(grid);
   const HalfSpaceSolver solver(gap, grids, unbounded, 1e-6);
-  const HalfSpaceSolution alone = solver.at(0.05);
-  const HalfSpaceSolution together = solver.at(0.05, {}, Crew(2));
+  const HalfSpaceSolution alone = solver.at(0.4);
+  const auto loaded = std::count_if(alone.pressure.begin(), alone.pressure.end(), [](double p) { return p > 0.0; });
+  CHECK(loaded > 2 * (1 << 14));  // points of several parts, which threads share
+  const HalfSpaceSolution together = solver.at(0.4, {}, Crew(2));
   CHECK(together.pressure == alone.pressure);
   CHECK(together.approach == alone.approach);
 }

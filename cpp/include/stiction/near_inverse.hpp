@@ -40,7 +40,7 @@ class NearInverse {
  private:
   /// Sums over each free point and those around it, over the edges too, of what lies on the grid.
   void sharpen(std::span<const std::int32_t> free, std::span<const float> values, const Crew& crew);
-  void gather(std::span<const std::int32_t> free, std::vector<float>& sums) const;
+  void gather(std::span<const std::int32_t> free, std::vector<float>& sums, const Crew& crew);
   void renew_springs(std::span<const std::int32_t> free, const Crew& crew);
   void answer(Workspace& workspace, const Crew& crew);
 
@@ -60,8 +60,9 @@ class NearInverse {
   std::vector<float> result_;  // on the grid, of free points
   std::vector<float> rest_;    // on the grid, 0 where points are not free
   std::vector<float> springs_;
-  std::size_t count_ = 0;     // of points that springs are of
-  std::vector<float> loads_;  // on blocks, as all that follows
+  std::size_t count_ = 0;                  // of points that springs are of
+  std::vector<std::vector<float>> parts_;  // sums of some free points
+  std::vector<float> loads_;               // on blocks, as all that follows
   std::vector<float> answer_;
   std::vector<float> preconditioned_;
   std::vector<float> direction_;

@@ -40,7 +40,7 @@ class PressureSearch {
   double balance(const Crew& crew = Crew());
 
   /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
-  std::span<const float> residual();
+  std::span<const float> residual(const Crew& crew = Crew());
 
   /// Free points of the last balance, rising.
   std::span<const std::int32_t> free() const { return free_; }
@@ -49,11 +49,12 @@ class PressureSearch {
   bool plain() const { return plain_; }
 
   /// A step of pressure [GPa], 0 at points that are not free. `response` is K times the step before, or empty.
-  std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response);
+  std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
+                              const Crew& crew = Crew());
 
   /// Goes as far along the step as lowers the energy most, with `response` = K step, which the next balance reads
   /// again. Returns whether it went at all.
-  bool advance(std::span<const float> response);
+  bool advance(std::span<const float> response, const Crew& crew = Crew());
 
   /// Scales pressures below their bounds to the sum, exact but for round-off, for a potential to be computed anew.
   void settle();
