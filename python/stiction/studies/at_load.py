@@ -36,7 +36,7 @@ from stiction.studies.maps import (
     study_of_result,
 )
 from stiction.studies.store import pieces
-from stiction.studies.study import Study, measured, step_of, study_of
+from stiction.studies.study import Study, step_of, study_of
 
 if TYPE_CHECKING:
     import xarray
@@ -274,8 +274,9 @@ class OverMembers:
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
         """Members at places: neighbours are the lines of maps, side by side, and the positions on one line."""
-        if study.is_measured and math.prod(measured(study).scan_counts) > 1:
-            return cls(None, None, measured(study).scans_of(np.asarray(places["repetition"])))
+        surfaces: Any = study.surfaces
+        if math.prod(surfaces.scan_counts) > 1:
+            return cls(None, None, surfaces.scans_of(np.asarray(places["repetition"])))
         if not study.is_measured or study.is_areal:
             return cls(None, None)
         lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))

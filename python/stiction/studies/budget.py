@@ -23,7 +23,6 @@ from stiction.studies.interfaces import HARDNESS, interface_of
 from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
 from stiction.studies.known import DRAWS, ENDS, Known, strata
 from stiction.studies.maps import Result, study_of_result
-from stiction.studies.study import measured
 
 if TYPE_CHECKING:
     import xarray
@@ -66,10 +65,11 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
     scatters: dict[tuple[int, ...], OfScans | None] = {}
-    if math.prod(measured(study).scan_counts) > 1:  # the variance of each coefficient is parted
+    surfaces: Any = study.surfaces
+    if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is parted
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
-        scans = measured(study).scans_of(table["repetition"].values)
+        scans = surfaces.scans_of(table["repetition"].values)
         scatters = {place: of_scans(table.values[place], *scans) for place in np.ndindex(*shape)}
     order = [*([] if strength is None else [INTERFACE]), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)

@@ -18,10 +18,11 @@ from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import Table
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.maps import Result, cells_of, study_of_result
+from stiction.studies.measured_surfaces import Measured
 from stiction.studies.members import bodies_of, pair_of
 from stiction.studies.pressed import OneLoad
 from stiction.studies.store import Stored, read_beside
-from stiction.studies.study import Study, measured
+from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -74,10 +75,10 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
         If the files that the study names are not there any more.
     """
     study = study_of_result(result)
-    if not study.is_measured:
+    if not isinstance(study.surfaces, Measured):
         return None
     load = float(study.friction.load[0]) if load is None else load
-    cut_off = measured(study).quoted_cut_off()
+    cut_off = study.surfaces.quoted_cut_off()
     members = member_values(result, [load]).isel(load=0).sel(cut_off=cut_off)
     area = members["contact_area"].values
     if not np.isfinite(area).any():

@@ -56,6 +56,8 @@ class FractalParameters(Table):
     level: ClassVar[None] = None
     cut_off: ClassVar[tuple[float, ...]] = ()
     vouched: ClassVar[None] = None
+    first_scanned: ClassVar[int] = 0
+    scan_counts: ClassVar[tuple[int, int]] = (1, 1)
 
     fractal_dimension: DimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),

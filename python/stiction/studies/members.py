@@ -16,7 +16,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_surfaces import About, Measured, Member, Members
-from stiction.studies.study import Study, areas, measured, profiles
+from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, missing_of, scaled_profile
@@ -50,20 +50,22 @@ def _equation(surfaces: Any) -> dict[str, Any]:
 
 def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
     """Unscaled heights (k, points) of one body at dimensions (k,); mean, lowest and highest of each, (k, 3)."""
-    surfaces, phases = profiles(study), phases_of(study, repetition, side)
+    surfaces: Any = study.surfaces
+    phases = phases_of(study, repetition, side)
     return fractal.fill_family(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
     """One body of a study of profiles at a fractal dimension, whatever its amplitude."""
-    heights = np.empty((1, profiles(study).points))
+    surfaces: Any = study.surfaces
+    heights = np.empty((1, surfaces.points))
     fill_profiles(study, heights, np.array([dimension]), repetition, side)
-    return Profile(heights[0], spacing=profiles(study).spacing)
+    return Profile(heights[0], spacing=surfaces.spacing)
 
 
 def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile]]:
     """`pair_of` profiles at each of several fractal dimensions, many of which take little longer than one."""
-    surfaces = profiles(study)
+    surfaces: Any = study.surfaces
     members = max(1, FAMILY_MEMORY // (8 * surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
@@ -80,7 +82,7 @@ def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float
 
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
     """One body of a study of surfaces at a fractal dimension, whatever its amplitude."""
-    surfaces = areas(study)
+    surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
         return self_affine_surface(
@@ -97,7 +99,8 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
     """A surface at one of the amplitudes of its study."""
-    return surface.with_amplitude(amplitude, areas(study).amplitude_measure)
+    surfaces: Any = study.surfaces
+    return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
 
 def pair_of(
@@ -167,18 +170,11 @@ class Bodies:
                 raise ValueError(f"surfaces.{side}: two scans of a part are the same; give each place once")
         if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: of several scans of a part all members are pieces of these")
-        self._scans = self._parts[0][0], self._parts[1][0]
-        self._members: dict[tuple[float, int, int], Members] = {}
+        self.members = functools.lru_cache(MOST_PREPARED)(self._prepared)
 
-    def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
+    def _prepared(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
         """What makes the members of two scans at a cut-off (µm, 0 for none); a `ValueError` if none can be made."""
-        found = self._members.get((wavelength, upper, lower))
-        if found is None:
-            if len(self._members) >= MOST_PREPARED:
-                self._members.clear()
-            scans = self._parts[0][upper], self._parts[1][lower]
-            found = self._members[wavelength, upper, lower] = self._surfaces.members(scans, wavelength, self._seed)
-        return found
+        return self._surfaces.members((self._parts[0][upper], self._parts[1][lower]), wavelength, self._seed)
 
     def member(self, index: int, wavelength: float) -> Member:
         """One member at a cut-off (µm, 0 for the scans themselves)."""
@@ -220,10 +216,9 @@ class Bodies:
 
 def points_of_member(study: Study) -> int:
     """How many points of a grid the bodies of a member have; where files are gone, as many as of a common scan."""
-    if study.surfaces.kind == "profile":
-        return profiles(study).points
+    surfaces: Any = study.surfaces
     if not study.is_measured:
-        return math.prod(areas(study).shape)
+        return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
     with contextlib.suppress(ValueError, OSError):
         return int(np.prod(about(study).attributes["shape"]))
     return POINTS_OF_SCAN[study.is_areal]
@@ -231,7 +226,8 @@ def points_of_member(study: Study) -> int:
 
 def bodies_of(study: Study) -> Bodies:
     """The measured bodies of a study, which a process reads once, and again when a file has changed."""
-    surfaces = measured(study)
+    surfaces = study.surfaces
+    assert isinstance(surfaces, Measured)
     stamps = tuple(scan.stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
     return _bodies(surfaces, study.ensemble.seed, stamps)
 

@@ -20,7 +20,7 @@ from stiction.studies.executors import sharing
 from stiction.studies.members import bodies_of, points_of_member
 from stiction.studies.pressed import OneLoad
 from stiction.studies.store import read_beside
-from stiction.studies.study import Study, measured
+from stiction.studies.study import Study
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def onset_of_result(
     if mu0 == tau0 == 0:
         return None
     load = float(study.friction.load[0]) if load is None else load
-    surfaces = measured(study)
+    surfaces: Any = study.surfaces
     first = surfaces.first_scanned
     first = first if first < study.ensemble.repetitions else 0
     few = surfaces.is_areal and study.by_half_space

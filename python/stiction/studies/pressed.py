@@ -53,7 +53,7 @@ from stiction.studies.members import (
     unscaled_surface,
 )
 from stiction.studies.result import Arrays, names_of, variables_of
-from stiction.studies.study import Study, measured, profiles
+from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -404,7 +404,8 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
 
     Each is an array (dimensions, amplitudes, rules, steps), of one rule where it does not depend on the motion.
     """
-    surfaces, steps, models = profiles(study), _steps(study.contact), _models(study.contact)
+    surfaces: Any = study.surfaces
+    steps, models = _steps(study.contact), _models(study.contact)
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
     members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * surfaces.points)))
     memory = _memory((2 * members + 2, surfaces.points))
@@ -443,7 +444,7 @@ def _memory(shape: tuple[int, ...]) -> Floats:
 
 def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """A member at each cut-off; what the member is goes to `arrays` at once."""
-    unloads = index - measured(study).first_scanned < UNLOADED_MEMBERS
+    unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = bodies_of(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}

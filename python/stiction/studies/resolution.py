@@ -15,7 +15,7 @@ from stiction.mechanics import brackets
 from stiction.studies.at_load import at_load
 from stiction.studies.members import about, bodies_of
 from stiction.studies.store import STUDY, Stored, StoreError, open_stored
-from stiction.studies.study import Study, computed_otherwise, measured
+from stiction.studies.study import Study, computed_otherwise
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 
@@ -53,7 +53,7 @@ def resolution_study(study: Study) -> Study | None:
             study.ensemble.repetitions, MEMBERS if study.is_areal else LINES
         ),
     }  # fmt: skip
-    if measured(study).first_scanned:
+    if study.surfaces.first_scanned:
         changes["surfaces.surrogates"] = 0
     return study.with_changes(changes)
 
@@ -123,7 +123,7 @@ def seen(study: Study) -> Seen | None:
 
 @functools.lru_cache(maxsize=4)
 def _seen(study: Study) -> Seen:
-    surfaces, bodies = measured(study), bodies_of(study)
+    surfaces, bodies = study.surfaces, bodies_of(study)
     wavelength = float(surfaces.cells()["cut_off"][0])
     # Two maps themselves, where there are such members.
     first = surfaces.first_scanned

@@ -497,24 +497,6 @@ def study_from_text(text: str, source: str) -> Study:
     return validated(Study, data, source)
 
 
-def profiles(study: Study) -> Profiles:
-    """The surfaces of a study of which it is known that they are generated profiles."""
-    assert isinstance(study.surfaces, Profiles)
-    return study.surfaces
-
-
-def areas(study: Study) -> WeierstrassMandelbrotSurfaces | SelfAffineSurfaces:
-    """The surfaces of a study of which it is known that they are generated areas."""
-    assert isinstance(study.surfaces, (WeierstrassMandelbrotSurfaces, SelfAffineSurfaces))
-    return study.surfaces
-
-
-def measured(study: Study) -> Measured:
-    """The surfaces of a study of which it is known that they are measured."""
-    assert isinstance(study.surfaces, Measured)
-    return study.surfaces
-
-
 def given_study(
     surfaces: Measured, contact: dict[str, Any], loads: Floats, *, repetitions: int, seed: int = SEED
 ) -> Study:

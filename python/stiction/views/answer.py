@@ -20,7 +20,6 @@ from stiction.mechanics.brackets import most_area
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import inputs_of
 from stiction.studies.interfaces import interface_of
-from stiction.studies.study import measured
 from stiction.surfaces.pairing import SIDES
 from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.doubts import VERDICTS, doubts_of
@@ -222,7 +221,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, mean),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
         waited=_waited(point, rules[0].rule),
-        scans=measured(study).scan_counts if study.is_measured else (1, 1),
+        scans=study.surfaces.scan_counts,
     )  # fmt: skip
 
 
@@ -389,7 +388,7 @@ def _note(point: xarray.Dataset, study: Study) -> str:
 
 def _scans_text(study: Study) -> str:
     """How many scans of each part there are, and which spread between places is not in an interval."""
-    counts = measured(study).scan_counts
+    counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its one position, without the spread between places"
     if counts == (1, 1):
