@@ -154,19 +154,6 @@ class TestChanges:
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 
-    def test_a_repetition_that_no_worker_holds_is_refused(self):
-        many = {"start": 1.0, "stop": 1.9, "count": 10_000}
-        with pytest.raises(
-            StudyError, match=r"a repetition would take 18 GiB, more than 16: take fewer contact\.approach"
-        ):
-            Study().with_changes(
-                {
-                    "surfaces.fractal_dimension": many,
-                    "contact.approach.count": 10_000,
-                    "surfaces.amplitude": ["1 nm", "2 nm"],
-                }
-            )
-
 
 class TestFiles:
     @pytest.mark.parametrize(
@@ -264,7 +251,6 @@ class TestCases:
             (SURFACES, "surfaces.generator", "white"),
             (SURFACES, "surfaces.extent", "1 um"),
             (SURFACES, "surfaces.shape", [100_000, 100_000]),
-            (Study().with_changes({"surfaces.frequencies": 1000}), "surfaces.directions", 10_000),
             (SELF_AFFINE, "surfaces.longest_wavelength", "30 um"),
             (SELF_AFFINE, "surfaces.shortest_wavelength", "1 nm"),
             (SURFACES, "contact.detection", "cell"),

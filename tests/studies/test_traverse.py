@@ -176,18 +176,6 @@ def test_positions_without_an_answer_say_why_and_are_left_out_of_the_mean():
     assert np.isnan(values[1:]).all()  # one position has no interval
 
 
-def test_means_are_over_all_positions_with_an_interval(result):
-    mean = traverse_mean(result)
-    assert mean["friction_coefficient"].dims == ("shear", "load", "statistic")
-    for name in ("friction_coefficient", "contact_area", "contact_count", "normal_stiffness"):
-        np.testing.assert_allclose(
-            mean[name].sel(statistic="mean"), result[name].mean(("line", "offset")).transpose("shear", "load")
-        )
-        assert np.isnan(mean[name].sel(statistic="lower")).all()  # three positions
-    assert (mean["ok"] == 3).all()
-    assert int(mean["positions"]) == 3
-
-
 def test_several_materials_are_those_one_by_one(pair):
     both = traverse(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], offsets=np.arange(9.0))
     assert both["friction_coefficient"].dims == ("shear", "line", "offset", "load", "mu0", "tau0")
@@ -227,11 +215,10 @@ def test_two_profiles_are_a_slider_of_half_the_length_and_a_track():
     np.testing.assert_array_equal(track.heights, levelled(lower, "line").heights)
     np.testing.assert_allclose(slider.heights, levelled(turned_over(cropped(whole, 0, 15)), "line").heights, atol=1e-15)
     assert slider.history[-2:] == ("cropped to 0 to 15 µm", "levelled by a line")
-
-
-def test_a_short_slider_keeps_its_length():
-    (slider,), (track,) = paired_lines(cropped(scan("upper"), 0, 5), scan("lower"))
-    assert (len(slider), len(track)) == (500, 3000)
+    (short,), (track,) = paired_lines(cropped(upper, 0, 5), lower)
+    assert (len(short), len(track)) == (500, 3000)
+    (slider,), (track,) = paired_lines(scan("upper", points=800, spacing=0.02), lower)  # on the finer grid of both
+    assert (slider.spacing, track.spacing, len(track)) == (0.01, 0.01, 3000)
 
 
 def test_travel_shortens_the_slider():
@@ -241,12 +228,6 @@ def test_travel_shortens_the_slider():
     for travel in (15.5, -1.0, np.nan, 1e9):
         with pytest.raises(ValueError, match="travel"):
             paired_lines(scan("upper"), scan("lower"), travel=travel)
-
-
-def test_different_grids_meet_on_the_finer():
-    (slider,), (track,) = paired_lines(scan("upper", points=800, spacing=0.02), scan("lower"))
-    assert slider.spacing == track.spacing == 0.01
-    assert len(track) == 3000
 
 
 def maps():

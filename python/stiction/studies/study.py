@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -16,7 +15,7 @@ from stiction._checks import Floats
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exact, exactly, quantity, shortened
-from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, DIRECTED, HALF_SPACE_SUMS, ONSET, SUMS
+from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import KEYS, Contact, contact_case, ladder, read_contact
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.known import KnownTable
@@ -43,7 +42,6 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-MOST_MEMORY = 16 * 2**30  # largest number of bytes of a repetition of a result
 LONGEST_FILE = 1_000_000  # largest number of bytes of a study file; a study is a page
 MOST_ANSWERS = 1000  # largest number of loads times mu0 times tau0 of measured surfaces
 
@@ -241,19 +239,6 @@ class Study(Table):
         answers = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if answers > MOST_ANSWERS:
             raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MOST_ANSWERS}, got {answers}")
-        return self
-
-    @model_validator(mode="after")
-    def _fits(self) -> Study:
-        cells = math.prod(values.size for values in self.surfaces.cells().values())
-        curves = sum(math.prod(map(len, self.motions().values())) if name in DIRECTED else 1 for name in self.sums())
-        size = 8 * curves * cells * self.contact.steps().size
-        if size > MOST_MEMORY:
-            cell_keys = " or ".join(f"surfaces.{name}" for name in self.surfaces.cells())
-            raise ValueError(
-                f"a repetition would take {size / 2**30:.0f} GiB, more than {MOST_MEMORY / 2**30:.0f}: take fewer "
-                f"contact.{self.step} or {cell_keys}"
-            )
         return self
 
     @property
