@@ -425,7 +425,7 @@ class _Problem:
         return tuple(found)
 
 
-# ---- Tables of tests
+# ---- Tables of tests -------------------------------------------------------------------------------------------------
 
 TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
 """Names of columns; load and force need a unit, uncertainty may be in percent."""

@@ -1,4 +1,7 @@
-"""True area of a measured pair over ranges of hardness and of E*: a few of its members pressed at a few others."""
+"""What is not known exactly of a measured pair, and its true area over ranges of hardness and of E*.
+
+A few of its members are pressed at a few other hardnesses and moduli.
+"""
 
 from __future__ import annotations
 
@@ -132,7 +135,7 @@ def _compliance(young: Any, poisson: Any) -> Any:
     return (1 - poisson**2) / young
 
 
-# ---- Areas over hardness
+# ---- Areas over hardness ---------------------------------------------------------------------------------------------
 
 
 def bodies_wanted(study: Study) -> tuple[Floats, Floats]:

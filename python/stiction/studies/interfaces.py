@@ -1,4 +1,4 @@
-"""Strengths of interfaces as files, those that were read in a source by their names, and tables of friction tests.
+"""Friction tests, the strengths of interfaces that they tell, and these as files and by names from sources.
 
 A file is a table of draws, mu0, tau0 and hardness, under a head of lines that begin with "# ": who reads it elsewhere
 skips these.
@@ -388,7 +388,7 @@ def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
     return _Friction.of(means, scatter=spread, hardness=float(study_of(dataset).contact.hardness or math.nan))
 
 
-# ---- Files
+# ---- Files -----------------------------------------------------------------------------------------------------------
 
 
 def write_interface(interface: Interface, path: str | Path, about: Mapping[str, str] | None = None) -> None:

@@ -172,7 +172,7 @@ def draws(inputs: Mapping[str, Known]) -> dict[str, Floats]:
     return {name: each.quantile(points[:, place]) for place, (name, each) in enumerate(inputs.items())}
 
 
-# ---- What a study knows of its inputs -------------------------------------------------------------------------------
+# ---- As a table of a study -------------------------------------------------------------------------------------------
 
 KINDS: dict[str, Kind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",

@@ -1,4 +1,4 @@
-"""One member of a study pressed together: sums and statistics at every step, along every direction, by every rule."""
+"""Pairs of bodies pressed together as their study says: sums and statistics of a member, and a pair at one load."""
 
 from __future__ import annotations
 

@@ -35,9 +35,8 @@ MOST_MEMBERS = 4096
 MOST_BYTES = 2**24  # largest block
 FEWEST_BLOCKS = 16  # blocks of a study that has so many members: workers should not wait long for the last one
 LEAST_TIME = 0.06  # seconds of work below which a block is not worth its file, which takes some milliseconds
-MOST_SUBMITTED = 1000  # tasks that wait on an executor at a time, if their results are small
-FEWEST_SUBMITTED = 256  # tasks that wait at a time in any case, so that the workers of a large machine all have one
-MOST_WAITING = 2**28  # bytes of results that may wait here to be written
+MOST_SUBMITTED = 1000  # tasks that wait on an executor at a time, if their results do not come here
+FEWEST_SUBMITTED = 256  # tasks whose results come here, so that the workers of a large machine all have one
 PATIENCE = 3.0  # seconds that an interrupted run waits for the blocks in hand
 MOST_IN_MEMORY = 2**34  # bytes of a result that is not stored
 
@@ -164,8 +163,7 @@ def _compute_into(
         is_seen = folder is not None and pool.submit(folder.is_seen).result()
         if say is not None:
             say(_ahead(stored, missing, here or is_seen))
-        waiting = MOST_WAITING // (missing.block * bytes_of_member(stored.study))
-        most = MOST_SUBMITTED if is_seen else max(FEWEST_SUBMITTED, min(MOST_SUBMITTED, waiting))
+        most = MOST_SUBMITTED if is_seen else FEWEST_SUBMITTED
         _compute(missing, pool, most, take, block_task, __version__, stored.study, folder)
 
 

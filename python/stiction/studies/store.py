@@ -450,6 +450,8 @@ def put(path: Path, first: int, written: bytes, count: int) -> None:
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
+# A file whose checksum holds is as it was written, and trusted: compared are the study that it is of, and its shapes.
+
 OF_EVERY_RESULT = ("title", "study", "stiction_version", "_NCProperties")  # attributes; others are of bodies
 
 SEAL = b"stiction crc32 "
@@ -473,9 +475,6 @@ class Members:
     arrays: Arrays
     about: About
     is_exact: bool  # whether its coordinates are those of the study to the last bit
-
-
-# ---- Writing --------------------------------------------------------------------------------------------------------
 
 
 def encoded(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -531,9 +530,6 @@ def seal(file: io.BytesIO) -> None:
     """Put the checksum of a file at its end."""
     file.seek(0, io.SEEK_END)
     file.write(SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
-
-
-# ---- Reading --------------------------------------------------------------------------------------------------------
 
 
 def decoded(content: bytes) -> Members:
