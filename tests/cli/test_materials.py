@@ -24,4 +24,5 @@ def test_one_is_found_by_any_of_its_names(tmp_path):
     assert hardness["low"] < hardness["value"] < hardness["high"]
     assert hardness["value"] == pytest.approx((hardness["low"] * hardness["high"]) ** 0.5)
     assert "Tabor" in hardness["source"]
+    assert "gold   77–78 [1]  0.42–0.44 [1]  0.19–0.73 [2]" in stiction_done("materials", "gold", cwd=tmp_path).stdout
     assert_refused(stiction_command("materials", "unobtainium", cwd=tmp_path), "unobtainium")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from points import generated, generated_study, interval, measured, measured_study
 from stiction.views.answer import Doubt, Left, answers
-from stiction.views.digits import percent, quoted, significant, with_interval, with_unit
+from stiction.views.digits import from_to, percent, quoted, significant, with_interval, with_unit
 from stiction.views.text import aligned, axes_text, doubts_text, fitted, overview_text, quantities_text, result_text
 
 COLUMNS = 80
@@ -163,7 +163,9 @@ def test_numbers_to_quote_have_quoted():
     assert quoted(0.2, 0.2 - 1e-6, 0.2 + 1e-6) == "0.2"
     assert quoted(0.0, 0.0, 0.0) == "0"
     assert quoted(np.nan) == "none"
-    assert [significant(each) for each in (128.0, 96.4, 2.04e-5, 0.0)] == ["130", "96", "0.00002", "0"]
+    assert [from_to(0.0413, 0.188), from_to(0.2192, 0.2213)] == ["0.04 to 0.19", "0.219 to 0.221"]
+    assert [significant(each) for each in (128.0, 96.4, 2.04e-5, 0.2, 0.0)] == ["130", "96", "0.00002", "0.2", "0"]
+    assert [significant(96.4, 1), significant(0.00002036, 3)] == ["100", "0.0000204"]
     assert [with_unit(each, "pJ") for each in (0.0204, 102.0, 2040.0)] == ["20.4 fJ", "102 pJ", "2.04 nJ"]
     assert [percent(each) for each in (3.4e-7, 0.0042, 0.0421, 0.37, np.nan)] == [
         "less than 0.001 %", "0.42 %", "4.21 %", "37 %", "none",

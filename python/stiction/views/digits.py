@@ -21,11 +21,6 @@ def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -
 
     A value has at least two digits and at most four. One that is missing is "none", one without an interval says so,
     and there is no interval where its ends are one number in four digits.
-
-    Examples
-    --------
-    >>> with_interval(0.1552, 0.07024, 0.3431)
-    '0.16 [0.07, 0.34]'
     """
     if math.isnan(mean):
         return "none"
@@ -41,13 +36,7 @@ def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -
 
 
 def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """A number to quote, by one digit of half the width of its interval; by two digits where there is none.
-
-    Examples
-    --------
-    >>> quoted(0.2093, 0.1911, 0.2302), quoted(0.1147, 0.1141, 0.1149)
-    ('0.21 [0.19, 0.23]', '0.1147 [0.1141, 0.1149]')
-    """
+    """A number to quote, by one digit of half the width of its interval; by two digits where there is none."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -56,26 +45,14 @@ def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str
 
 
 def from_to(low: float, high: float) -> str:
-    """Two ends by one digit of half of what is between them, and at least two.
-
-    Examples
-    --------
-    >>> from_to(0.0413, 0.188), from_to(0.2192, 0.2213)
-    ('0.04 to 0.19', '0.219 to 0.221')
-    """
+    """Two ends by one digit of half of what is between them, and at least two."""
     decimals = _decimals(max(abs(low), abs(high)), low, high, 1)
     ends = [_in_decimals(end, decimals) for end in (low, high)]
     return ends[0] if ends[0] == ends[1] else " to ".join(ends)
 
 
 def significant(value: float, digits: int = 2) -> str:
-    """A number by so many significant digits, without zeros at its end, nor an exponent from a millionth to a million.
-
-    Examples
-    --------
-    >>> significant(96.4, 1), significant(0.00002036, 3), significant(0.2)
-    ('100', '0.0000204', '0.2')
-    """
+    """A number by so many significant digits, without zeros at its end or an exponent from 1e-6 to a million."""
     text = f"{value:.{digits}g}"
     if "e" not in text or not 1e-6 <= abs(value) < 1e6:
         return text
@@ -96,13 +73,7 @@ def _decimals(mean: float, lower: float, upper: float, digits: int) -> int:
 
 
 def with_unit(value: float, unit: str) -> str:
-    """A length (um), pressure (GPa), force (mN) or energy (pJ) by three digits, by the prefix of the fewest zeros.
-
-    Examples
-    --------
-    >>> with_unit(0.0005336, "mN"), with_unit(0.05, "GPa"), with_unit(0.039, "um")
-    ('0.534 µN', '50 MPa', '39 nm')
-    """
+    """A length (um), pressure (GPa), force (mN) or energy (pJ) by three digits, by the prefix of the fewest zeros."""
     if math.isnan(value):
         return "none"
     factor, name = prefix(value, unit)

@@ -16,14 +16,7 @@ _PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
 
 
 def materials_text(chosen: Sequence[Material]) -> str:
-    """A table of ranges, those of a kind one after the other, and what the numbers in brackets are.
-
-    Examples
-    --------
-    >>> from stiction import material
-    >>> print(materials_text([material("gold")]).splitlines()[1])
-    gold   77–78 [1]  0.42–0.44 [1]  0.19–0.73 [2]
-    """
+    """A table of ranges, those of a kind one after the other, and what the numbers in brackets are."""
     sources: dict[str, int] = {}
 
     def cell(value: MaterialValue | None) -> str:

@@ -130,13 +130,7 @@ def load_text(point: xarray.Dataset, study: Study) -> str:
 
 
 def over_text(directions: Any) -> str:
-    """What a mean over directions (degrees) is a mean over.
-
-    Examples
-    --------
-    >>> over_text([0, 180]), over_text([0, 45]), over_text([0, 90, 180, 270])
-    ('the mean over both senses of x', 'the mean over 0° and 45°', 'the mean over 4 directions all round')
-    """
+    """What a mean over directions (degrees) is a mean over."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {way_text(float(degrees[0]))}"

@@ -71,12 +71,6 @@ def aligned(rows: Rows, width: int | None = None) -> str:
 
     Columns that do not fit go into further tables below, each with the first column again; where this itself is too
     wide, its cells go on in the next line.
-
-    Examples
-    --------
-    >>> print(aligned([["", "mean"], ["contacts", "11 [8, 14]"]], 60))
-              mean
-    contacts  11 [8, 14]
     """
     room = width or width_of_terminal()
     columns = max(map(len, rows), default=0)
