@@ -190,15 +190,9 @@ def test_several_files_make_one_table(folder):
     ("arguments", "said"),
     [
         (["none.csv"], "none.csv: cannot be read: No such file or directory"),
-        (["."], ".: is a directory"),
         (["empty.csv"], "empty.csv: is empty"),
-        (["cut.npy"], "cut.npy: is a damaged .npy file"),
         (["scan.csv", "--columns", "x,z,q"], "columns must be one of heights, or two of positions and heights"),
-        (["scan.csv", "--channel", "1"], "scan.csv: has no channels to choose one from"),
         (["heights.npy", "--spacing", "1 um"], "does not say in which unit its heights are; give the unit"),
-        (["heights.npy", "--unit", "um"], 'holds heights only; give the spacing of its points, as in "0.5 um"'),
-        (["heights.npy", "--unit", "parrots"], "unit must be a unit of length"),
-        (["scan.csv", "--spacing", "0.02 um"], "that the spacing is 0.01 µm, but spacing says 0.02 um"),
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line', 'quadratic', got 'plane'"),
         (["scan.csv", "--row", "3"], "--row is for surfaces"),
@@ -206,7 +200,6 @@ def test_several_files_make_one_table(folder):
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "60"], "--row must be at most 59, got 60"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "not for use with --column"),
         (["scan.csv", "--band", "1 um"], "--band needs two wavelengths"),
-        (["scan.csv", "--band", "1,2"], "--band must be"),
         (["scan.csv", "--band", "2 um,1 um"], "--band must be the shortest and then the longest"),
         (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
         (
@@ -218,7 +211,6 @@ def test_several_files_make_one_table(folder):
 )
 def test_bad_input_is_one_message_and_status_2(folder, arguments, said):
     (folder / "empty.csv").touch()
-    (folder / "cut.npy").write_bytes((folder / "heights.npy").read_bytes()[:5000])
     done = stiction_command("characterise", *arguments, cwd=folder)
     assert_refused(done, said)
     assert len(done.stderr.splitlines()) == 1
