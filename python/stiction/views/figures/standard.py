@@ -23,13 +23,11 @@ from stiction.surfaces.profile import Profile
 from stiction.views.answer import Answer, answers, headlines
 from stiction.views.asked import at_asked_loads, once, over_and_onset
 from stiction.views.figures.budget import budget_figure, waiting_figure
-from stiction.views.figures.compass import FEWEST_DIRECTIONS, compass_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
-from stiction.views.figures.distributions import positions_figure, sizes_figure
-from stiction.views.figures.ensemble import area_figure, friction_figure, motions
+from stiction.views.figures.distributions import FEWEST_DIRECTIONS, compass_figure, positions_figure, sizes_figure
+from stiction.views.figures.ensemble import area_figure, friction_figure, length_scales_figure, motions, profiles_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
-from stiction.views.figures.surfaces import length_scales_figure, profiles_figure
 from stiction.views.inputs import doubts_of_study
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
