@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from array import array
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -165,18 +166,24 @@ def _values(cells: list[str], number: re.Pattern[str]) -> list[re.Match[str] | N
     return values if any_number else None
 
 
+def _rows(lines: Iterable[str], dialect: Dialect) -> Iterator[tuple[int, str, list[re.Match[str] | None] | None]]:
+    """Number and text of each line with something on it, and its values; None of a line that is no data."""
+    number = dialect.number
+    for at, line in enumerate(lines, start=1):
+        text = line.strip(" \r")
+        if text.strip("\t"):
+            yield at, text, None if text.startswith(_COMMENT) else _values(dialect.cells(text), number)
+
+
 def _dialect(lines: list[str]) -> Dialect:
     """The one in which most of the last lines are data."""
     sample = [_beginning(text) for line in lines[-2 * _SAMPLE :] if (text := line.strip(" \r"))][-_SAMPLE:]
-    counts = []
-    for dialect in _DIALECTS:
-        number = dialect.number
-        counts.append(sum(_values(dialect.cells(line), number) is not None for line in sample))
+    counts = [sum(row is not None for _, _, row in _rows(sample, dialect)) for dialect in _DIALECTS]
     best = int(np.argmax(counts))
     if counts[best] == 0:
         raise FormatError("no numbers were found at its end; it should end with one or two columns of numbers")
     dialect, commas = _DIALECTS[best], Dialect(",", ".")
-    data = [line for line in sample if _values(dialect.cells(line), dialect.number) is not None]
+    data = [line for _, line, row in _rows(sample, dialect) if row is not None]
     # "1,5" is a number or two.
     pair = re.compile(r"[+-]?[0-9]+(,[0-9]+)?")
     if any("," in line for line in data) and all(pair.fullmatch(line) for line in data):
@@ -198,11 +205,8 @@ def _refuse_thousands(lines: list[str], dialect: Dialect) -> None:
     """Commas that all stand where they could part thousands may be decimal or not: "1,250" is 1.25 or 1250."""
     doubtful = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example = ""
-    for line in lines:
-        cells = dialect.cells(line.strip(" \r"))
-        if _values(cells, dialect.number) is None:
-            continue
-        for cell in cells:
+    for _, text, row in _rows(lines, dialect):
+        for cell in dialect.cells(text) if row is not None else ():
             if "," in cell:
                 if doubtful.fullmatch(cell) is None:
                     return
@@ -213,11 +217,10 @@ def _refuse_thousands(lines: list[str], dialect: Dialect) -> None:
 
 def _header_has_cells(lines: list[str], dialect: Dialect) -> bool:
     above = ""
-    for line in lines:
-        text = line.strip(" \r")
-        if text and _values(dialect.cells(text), dialect.number) is not None:
+    for _, text, row in _rows(lines, dialect):
+        if row is not None:
             return len(dialect.cells(above)) == 2
-        above = text or above
+        above = text
     return False
 
 
@@ -230,14 +233,9 @@ class _Numbers:
 
 
 def _numbers(lines: list[str], dialect: Dialect) -> _Numbers:
-    number = dialect.number
     values, counts, written = array("d"), array("q"), array("q")
     first_line, text_since = 0, 0
-    for at, line in enumerate(lines, start=1):
-        stripped = line.strip(" \r")
-        if not stripped or stripped == "\t" * len(stripped):
-            continue
-        row = None if stripped.startswith(_COMMENT) else _values(dialect.cells(stripped), number)
+    for at, text, row in _rows(lines, dialect):
         if row is None:
             text_since = at
             continue
@@ -253,7 +251,7 @@ def _numbers(lines: list[str], dialect: Dialect) -> _Numbers:
         values.extend(
             float(f"{match[1]}{match[2]}.{match[3] or ''}e{match[4] or 0}") if match else np.nan for match in row
         )
-        written.append(len(row) if dialect.separator is None else stripped.count(dialect.separator) + 1)
+        written.append(len(row) if dialect.separator is None else text.count(dialect.separator) + 1)
     if text_since > first_line:
         raise FormatError(f"line {text_since} ({lines[text_since - 1].strip()[:40]!r}), after the data, is not data")
     return _Numbers(values, counts, written, first_line)
@@ -264,18 +262,13 @@ def _numbers(lines: list[str], dialect: Dialect) -> _Numbers:
 
 def _digit(values: Floats, column: int, lines: list[str], dialect: Dialect) -> Floats:
     """What the last printed digit of each number of a column is worth: by its decimals or by its significant digits."""
-    number = dialect.number
     decimals = digits = 0
     most = -1000
-    for line in lines:
-        stripped = line.strip(" \r")
-        if not stripped or stripped.startswith(_COMMENT):
+    for _, _, row in _rows(lines, dialect):
+        if row is None or column >= len(row):
             continue
-        cells = dialect.cells(stripped)
-        if column >= len(cells) or _values(cells, number) is None:
-            continue
-        match = number.fullmatch(cells[column])
-        if match is not None and (match[2] or match[3]):
+        match = row[column]
+        if match is not None:
             decimals = len(match[3] or "") - int(match[4] or 0)
             digits = max(digits, len((match[2] + (match[3] or "")).lstrip("0")))
         else:
