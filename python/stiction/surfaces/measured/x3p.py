@@ -82,7 +82,7 @@ def _read(archive: zipfile.ZipFile) -> Raw:
 
 
 class _Main:
-    """The texts of main.xml by their paths below the root, and the points that it lists; no document type, no bombs."""
+    """The texts of main.xml by their paths below the root, and the points that it lists; no document type."""
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self.texts: dict[str, str] = {}
