@@ -1,37 +1,41 @@
 """Studies of two measured files, made small, for the tests of everything that comes after the sums."""
 
 import numpy as np
-from stiction import self_affine, self_affine_surface
+from stiction import run, self_affine, self_affine_surface
 from stiction.studies.study import study_from_text
+
+SIDES = ("upper", "lower")
+
+
+def write(folder, make, kind="", seed=3, **options):
+    """Heights of two bodies as files in a folder."""
+    for side in SIDES:
+        np.save(folder / f"{side}{kind}.npy", make(seed, hurst_exponent=0.8, side=side, **options).heights)
 
 
 def write_maps(folder, shape=(48, 48), rms=0.02):
-    for name, side in (("upper", "upper"), ("lower", "lower")):
-        body = self_affine_surface(
-            3, hurst_exponent=0.8, rms=rms, shape=shape, spacing=0.1, shortest_wavelength=0.6, side=side
-        )
-        np.save(folder / f"{name}.npy", body.heights)
+    write(folder, self_affine_surface, rms=rms, shape=shape, spacing=0.1, shortest_wavelength=0.6)
     return "0.1 um"
 
 
 def write_profiles(folder, points=1200):
-    for name, side in (("upper", "upper"), ("lower", "lower")):
-        body = self_affine(
-            3, hurst_exponent=0.8, rms=0.05, points=points, spacing=0.02, shortest_wavelength=0.2, side=side
-        )
-        np.save(folder / f"{name}.npy", body.heights)
+    write(folder, self_affine, rms=0.05, points=points, spacing=0.02, shortest_wavelength=0.2)
     return "0.02 um"
 
 
-def study_of(folder, press="areas", mechanics="half-space", *, spacing, members=6, load="2 mN", more="", contact=""):
-    """A study of the files upper.npy and lower.npy in a folder."""
+def study_of(
+    folder, press="areas", mechanics="half-space", *, spacing, members=6, load="2 mN", more="", contact="", kind=""
+):
+    """A study of the files upper.npy and lower.npy, or others of a kind, in a folder."""
+    files = "\n".join(
+        f'{side} = {{ file = "{folder}/{side}{kind}.npy", unit = "um", spacing = "{spacing}" }}' for side in SIDES
+    )
     return study_from_text(
         f"""
 [surfaces]
 kind = "measured"
 press = "{press}"
-upper = {{ file = "{folder}/upper.npy", unit = "um", spacing = "{spacing}" }}
-lower = {{ file = "{folder}/lower.npy", unit = "um", spacing = "{spacing}" }}
+{files}
 {more}
 
 [contact]
@@ -47,5 +51,25 @@ load = ["{load}"]
 [ensemble]
 repetitions = {members}
 """,
-        "test",
+        kind.removeprefix("-") or "test",
     )
+
+
+OF_RESULTS = {"contact.effective_modulus": "10 GPa", "friction.mu0": [0.3, 0.5]}
+
+
+def maps_result(folder, cut_off='["0 um"]'):
+    """Areas of two maps at four shifts, in four directions, at three loads of which two are asked for."""
+    write(folder, self_affine_surface, "-maps", 4, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.8)
+    contact = 'load = ["0.05 mN", "0.1 mN", "0.5 mN"]\ndirection = [0, 90, 180, 270]'
+    how = {"spacing": "0.1 um", "members": 4, "load": "0.1 mN", "contact": contact, "kind": "-maps"}
+    study = study_of(folder, more=f"cut_off = {cut_off}", **how)
+    return run(study.with_changes(OF_RESULTS | {"friction.load": ["0.1 mN", "0.5 mN"]}))
+
+
+def lines_result(folder):
+    """Positions of one profile on another, by asperities."""
+    write(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
+    contact = 'load = ["1 uN", "10 uN", "100 uN"]'
+    how = {"spacing": "0.1 um", "members": 12, "load": "10 uN", "contact": contact, "kind": "-lines"}
+    return run(study_of(folder, "lines", "asperities", **how).with_changes(OF_RESULTS))

@@ -2,7 +2,7 @@
 
 import browser
 import pytest
-from measured_results import lines_result, maps_result
+from measured_studies import lines_result, maps_result
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from measured_results import maps_result
+from measured_studies import maps_result
 from small import SMALL, empty_dataset
 from stiction import Profile
 from stiction.studies.at_load import at_load, reached_loads

@@ -488,8 +488,8 @@ def test_a_page_is_called_by_its_study_or_its_files(result, maps):
     assert "<title>mine – " in report_page(result, name="mine")
     quick = empty_dataset(Study.named("quick")).assign_attrs(study=Study.named("quick").to_toml())
     assert "<title>quick – " in report_page(quick)
-    assert "<title>upper-map.npy on lower-map.npy – " in report_page(maps)
-    assert "<title>upper-map.npy on lower-map.npy (mine) – " in report_page(maps, name="mine")
+    assert "<title>upper-maps.npy on lower-maps.npy – " in report_page(maps)
+    assert "<title>upper-maps.npy on lower-maps.npy (mine) – " in report_page(maps, name="mine")
 
 
 def test_a_page_is_of_a_result(result):
