@@ -545,7 +545,7 @@ LinearAnswer linear_answer(const HalfSpaceGrids& grids, std::span<const bool> fr
   const double mean = 1.0 / static_cast<double>(free.size());
   Workspace workspace;
   Descent descent(kernels, std::move(start), mean, bound, workspace, crew);
-  descent.renew(std::vector<double>(free.size(), 0.0), true);
+  descent.renew(std::vector<double>(free.size(), 0.0), false);
   for (std::int64_t i = 0; i < most_iterations; ++i) {
     const double error = descent.balance();
     const double unit = floats ? of_differences * mean * grids.even_deviation() : std::abs(descent.search().approach());

@@ -33,6 +33,16 @@ def test_areas_are_those_of_pressing_by_hand(tmp_path, mechanics):
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
+def test_few_members_unload_at_few_cut_offs_where_there_is_a_hardness(tmp_path):
+    study = study_of(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
+    study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
+    known = [np.isfinite(member_sums(study, member)["unloading_stiffness"]).all(axis=-1).tolist() for member in (3, 4)]
+    assert known == [[True, True, False], [False, False, False]]
+    elastic = study.with_changes({"contact.hardness": None})
+    stiffness = member_sums(elastic, 4)
+    np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
+
+
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_lines_are_those_of_pressing_by_hand(tmp_path, mechanics):
     study = study_of(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")

@@ -78,8 +78,8 @@ def checked_loads(loads: ArrayLike) -> Floats:
     return values
 
 
-UNLOADED_MEMBERS = 4
-"""Members of which the stiffness of unloading is known, where there is a hardness."""
+UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
+"""Members, and cut-offs of each, of which the stiffness of unloading is known where there is a hardness."""
 
 
 def pressed_to_loads(
@@ -448,4 +448,4 @@ def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, A
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = bodies_of(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        yield place, pressed_to_loads(study, *member.pair, unloads=unloads)
+        yield place, pressed_to_loads(study, *member.pair, unloads=unloads and place < UNLOADED_CUT_OFFS)
