@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from rough_bodies import rough_maps
@@ -74,8 +72,8 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     six, areas = six_at(result.source, at["load"].values), Areas.of(at, result.study, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
-    one = _Point.of(at.isel(where), where, result.study, inputs, friction, areas)
-    one = replace(one, names=tuple(inputs), places={})  # the scan as it is, at these positions
+    one = _Point(at.isel(where), where, result.study, inputs, friction, areas)
+    one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions
     for part in (0.03, 0.3, 0.7, 0.97):
         hardness = float(inputs["hardness"].known.quantile(part))
         stiffness = float(inputs["effective_modulus"].known.quantile(part))

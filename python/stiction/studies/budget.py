@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,8 +79,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
         sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
-        one = _Point.of(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength, scatters.get(place))
-        if one is None:
+        one = _Point(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength, scatters.get(place))
+        if not one.names:
             continue
         whole[place] = one.value, *one.interval()
         test[place] = one.value, *one.next_test()
@@ -111,68 +110,53 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
     return at.assign(variables).assign_coords(coordinates)
 
 
-@dataclass(frozen=True)
 class _Point:
-    """One coefficient with everything that it depends on."""
+    """One coefficient of what `at_load` gives, with everything that it depends on.
 
-    value: float
-    names: tuple[str, ...]  # of what is not known exactly
-    inputs: Mapping[str, Known]
-    study: Study
-    friction: PerLoad
-    mu0: float
-    tau0: float
-    areas: Areas
-    load: int
-    places: Mapping[str, float]  # relative standard errors of the mean, of scans and of positions
-    scatter: float  # relative standard deviation of one member in one direction, from the mean
-    freedom: float
-    finest: tuple[float, float] | None  # between which ends finer scans lie
-    strength: Strength | None = None  # draws of mu0 and tau0 jointly, and of the hardness where they have it
+    `names` is what is not known exactly; empty where there is no coefficient, or no interval.
+    """
 
-    @classmethod
-    def of(
-        cls, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
+    def __init__(
+        self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
         strength: Strength | None = None, of_parts: OfScans | None = None,
-    ) -> _Point | None:  # fmt: skip
-        """From a point of what `at_load` gives; None where there is no coefficient, or no interval."""
+    ) -> None:  # fmt: skip
+        self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
+        self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
+        self.names: tuple[str, ...] = ()
         value, lower, upper = point["friction_all_round"].values.tolist()
         if study.is_gap:  # at its one position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
-            return None
-        mu0, tau0 = float(point["mu0"]), float(point["tau0"])
-        known = {name: each.known for name, each in inputs.items()}
+            return
+        self.value = value
+        self.inputs: dict[str, Known] = {name: each.known for name, each in inputs.items()}
         # A range is of the value that the study asks for, not of another that is read off.
-        for name, own in (("mu0", mu0), ("tau0", tau0)):
+        for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
-            middle = known[name].value if name in known and of_interface is None else of_interface
+            middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
             if middle is not None and abs(middle - own) > 1e-3 * own:
-                known.pop(name, None)
+                self.inputs.pop(name, None)
                 strength = None
-        hardness, finest = study.contact.hardness, None
+        self.strength = strength  # draws of mu0 and tau0 jointly, and of the hardness where they have it
+        hardness = study.contact.hardness
+        self.finest: tuple[float, float] | None = None  # between which ends finer scans lie
         free = study.by_half_space and not study.contact.adheres
         if hardness is not None and free and str(point["sliding"].values) == "all":
             contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
-            finest = friction_bracket(value, mu0, tau0 / float(hardness), contacts)
+            self.finest = friction_bracket(value, self.mu0, self.tau0 / float(hardness), contacts)
         error, members = (upper - lower) / (2 * ENDS * value), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        places, freedom = {POSITIONS: error}, float(max(members - 1, 1))
-        scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))
+        # Relative standard deviation of one member in one direction, from the mean.
+        self.scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))
+        self.freedom = float(max(members - 1, 1))
+        places = {POSITIONS: error}  # relative standard errors of the mean, of scans and of positions
         if of_parts is not None:
             whole = math.sqrt(sum(of_parts.variances)) or 1.0
             places = {n: error * math.sqrt(each) / whole for n, each in zip(PLACES, of_parts.variances, strict=True)}
-            scatter, freedom = of_parts.test / value, min(of_parts.test_freedom, MOST_FREEDOM)
-        places = {name: each for name, each in places.items() if each > 0}
-        names = (*known, *((INTERFACE,) if strength else ()), *places)
-        if finest is not None and finest[1] > finest[0]:
-            names = (*names, FINER)
-        if not names:
-            return None
-        return cls(
-            value, names, known, study, friction, mu0, tau0, areas, where.get("load", 0), places, scatter, freedom,
-            finest, strength,
-        )  # fmt: skip
+            self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MOST_FREEDOM)
+        self.places = {name: each for name, each in places.items() if each > 0}
+        finer = (FINER,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
+        self.names = (*self.inputs, *((INTERFACE,) if strength else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
         """The 95 % interval, with some inputs at quantiles of theirs."""

@@ -11,7 +11,6 @@ import csv
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -135,7 +134,7 @@ def calibrate(
         raise ValueError(
             f"sliding must be a rule that all results have ({', '.join(there) or 'none'}), got {sliding!r}"
         )
-    problems = [_Problem.of(tests, rule, common, known, outliers=outliers) for rule in rules]
+    problems = [_Problem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]
     if len(fits) == 2 and fits[0].probability < EXCLUDED and fits[1].probability > UNLIKELY:
         fits, problems = fits[::-1], problems[::-1]
@@ -150,31 +149,15 @@ def calibrate(
     return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)
 
 
-@dataclass(frozen=True, eq=False)
 class _Problem:
     """Equations rub mu0 + stick tau0 = right of all tests, (nuisances, tests) each, and their errors."""
 
-    sliding: Sliding
-    rub: Floats
-    stick: Floats
-    right: Floats
-    error: Floats  # (tests,)
-    slid: Any  # (tests,) of bool
-    load: Floats
-    ratio: Floats  # (tests,) A/F, 1/GPa
-    hardness: Floats  # (nuisances,)
-    shared: str  # what is known of it, where that is a range of all tests
-    known: tuple[float | None, float | None]
-    outliers: bool
-    has_errors: bool
-
-    @classmethod
-    def of(
-        cls, tests: Sequence[FrictionTest], sliding: Sliding, common: float, known: Any, *, outliers: bool
-    ) -> _Problem:
-        """From tests, with gain and areas drawn from what is known of them."""
+    def __init__(
+        self, tests: Sequence[FrictionTest], sliding: Sliding, common: float, known: Any, *, outliers: bool
+    ) -> None:
         from scipy.special import ndtri
 
+        self.sliding, self.known, self.outliers = sliding, known, outliers
         friction = [_friction_of(test, sliding) for test in tests]
         bodies = list({id(test.result): None for test in tests})
         places = np.array([bodies.index(id(test.result)) for test in tests])
@@ -194,40 +177,31 @@ class _Problem:
         def of_all(name: str) -> Floats:
             return np.array([getattr(found, name) for found in friction])
 
-        hardness = np.full(
-            NUISANCES, friction[0].hardness if len({each.hardness for each in friction}) == 1 else math.nan
-        )
+        ones = {each.hardness for each in friction}
+        self.hardness = np.full(NUISANCES, friction[0].hardness if len(ones) == 1 else math.nan)
         # What knows the hardness, where all tests are of bodies of one that is not known exactly.
         ranges = {each.yields and "hardness" in each.yields.known and each.yields.key("hardness") for each in friction}
         shared = friction[0].yields if len(ranges) == 1 and all(ranges) else None
+        self.shared = "" if shared is None else shared.known["hardness"].text
         if shared is not None:
-            hardness = shared.known["hardness"].quantile(columns[shared.key("hardness")])
-        has_errors = tests[0].uncertainty is not None
-        error = np.array([test.uncertainty if has_errors else 1.0 for test in tests], float)
-        if not has_errors:  # all of one relative error
-            error = np.maximum(measured[0], 1e-6 * measured[0].max())
-        problem = cls(
-            sliding=sliding,
-            rub=of_all("rub") - measured * of_all("rub_normal"),
-            stick=(of_all("stick") - measured * of_all("stick_normal")) * area,
-            right=measured - of_all("elastic"),
-            error=error,
-            slid=np.array([test.slid for test in tests]),
-            load=np.array([float(test.load) for test in tests]),
-            ratio=of_all("stick") / of_all("rub") * area[0],
-            hardness=hardness,
-            shared="" if shared is None else shared.known["hardness"].text,
-            known=known,
-            outliers=outliers,
-            has_errors=has_errors,
-        )
-        return problem._without_runs([test.run for test in tests])
+            self.hardness = shared.known["hardness"].quantile(columns[shared.key("hardness")])
+        self.has_errors = tests[0].uncertainty is not None
+        self.error = np.array([test.uncertainty if self.has_errors else 1.0 for test in tests], float)
+        if not self.has_errors:  # all of one relative error
+            self.error = np.maximum(measured[0], 1e-6 * measured[0].max())
+        self.rub = of_all("rub") - measured * of_all("rub_normal")
+        self.stick = (of_all("stick") - measured * of_all("stick_normal")) * area
+        self.right = measured - of_all("elastic")
+        self.slid = np.array([test.slid for test in tests])
+        self.load = np.array([float(test.load) for test in tests])
+        self.ratio = of_all("stick") / of_all("rub") * area[0]  # A/F, 1/GPa
+        self._take_offsets_off([test.run for test in tests])
 
-    def _without_runs(self, runs: list[Any]) -> _Problem:
-        """Equations whose errors are independent, where tests of one run share an offset of unknown size."""
+    def _take_offsets_off(self, runs: list[Any]) -> None:
+        """Make the errors of equations independent, where tests of one run share an offset of unknown size."""
         names = [run for run in dict.fromkeys(runs) if run is not None and runs.count(run) > 1]
         if len(names) < 2:
-            return self
+            return
         member = np.array([[run == name for run in runs] for name in names], float)
         counts = member.sum(axis=1)
         residual = self._residual_of_best()
@@ -242,7 +216,7 @@ class _Problem:
         def apart(values: Floats) -> Floats:
             return np.asarray((values / self.error) @ take.T * self.error)
 
-        return replace(self, rub=apart(self.rub), stick=apart(self.stick), right=apart(self.right))
+        self.rub, self.stick, self.right = apart(self.rub), apart(self.stick), apart(self.right)
 
     @cached_property
     def _weight(self) -> Floats:
