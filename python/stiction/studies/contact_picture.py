@@ -155,7 +155,12 @@ def _of_lines(pressed: OneLoad) -> xarray.Dataset:
 def _of_maps(pressed: OneLoad, table: Table) -> xarray.Dataset:
     import xarray
 
-    upper, lower, pressure = pressed.upper, pressed.lower, pressed.pressure()
+    upper, lower, pressure = pressed.upper, pressed.lower, None
+    if isinstance(pressed.curve, HalfSpaceCurve):
+        solved = pressed.curve.at(0)
+        pressure, patch = solved.on_grid(solved.values), solved.on_grid(solved.patch)
+    else:
+        patch = _discs(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     step = -(-max(rows, columns) // MOST_PICTURED)
     length = {"units": "um"}
@@ -163,7 +168,6 @@ def _of_maps(pressed: OneLoad, table: Table) -> xarray.Dataset:
         f"{side}_height": (("height_y", "height_x"), body.heights[::step, ::step], length)
         for side, body in (("upper", upper), ("lower", lower))
     }
-    patch = _discs(lower, table) if pressure is None else pressed.patches()
     variables["patch"] = (("height_y", "height_x"), patch[::step, ::step].astype(np.int32), {"units": "1"})
     coordinates: dict[str, Any] = {
         "height_y": ("height_y", np.arange(0, rows, step) * dy, length),

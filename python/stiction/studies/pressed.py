@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 import stiction._core as _core
-from stiction._checks import Floats, float_array, read_only
-from stiction._units import in_core_units
+from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
@@ -58,9 +57,6 @@ from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-Load = Literal["normal", "elastic"]
-Mechanics = Literal["half-space", "asperities"]
-
 STIFFNESS_STEP = 0.02
 """The fraction of the approach on both sides of it over which the stiffness of asperities is taken."""
 
@@ -68,14 +64,6 @@ MPA_OVER_MM = 1e6  # in GPa/µm; a line is 1 µm thick
 
 JUST_BEFORE = 1e-11
 """Fraction of an approach by which the one before a jump of the load is smaller: beyond the tolerance of `crossing`."""
-
-
-def checked_loads(loads: ArrayLike) -> Floats:
-    """Loads (mN) above 0, each once and rising."""
-    values = np.unique(np.atleast_1d(float_array("loads", in_core_units("loads", loads, "force"))))
-    if not values.size or not (values > 0).all():
-        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    return values
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
@@ -261,19 +249,6 @@ class OneLoad:
         assert self.model is not None
         touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
         return asperities_of(touching, self.lower)
-
-    def pressure(self) -> Floats | None:
-        """GPa, over the grid of a half-space; None of asperities."""
-        if not isinstance(self.curve, HalfSpaceCurve):
-            return None
-        pressed = self.curve.at(0)
-        return pressed.on_grid(pressed.values)
-
-    def patches(self) -> NDArray[Any]:
-        """Numbers of the patches, from 1 on, over the grid of a half-space."""
-        assert isinstance(self.curve, HalfSpaceCurve)
-        pressed = self.curve.at(0)
-        return pressed.on_grid(pressed.patch)
 
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------

@@ -283,13 +283,23 @@ def read(path: str | Path) -> xarray.Dataset:
 
 def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     """The small dataset with these variables beside a result; None without one, a `StoreError` if it is damaged."""
+    import xarray
+
     try:
-        return decoded_beside(content(path, MOST_BESIDE), names)
+        written = content(path, MOST_BESIDE)
+        options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
+        with _opened(written), xarray.open_dataset(io.BytesIO(written), **options) as dataset:
+            dataset.load()
+        if missing := [name for name in names if name not in dataset.variables]:
+            raise DamageError(f"has no variable {missing[0]}")
     except FileNotFoundError:
         return None
     except (OSError, NotReadableError, DamageError) as error:
         why = reason(error) if isinstance(error, OSError) else error
         raise StoreError(f"{named(path)}: {why}; to have it made again, remove it and run the study again") from None
+    attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
+    dataset.attrs = {name: each.item() if each.size == 1 else each for name, each in attributes.items()}
+    return dataset
 
 
 def open_stored(path: str | Path) -> Stored:
@@ -550,20 +560,6 @@ def decoded(content: bytes) -> Members:
         steps = {name: each for name, each in coordinates_of(study, []).items() if name != "repetition"}
         is_exact = [np.array_equal(_values(file, name), values) for name, (_, values) in steps.items()]
     return Members(study, str(version), numbers, arrays, of_bodies, all(is_exact))
-
-
-def decoded_beside(content: bytes, names: Iterable[str]) -> xarray.Dataset:
-    """The dataset in a small file beside a result; a `DamageError` if it lacks one of these variables."""
-    import xarray
-
-    options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
-    with _opened(content), xarray.open_dataset(io.BytesIO(content), **options) as dataset:
-        dataset.load()
-    if missing := [name for name in names if name not in dataset.variables]:
-        raise DamageError(f"has no variable {missing[0]}")
-    attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
-    dataset.attrs = {name: each.item() if each.size == 1 else each for name, each in attributes.items()}
-    return dataset
 
 
 @contextmanager

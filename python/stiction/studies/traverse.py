@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array, number, part_of_one, whole_number
 from stiction._core import __version__
-from stiction._units import exact
+from stiction._units import exact, in_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.friction import RATIOS, SIX, STATUSES, load_of, loads_of, ratio_of
 from stiction.mechanics.model import (
@@ -43,7 +43,6 @@ from stiction.studies.measured_surfaces import (
     overlap,
 )
 from stiction.studies.members import about, bodies_of
-from stiction.studies.pressed import Load, Mechanics, checked_loads
 from stiction.studies.runner import run
 from stiction.studies.study import SEED, given_study
 from stiction.surfaces.pairing import FEWEST_POINTS, MapPairs
@@ -57,6 +56,8 @@ if TYPE_CHECKING:
 AROUND = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8, 3.0, 30.0)
 """Elastic loads over a normal load that are pressed to find it, close together where friction on slopes adds little."""
 
+Load = Literal["normal", "elastic"]
+Mechanics = Literal["half-space", "asperities"]
 SHEARS: tuple[Shear, ...] = get_args(Shear)
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees, of surfaces, if none are asked for
 
@@ -160,7 +161,7 @@ def traverse(
     if areal and mechanics != "asperities":
         raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
     positions = (_on_maps if areal else _on_lines)(upper, lower, offsets, contact, mechanics)
-    model, wanted = positions.model, checked_loads(loads)
+    model, wanted = positions.model, _checked_loads(loads)
     material = friction.listed_parameter("mu0", mu0), friction.listed_parameter("tau0", tau0)
     friction.check_shear_strength(material[1], model.effective_modulus)
     table: dict[str, Any] = {"mechanics": mechanics, "effective_modulus": exact(model.effective_modulus, "GPa")}
@@ -311,6 +312,14 @@ def _places_on_maps(offsets: ArrayLike, upper: Surface, lower: Surface) -> NDArr
             f"{y:g}) µm"
         )
     return np.asarray(places)
+
+
+def _checked_loads(loads: ArrayLike) -> Floats:
+    """Loads (mN) above 0, each once and rising."""
+    values = np.unique(np.atleast_1d(float_array("loads", in_core_units("loads", loads, "force"))))
+    if not values.size or not (values > 0).all():
+        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
+    return values
 
 
 # ---- At the loads of each position ----------------------------------------------------------------------------------
@@ -564,7 +573,7 @@ def pressed_maps(
         contact["compliance_share"] = share
         if hardness is not None:
             contact["hardness"] = exact(number("hardness", hardness, unit="GPa", above=0), "GPa")
-    steps = checked_loads(loads)
+    steps = _checked_loads(loads)
     rub, stick = (np.atleast_1d(friction.listed_parameter(*each)) for each in (("mu0", mu0), ("tau0", tau0)))
     friction.check_shear_strength(stick, modulus)
     surfaces, count, made = _surfaces(upper, lower, shifts, surrogates, level)
