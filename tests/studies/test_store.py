@@ -342,11 +342,40 @@ def attribute(name, value):
     return lie
 
 
+def external(file):
+    del file["contact_area"]
+    file["contact_area"] = h5py.ExternalLink("other.nc", "contact_area")
+
+
+def outside(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    file.create_dataset("contact_area", shape, "f8", external=[("/etc/passwd", 0, h5py.h5f.UNLIMITED)])
+
+
+def virtual(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    layout = h5py.VirtualLayout(shape, "f8")
+    layout[...] = h5py.VirtualSource("other.nc", "contact_area", shape)
+    file.create_virtual_dataset("contact_area", layout)
+
+
+def never_written(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    file.create_dataset("contact_area", shape, "f8")
+
+
 LIES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
     "another shape": replaced("contact_area", lambda values: values[..., :2]),
     "no study": lambda file: file.attrs.__delitem__("study"),
     "a study that is none": attribute("study", "seed"),
+    "a link to another file": external,
+    "bytes of another file": outside,
+    "numbers of another file": virtual,
+    "numbers of no file": never_written,
 }
 
 

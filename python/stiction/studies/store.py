@@ -288,10 +288,11 @@ def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     try:
         written = content(path, MOST_BESIDE)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
-        with _opened(written), xarray.open_dataset(io.BytesIO(written), **options) as dataset:
-            dataset.load()
-        if missing := [name for name in names if name not in dataset.variables]:
-            raise DamageError(f"has no variable {missing[0]}")
+        with _opened(written) as file:
+            for name in names:
+                _values(file, name)
+            with xarray.open_dataset(io.BytesIO(written), **options) as dataset:
+                dataset.load()
     except FileNotFoundError:
         return None
     except (OSError, NotReadableError, DamageError) as error:
@@ -586,12 +587,14 @@ def _parsed(text: str) -> Study:
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Numbers or words of a variable."""
+    """Numbers or words of a variable that stands in the file itself, and in no other one."""
     import h5py
 
-    found = file.get(name)
-    if found is None:
+    found = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
         raise DamageError(f"has no variable {name}")
+    if found.id.get_storage_size() < found.nbytes:  # a small file may claim any size
+        raise DamageError(f"has {name} that was never written")
     if shape not in (None, found.shape):
         raise DamageError(f"has {name} of another shape: {found.shape}, not {shape}")
     return np.asarray(found.asstr()[...] if h5py.check_string_dtype(found.dtype) else found[...])
