@@ -120,16 +120,19 @@ def _by_half_space(
     solve = functools.partial(half_space, upper, lower, **contact.solid(), direction=first, sliding=contact.rules()[0])
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
-    def of_motions(curve: Any, name: str) -> Floats:
-        """A sum by every rule and in every direction, of which a curve of lines has +x."""
+    def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
+        """The curve by every rule and in every direction, of which a curve of lines has +x."""
         ways = [curve] if areal else [curve if way == "+x" else curve.with_direction(way) for way in _ways(contact)]
         rules = enumerate(contact.rules())
-        by_rule = [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
-        return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in by_rule])
+        return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
+
+    def of_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
+        return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in curves])
 
     for at, curve in solved(solve, contact.steps()):
+        curves = by_motion(curve)
         for name in sums:
-            values[name][..., at] = of_motions(curve, name) if name in DIRECTED else getattr(curve, name)
+            values[name][..., at] = of_motions(curves, name) if name in DIRECTED else getattr(curve, name)
         if slopes is None:
             continue
         values["status"][at] = STATUSES.index("ok")
@@ -145,8 +148,9 @@ def _by_half_space(
                 values[name][load] = value
     if contact.adheres:
         held, values["pull_off"][...] = unloaded(solve)
-        for name in UNLOADED if held is not None else ():
-            values[name][...] = of_motions(held, name.replace("unloaded", "tangential"))[..., 0]
+        curves = [] if held is None else by_motion(held)
+        for name in UNLOADED if curves else ():
+            values[name][...] = of_motions(curves, name.replace("unloaded", "tangential"))[..., 0]
 
 
 def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
