@@ -210,7 +210,6 @@ def reached_loads(result: Result, steps: int = 80) -> Floats:
 
 
 def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
-    """Means over members with their intervals."""
     import xarray
 
     order = OverMembers.of(study, members)
@@ -395,7 +394,6 @@ class PerLoad:
 
 
 def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]) -> xarray.Dataset:
-    """All members of a kind, read piece by piece."""
     import xarray
 
     parts = [read(piece) for piece in pieces(result) if piece.sizes["repetition"]]

@@ -346,7 +346,6 @@ class _Problem:
         return np.linspace(max(0.0, low - spare), high + spare, STRENGTHS)
 
     def _drawn(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
-        """Draws of mu0, tau0 and hardness from their joint density."""
         grid = self._strengths(scale, freedom)
         cells = [self._on_grid(grid, nuisance, scale, freedom) for nuisance in range(NUISANCES)]
         top = max(float(density.max()) for _, density in cells)

@@ -69,7 +69,6 @@ def elasticity_of(
 
 
 def _of_one_material(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
-    """Elasticity of one body by its name and of the other by one modulus and one ratio."""
     moduli = [float(each) for each in quantities_of("young", young, "pressure")]
     ratios = [] if poisson is None else numbers_of("poisson", poisson)
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
@@ -91,7 +90,6 @@ def _of_one_material(upper: str | None, lower: str | None, young: Any, poisson: 
 
 
 def _of_two(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
-    """Elasticity of two bodies with Young's moduli (GPa) and Poisson's ratios."""
     modulus = float(effective_modulus(upper, upper_ratio, lower, lower_ratio))
     return Elasticity(
         modulus, compliance_share=modulus * (1 - lower_ratio**2) / lower,

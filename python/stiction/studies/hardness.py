@@ -112,7 +112,6 @@ def materials_of(study: Study) -> tuple[Material, ...]:
 
 
 def _of_material(value: MaterialValue, distribution: Distribution) -> Known:
-    """The range of a property of a material."""
     low, high = float(value.low), float(value.high)
     return Known(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 

@@ -337,7 +337,6 @@ def highest_density(values: Floats, bound: float = -math.inf) -> Interval:
 
 
 def _rules_of(result: Any) -> tuple[str, ...]:
-    """Sliding rules of which a result has sums."""
     if isinstance(result, Ball):  # on which all rubs
         return RULES
     if isinstance(result, Curve):

@@ -237,7 +237,6 @@ class Pair:
         return found
 
     def _read(self, name: str) -> list[Known]:
-        """What is known of an input, as it was given."""
         try:
             return [read_known(name, each) for each in listed(getattr(self, name)) if each is not None]
         except ValueError as error:

@@ -146,7 +146,6 @@ class Stored:
 
     @cached_property
     def _kept(self) -> dict[Callable[[Stored], Any], Any]:
-        """Values of `once`."""
         return {}
 
     def again(self) -> Stored:
@@ -343,7 +342,6 @@ def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) 
 
 
 def _listed(path: Path) -> tuple[Block, ...]:
-    """The blocks in a folder, by their names."""
     try:
         names = sorted(os.listdir(path / BLOCKS))
     except (FileNotFoundError, NotADirectoryError):

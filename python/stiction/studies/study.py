@@ -389,7 +389,6 @@ class Study(Table):
         return contact_case(type(self.surfaces), {"mechanics": self.contact.mechanics})[1]
 
     def _written(self) -> dict[str, dict[str, Any]]:
-        """Every key of each table that is given."""
         keys = {"contact": KEYS, "friction": FRICTION_KEYS}
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
         return {name: written_table(getattr(self, name), keys.get(name, {}), self._place) for name in names}
