@@ -32,9 +32,15 @@ def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_full_disk_behind_the_output_is_one_message(tmp_path):
+def test_a_full_disk_and_letters_that_an_encoding_lacks(tmp_path):
     done = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_refused(done, "stiction: ", "No space left on device")
+    done = subprocess.run(
+        [sys.executable, "-m", "stiction", "run", "quick", *TINY, "--set", "figures.draw=[]"],
+        cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert "?_s [95 %]" in done.stdout.decode("latin-1")
 
 
 @pytest.mark.parametrize(
@@ -54,15 +60,6 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
 
     monkeypatch.setattr("stiction.studies.complete.filled", fail)
     assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
-
-
-def test_letters_that_an_encoding_lacks_are_question_marks(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "stiction", "run", "quick", *TINY, "--set", "figures.draw=[]"],
-        cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert "?_s [95 %]" in done.stdout.decode("latin-1")
 
 
 def test_an_interruption_while_libraries_are_loaded_is_no_traceback(monkeypatch):

@@ -92,7 +92,7 @@ def test_units_trend_band_and_output_are_those_asked_for(folder, profile):
     assert not any("levelled" in step for step in history)
 
 
-def test_missing_points_are_interpolated_if_that_is_asked(folder):
+def test_missing_points_are_interpolated_if_that_is_asked_and_columns_are_chosen(folder, profile):
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
@@ -101,9 +101,7 @@ def test_missing_points_are_interpolated_if_that_is_asked(folder):
         history, said, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
         assert f"1 missing points {done}, 0.033 % of all; the largest hole has 1, at x 0.98 µm to 0.99 µm" in history
         assert "outliers none" in words(said)
-
-
-def test_columns_are_those_asked_for(folder, profile):
+    # And columns are those asked for.
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     at = lines.index("x (um),z (um)")
     wide = [f"{index},{line},7" for index, line in enumerate(lines[at + 1 :])]

@@ -220,8 +220,7 @@ def test_materials_have_names(where):
     assert "brass" in said
     assert measured.endswith("the hardness is that of --hardness")
 
-
-def test_rubber_does_not_yield(where):
+    # Rubber does not yield.
     given = ["--mu0", "0.3", *LOAD, "--upper", "PDMS", "--lower", "glass"]
     assert study_of(where, *MAPS, *given).contact.hardness is None
     with contextlib.chdir(where):

@@ -35,6 +35,9 @@ def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
     assert said.sentence.endswith(".")
     assert (said.rules[0].low, said.rules[0].high) == (0.04, 0.19)  # of several members
     assert one(measured(all_rub=0.1, half=1.2), measured_study()).lower == 0
+    at = measured()
+    at["friction_coefficient"] *= 9  # of single directions, and not of all
+    assert one(at, measured_study()).value == 0.21
 
 
 def test_generated_bodies_are_quoted_by_the_papers_rule():
@@ -45,18 +48,13 @@ def test_generated_bodies_are_quoted_by_the_papers_rule():
     assert "elastic" not in said[0].inputs
 
 
-def test_every_load_mu0_and_tau0_has_an_answer():
+def test_every_load_mu0_tau0_and_cut_off_has_an_answer():
     said = answers(measured(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study())
     assert [(each.at["load"], each.at["mu0"], each.at["tau0"]) for each in said] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
-
-
-def test_the_bracket_is_that_of_the_mean_over_directions():
-    at = measured()
-    at["friction_coefficient"] = 9 * at["friction_coefficient"]
-    said = one(at, measured_study())
-    assert said.value == float(at["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
+    said = answers(measured(cut_offs=(0.0, 0.5)), measured_study())
+    assert ["waves below 500 nm taken off" in each.sentence for each in said] == [False, True]
 
 
 FAULTS = {
@@ -229,12 +227,6 @@ def test_the_slopes_alone_say_what_they_leave_out():
     assert "no check" not in slopes_text(one(without, measured_study()), next(points(without)), measured_study())
 
 
-def test_a_cut_off_belongs_to_the_inputs():
-    said = answers(measured(cut_offs=(0.0, 0.5)), measured_study())
-    assert "taken off" not in said[0].sentence
-    assert "waves below 500 nm taken off" in said[1].sentence
-
-
 def test_while_the_origin_of_waves_is_not_known_the_interval_covers_both_readings():
     at = measured(cut_offs=(0.0, 0.5), loads=(1.0, 10.0), half=0.02, all_rub=0.25)
     for name in ("friction_all_round", "friction_coefficient"):
@@ -284,6 +276,14 @@ def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
     assert answers(measured(), measured_study())[0].bracket is None
     asperities = measured_study(hardness=2.0, mechanics="asperities")
     assert answers(measured(), asperities)[0].bracket is None
+    # The ends meet where slopes put the answer below the limit.
+    low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
+    assert low == pytest.approx(0.22)
+    assert low < high
+    # Nothing is said of finer scans where nothing is to be quoted.
+    one = answers(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0))[0]
+    assert (one.verdict, one.bracket) == ("Do not quote", None)
+    assert "finer scan" not in answers_text([one])
 
 
 @pytest.mark.parametrize(("known", "said"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")])
@@ -292,22 +292,10 @@ def test_a_hardness_has_its_range_where_it_has_one(known, said):
     assert f"hardness {said}" in one(measured(), study).sentence.replace(", points", ";")
 
 
-def test_no_finer_scan_is_spoken_of_where_nothing_is_to_be_quoted():
-    one = answers(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0))[0]
-    assert (one.verdict, one.bracket) == ("Do not quote", None)
-    assert "finer scan" not in answers_text([one])
-
-
 def test_surfaces_that_nobody_scanned_are_said():
     one = answers(measured(members=16), measured_study(press="surrogates"))[0]
     assert "95 % intervals over 16 pairs of random surfaces with these spectra" in one.sentence
     assert "random" not in answers(measured(members=16), measured_study())[0].sentence
-
-
-def test_the_ends_meet_where_slopes_put_the_answer_below_the_limit():
-    low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
-    assert low == pytest.approx(0.22)
-    assert low < high
 
 
 def test_materials_are_named_with_the_range_of_the_softer_hardness():

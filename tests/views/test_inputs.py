@@ -17,19 +17,13 @@ def texts(upper, lower, *, mu0=(0.2,), loads=()):
     return [doubt.text for doubt in doubts_of_inputs(upper, lower, measured_study(mu0=mu0), loads)]
 
 
-def test_a_rough_profile_raises_no_doubt(rough):
-    assert texts(rough, rough, mu0=(HIGHEST_MU0,), loads=[0.9 * WHOLE_PART * 100 * rough.extent]) == []
-
-
 def test_heights_beyond_the_length_are_doubted(rough):
     tall = Profile(rough.heights * 1000, spacing=rough.spacing)
     assert any(text.startswith("upper: heights span") for text in texts(tall, rough))
     slab = Surface(np.eye(8), spacing=1.0)
     assert texts(slab, slab) == []
     assert texts(Surface(10 * np.eye(8), spacing=1.0), slab) == ["upper: heights span 10 µm over 8 µm"]
-
-
-def test_heights_that_no_scan_has_are_a_fault(rough):
+    # Those that no scan has are a fault.
     tall = Profile(rough.heights * 1e6, spacing=rough.spacing)
     found = doubts_of_inputs(tall, rough, measured_study())
     assert [doubt.severity for doubt in found if "heights span" in doubt.text] == ["fault"]
@@ -64,6 +58,7 @@ def test_what_both_bodies_have_is_told_once(rough):
 
 
 def test_huge_coefficients_and_loads_of_larger_bodies_are_doubted(rough):
+    assert texts(rough, rough, mu0=(HIGHEST_MU0,), loads=[0.9 * WHOLE_PART * 100 * rough.extent]) == []
     assert "μ0 = 30" in texts(rough, rough, mu0=(0.2, 30.0))[0]
     load = 1.1 * WHOLE_PART * 100 * rough.extent
     assert "above a tenth of E*" in texts(rough, rough, loads=[load])[0]
