@@ -74,7 +74,7 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
     friction = PerLoad.of(six.sel(sliding="all").mean())
     one = _Point(at.isel(where), where, result.study, inputs, friction, areas)
     one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions
-    for part in (0.03, 0.3, 0.7, 0.97):
+    for part in (0.03, 0.7):
         hardness = float(inputs["hardness"].known.quantile(part))
         stiffness = float(inputs["effective_modulus"].known.quantile(part))
         direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=stiffness, **kwargs)
@@ -200,7 +200,7 @@ def test_a_study_says_what_is_known_or_why_not() -> None:
         again.with_changes({"known.tau0": "20..80"})
 
 
-CASES = [pytest.param(4, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
 LEAST = 0.92  # of 300 truths the interval covers so many at least; of a few, most
 
 
