@@ -51,9 +51,6 @@ OF_CLOSED_FORMS = 0.02
 OF_STEPS = 3e-3
 """Difference over a work between a sum over 40 steps and the integral."""
 
-OF_SPACING = 0.03
-"""Difference over the pull-off force between spacings that give the process zone 8 points or more."""
-
 
 def ball(tabor, *, points=64, length=10.0):
     """A ball of radius 1 µm on a flat; the radius (µm) of its contact is the unit of length, the range 1 nm."""
@@ -222,23 +219,6 @@ def test_work_is_what_the_energy_changes_by_coming_and_going(case):
         assert works[-1] == pytest.approx(energies[1] - energies[0], rel=OF_STEPS)
     assert works[0] == pytest.approx(-works[1], rel=OF_STEPS)
     assert works[2] > 0
-
-
-@pytest.mark.parametrize(("modulus", "length", "rms"), [(80.0, 5e-4, 1e-3), (2.0, 2e-3, 5e-3)])
-def test_the_pull_off_force_does_not_go_with_the_spacing(modulus, length, rms):
-    found = []
-    for points in (64, 128):
-        draw, x = np.random.default_rng(1), np.arange(points) / points
-        heights = np.zeros((points, points))
-        for i, j in np.ndindex(13, 7):
-            wave, phase, part = np.hypot(i - 6, j), 2 * np.pi * draw.random(), draw.standard_normal()
-            if 2 <= wave <= 6:
-                heights += part * wave**-1.8 * np.cos(2 * np.pi * ((i - 6) * x[:, None] + j * x) + phase)
-        bodies = (Surface(each, spacing=1.28 / points) for each in (0 * heights, rms * heights))
-        adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
-        found.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
-    assert found[0] > 0
-    assert found[1] == pytest.approx(found[0], rel=OF_SPACING)
 
 
 @pytest.mark.soak
