@@ -141,6 +141,9 @@ def inline(figure: Figure, seen: str) -> str:
         for artist in drawn:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(each.vertices) for each in paths) > MOST_VERTICES)
+    if (layout := figure.get_layout_engine()) is not None:  # else all is drawn twice, once for this
+        layout.execute(figure)
+        figure.set_layout_engine("none")
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=RASTER, transparent=True, metadata={"Date": None, "Creator": None})
     drawing = text.getvalue()
