@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -43,6 +43,9 @@ AreaAmplitude = Annotated[
 ]
 
 
+MOST_HARMONICS = 1_000_000  # largest product of directions and frequencies; each takes a phase, and time at every point
+
+
 class FractalParameters(Table):
     """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
 
@@ -65,6 +68,13 @@ class FractalParameters(Table):
         default=(quantity("0.1 um", "length"),),
         description="Height that each profile or surface is scaled to, in the measure of `amplitude_measure`.",
     )
+
+    @model_validator(mode="after")
+    def _has_few_harmonics(self) -> Self:
+        product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
+        if product > MOST_HARMONICS:
+            raise fault_at("directions", f"times frequencies must be at most {MOST_HARMONICS}, got {product}")
+        return self
 
     def longest(self) -> float:
         """The longest wavelength, µm: of Eq. 1 its length scale."""
