@@ -12,6 +12,7 @@ from stiction import (
     roughness_parameters,
     self_affine,
 )
+from stiction.surfaces import lines
 from stiction.surfaces.lines import MOST_FITTED, lines_along_both
 
 ROUND_OFF = 1e-12
@@ -123,7 +124,8 @@ def two_scales(seed=1, points=160):
     return Surface(heights / heights.std(), spacing=1.0)
 
 
-def test_lines_along_both_axes_share_a_band():
+def test_lines_along_both_axes_share_a_band(monkeypatch):
+    monkeypatch.setattr(lines, "MOST_FITTED", 24)
     surface = two_scales()
     along_x, along_y = lines_along_both(surface)
     assert along_x.band == along_y.band

@@ -160,10 +160,10 @@ def lines_along_both(
     Examples
     --------
     >>> from stiction import lines_along_both, self_affine_surface
-    >>> surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1)
+    >>> surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(24, 32), spacing=0.1)
     >>> along_x, along_y = lines_along_both(surface)
     >>> along_x.lines, along_y.lines
-    (64, 64)
+    (24, 32)
     """
     along_x, along_y = line_roughness(surface, "x", band=band), line_roughness(surface, "y", band=band)
     if band is not None:
