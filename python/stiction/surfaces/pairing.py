@@ -70,27 +70,26 @@ class LinePairs:
         """How many different pairs there are; None without end."""
         if self.surrogates != "none":
             return None
-        widths = [_width(each, self.along) for each in (self.upper, self.lower) if isinstance(each, Surface)]
-        return min(widths) if widths else 1
+        widths = [self._width(each) for each in (self.upper, self.lower) if isinstance(each, Surface)]
+        return min(widths, default=1)
 
     def place(self, index: int) -> float:
         """Where the upper line of a pair lies across its surface, µm; 0 of profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         across = self.upper.spacing[0 if self.along == "x" else 1]
-        return _row(_width(self.upper, self.along), index, self.count, apart=False) * across
+        return self._row(self.upper, index) * across
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
         """One pair, both on the same spacing."""
         apart = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
-        above = _line(self.upper, index, self.along, self.count)
-        below = _line(self.lower, index, self.along, self.count, apart=apart)
+        lines = self._line(self.upper, index), self._line(self.lower, index, apart=apart)
         if self.level is not None:
-            above, below = levelled(above, self.level), levelled(below, self.level)
-        if self.surrogates in ("upper", "both"):
-            above = _stand_in(above, self.seed, index, "upper")
-        if self.surrogates in ("lower", "both"):
-            below = _stand_in(below, self.seed, index, "lower")
+            lines = levelled(lines[0], self.level), levelled(lines[1], self.level)
+        above, below = (
+            self._stand_in(line, index, side) if self.surrogates in (side, "both") else line
+            for line, side in zip(lines, SIDES, strict=True)
+        )
         spacing = min(above.spacing, below.spacing)
         above, below = resampled(turned_over(above), spacing), resampled(below, spacing)
         if self.several and self.travel is None:
@@ -111,6 +110,32 @@ class LinePairs:
             )
         short = above if slider == points else cropped(above, 0.0, slider * spacing)
         return short if self.level is None else levelled(short, self.level)
+
+    def _line(self, body: Profile | Surface, index: int, *, apart: bool = False) -> Profile:
+        """A line of a surface, evenly spread over it, or a third of the width further on and going round."""
+        if isinstance(body, Profile):
+            return body
+        line = body.row if self.along == "x" else body.column
+        return line(self._row(body, index, apart=apart))
+
+    def _row(self, surface: Surface, index: int, *, apart: bool = False) -> int:
+        """Which of the lines of a surface; each is taken once before any is taken again."""
+        width = self._width(surface)
+        start = max(width // 3, 1) if apart else 0
+        if self.count is not None:
+            return (start + index * width // self.count) % width
+        # About the golden ratio of the width, but a step that shares no factor with it.
+        step = max(1, round(width * _GOLDEN))
+        while math.gcd(step, width) > 1:
+            step += 1
+        return (start + index * step) % width
+
+    def _width(self, surface: Surface) -> int:
+        return int(surface.heights.shape[0 if self.along == "x" else 1])
+
+    def _stand_in(self, profile: Profile, index: int, side: Side) -> Profile:
+        made = surrogate(profile, self.seed, repetition=index, side=side)
+        return profile.changed(made.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}")
 
 
 def paired_lines(
@@ -192,36 +217,6 @@ def _of_one_length(upper: Profile, lower: Profile, index: int, level: ProfileTre
         return piece if level is None else levelled(piece, level)
 
     return cut(upper), cut(lower)
-
-
-def _width(surface: Surface, along: Along) -> int:
-    """Lines of a surface."""
-    return int(surface.heights.shape[0 if along == "x" else 1])
-
-
-def _line(body: Profile | Surface, index: int, along: Along, count: int | None, *, apart: bool = False) -> Profile:
-    """A line of a surface, evenly spread over it, or a third of the width further on and going round."""
-    if isinstance(body, Profile):
-        return body
-    line = body.row if along == "x" else body.column
-    return line(_row(_width(body, along), index, count, apart=apart))
-
-
-def _row(width: int, index: int, count: int | None, *, apart: bool) -> int:
-    """Which of so many lines; each is taken once before any is taken again."""
-    start = max(width // 3, 1) if apart else 0
-    if count is not None:
-        return (start + index * width // count) % width
-    # About the golden ratio of the width, but a step that shares no factor with it.
-    step = max(1, round(width * _GOLDEN))
-    while math.gcd(step, width) > 1:
-        step += 1
-    return (start + index * step) % width
-
-
-def _stand_in(profile: Profile, seed: int, repetition: int, side: Side) -> Profile:
-    made = surrogate(profile, seed, repetition=repetition, side=side)
-    return profile.changed(made.heights, f"replaced by its surrogate of seed {seed}, repetition {repetition}")
 
 
 def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
