@@ -134,6 +134,10 @@ def test_what_no_memory_holds_is_refused(tmp_path, monkeypatch):
     for store in (None, tmp_path / "r"):
         with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory"):
             run(many, store=store)
+    fine = {"start": 1.0, "stop": 1.9, "count": 10_000}
+    wide = SMALL.with_changes({"surfaces.fractal_dimension": fine, "contact.approach.count": 10_000})
+    with pytest.raises(ValueError, match=r"a repetition would take \d+ GiB, more than 16: take fewer contact"):
+        runner.fill(wide, tmp_path / "r")
     assert list(tmp_path.iterdir()) == []
 
 

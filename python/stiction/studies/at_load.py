@@ -262,38 +262,38 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
 
 
+@dataclass(frozen=True, eq=False)
 class OverMembers:
     """How members belong together: independent of each other, neighbours on lines, or of several scans of parts."""
 
-    def __init__(
-        self, order: NDArray[np.intp] | None, lines: NDArray[np.intp] | None, scans: tuple[Any, Any] | None = None
-    ) -> None:
-        self._order, self._lines, self._scans = order, lines, scans
+    order: NDArray[np.intp] | None = None
+    lines: NDArray[np.intp] | None = None
+    scans: tuple[Any, Any] | None = None
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
         """Members at places: neighbours are the lines of maps, side by side, and the positions on one line."""
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
-            return cls(None, None, surfaces.scans_of(np.asarray(places["repetition"])))
+            return cls(scans=surfaces.scans_of(np.asarray(places["repetition"])))
         if not study.is_measured or study.is_areal:
-            return cls(None, None)
+            return cls()
         lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))
         order = np.lexsort((x, lines, y))
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
         """(..., 3): mean, lower and upper end of values (members, ...)."""
-        if self._scans is not None:
+        if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
-            ends = [_ends_of(column, intervals.of_scans(column, *self._scans)) for column in columns]
+            ends = [_ends_of(column, intervals.of_scans(column, *self.scans)) for column in columns]
             return np.array(ends).reshape(*values.shape[1:], 3)
-        if self._order is None or self._lines is None:
+        if self.order is None or self.lines is None:
             return np.stack(intervals.of_sample(values), axis=-1)
-        flat = values[self._order].reshape(values.shape[0], -1)
+        flat = values[self.order].reshape(values.shape[0], -1)
         known = np.isfinite(flat)
         found = [
-            intervals.of_positions(column[there], self._lines[there])
+            intervals.of_positions(column[there], self.lines[there])
             for column, there in zip(flat.T, known.T, strict=True)
         ]
         return np.array(found).reshape(*values.shape[1:], 3)

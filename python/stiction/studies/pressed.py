@@ -191,11 +191,8 @@ def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, 
         for name in names:
             if name not in DIRECTED:
                 values[name][ok] = read(name, curves[0])
-            elif areal:
-                values[name][rule][..., ok] = read(name, curves[0])
             else:
-                for way, curve in enumerate(curves):
-                    values[name][rule, way, ok] = read(name, curve)
+                values[name][rule][..., ok] = np.concatenate([np.atleast_2d(read(name, curve)) for curve in curves])
     normal = curves[0].normal_elastic
     stiffness = (normal[high] - normal[low]) / (steps[high] - steps[low])
     values["approach"][ok] = values["closure"][ok] = approach[ok]

@@ -124,6 +124,12 @@ def prepared(study: Study, folder: str | Path, part: tuple[int, int] | None = No
     """A folder for a study, or a part of it, with what it holds already; errors as of `fill`."""
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
+    if (size := bytes_of_member(study)) > MOST_IN_MEMORY:
+        keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cells())
+        raise StudyError(
+            f"a repetition would take {size / 2**30:.0f} GiB, more than {MOST_IN_MEMORY / 2**30:.0f}: take fewer "
+            f"contact.{study.step} or {keys}"
+        )
     return begin(folder, study.with_known_files(Path(folder)))
 
 
