@@ -80,10 +80,10 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
 def _sums_of(
     result: xarray.Dataset | Stored, step: str, motions: int, *, has_sums: bool
 ) -> tuple[NDArray[Any], NDArray[Any], dict[str, Any], int]:
-    """Means (variable, cell, cell, step) over the members that are solved at every step, the sums of each, and both.
+    """Means over the members that are solved at every step, sums of each, names of the variables, number of members.
 
-    Sums (variable, cell, cell, member, step) are empty unless they are to be there; facts name the variables. One piece
-    of the result is in memory at a time. Last comes how many members there are.
+    Means are over (variable, cell, cell, step), sums over (variable, cell, cell, member, step), and empty unless they
+    are to be there. One piece of the result is in memory at a time.
     """
     total: Any = 0.0
     members, kept = 0, []
