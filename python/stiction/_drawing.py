@@ -59,7 +59,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     ax.set_xlabel("wave number q (1/µm)")
     few_ticks(ax)
     ax.set_ylabel("power spectral density C1D (µm³)")
-    above = ax.secondary_xaxis("top", functions=(_wavelength, _wavelength))
+    above = ax.secondary_xaxis("top", functions=(wavelength_of, wavelength_of))
     above.set_xlabel("wavelength (µm)")
     return ax
 
@@ -98,7 +98,8 @@ def box_of(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, f
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
-def _wavelength(wave_number: Any) -> Any:
+def wavelength_of(wave_number: Any) -> Any:
+    """Wavelength of a wave number, and the other way round."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from stiction.mechanics.quantities import column_of
 from stiction.studies.friction_table import STRAIGHT
 from stiction.views.digits import with_interval, with_unit
 from stiction.views.text import aligned, fitted
-
-if TYPE_CHECKING:
-    import pandas
-    import xarray
 
 _TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
@@ -42,19 +39,17 @@ def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in part.data_vars.items():
         title, factor = _TITLES.get(str(name)) or column_of(str(name))
-        ends = {"": "mean", ": lower": "lower", ": upper": "upper"} if "statistic" in values.dims else {"": None}
-        for end, statistic in ends.items():
-            one = values if statistic is None else values.sel(statistic=statistic, drop=True)
-            columns[f"{title}{end}"] = one * factor
-    bare = part.drop_vars(list(part.data_vars)).drop_dims("statistic", errors="ignore")
-    frame: pandas.DataFrame = bare.assign(columns).to_dataframe(dim_order=list(places)).reset_index()
+        if "statistic" not in values.dims:
+            columns[title] = values * factor
+            continue
+        for end, statistic in (("", "mean"), (": lower", "lower"), (": upper", "upper")):
+            columns[f"{title}{end}"] = values.sel(statistic=statistic, drop=True) * factor
+    frame = xarray.Dataset(columns).to_dataframe(dim_order=list(places)).reset_index()
     for name in places:
-        title, factor = column_of(name)
-        frame = frame.rename(columns={name: title})
-        if factor != 1:
-            frame[title] *= factor
-    text: str = frame.to_csv(index=False, float_format="%.9g")
-    return text
+        if (factor := column_of(name)[1]) != 1:
+            frame[name] *= factor
+    frame = frame.rename(columns={name: column_of(name)[0] for name in places})
+    return str(frame.to_csv(index=False, float_format="%.9g"))
 
 
 def friction_table_text(table: xarray.Dataset) -> str:
@@ -63,11 +58,9 @@ def friction_table_text(table: xarray.Dataset) -> str:
     laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
     lines = [fitted(f"Pressures of {ends}; {laws}"), ""]
     rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all rub", "μ_s paper's rule", "off by"]]
-    doubted = False
     for place in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
         at = table.isel(hurst_exponent=place[0], rms=place[1])
         off = [float(at[f"{name}_deviation"]) for name in ("area", "stiffness")]
-        doubted = doubted or max(off) > STRAIGHT
         coefficients = at["friction_coefficient"].sel(statistic="mean")
         rows.append(
             [
@@ -78,7 +71,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
             ]
         )  # fmt: skip
     lines.append(aligned(rows))
-    if doubted:
+    if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > STRAIGHT:
         lines += ["", fitted("Where a law is off by more than 10 %, take the numbers of the table instead.")]
     return "\n".join(lines) + "\n"
 

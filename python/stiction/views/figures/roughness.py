@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP
+from stiction._drawing import HEIGHT_MAP, wavelength_of
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -22,6 +22,7 @@ from stiction.views.style import AXES, FULL_WIDTH, STYLE, new_figure
 MOST_POINTS = 1500  # points of a profile that are drawn; of more, means of neighbours
 HEIGHTS = 40  # bins of the distribution of heights
 MEASURED, FITTED = "#0072b2", "#d55e00"  # colours of what was measured, and of what was fitted to it
+STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # of ticks, times a power of ten
 MILLIMETRES = 1000.0  # lengths (µm) from which on an axis is in mm
 
 
@@ -64,7 +65,7 @@ def _draw_heights(axes: Axes, profile: Profile) -> None:
         ends = groups.min(axis=1), groups.max(axis=1)
         axes.fill_between(x / size, *ends, color=MEASURED, alpha=0.4, linewidth=0)
     axes.set(xlabel=f"position $x$ ({unit})", ylabel="height (nm)")
-    _few_ticks(axes)
+    axes.locator_params(nbins=4, steps=STEPS)
 
 
 def _draw_distribution(axes: Axes, heights: Floats) -> None:
@@ -77,12 +78,7 @@ def _draw_distribution(axes: Axes, heights: Floats) -> None:
     axes.plot(x, normal, "--", color=FITTED, linewidth=1.2)
     axes.set(xlabel="height (nm)", ylabel="density (1/nm)")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
-    _few_ticks(axes)
-
-
-def _few_ticks(axes: Axes) -> None:
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(4))
+    axes.locator_params(nbins=4, steps=STEPS)
 
 
 def _draw_spectrum(axes: Axes, found: Characterisation) -> None:
@@ -129,7 +125,7 @@ def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
 def _finish_spectrum(axes: Axes, unit: str, density: Floats | None = None) -> None:
     """Logarithmic scales, wavelengths above, and what the lines are; over a density, or that of the first line."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
-    axes.secondary_xaxis("top", functions=(_other, _other)).set_xlabel(r"wavelength $\lambda$ (µm)")
+    axes.secondary_xaxis("top", functions=(wavelength_of, wavelength_of)).set_xlabel(r"wavelength $\lambda$ (µm)")
     known = np.asarray(axes.lines[0].get_ydata() if density is None else density[density > 0], np.float64)
     axes.set_ylim(max(known.min() / 5, 1e-14 * known.max()), 5 * known.max())
     axes.legend(loc="lower left", handlelength=1.5, borderaxespad=0.3, labelspacing=0.3)
@@ -148,9 +144,3 @@ def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
     bar.locator = MaxNLocator(5)
     bar.set_label(f"height (nm), $Sq$ = {length_text(float(surface.heights.std()))}")
     axes.set(xlabel=f"$x$ ({unit})", ylabel=f"$y$ ({unit})")
-
-
-def _other(value: Any) -> Floats:
-    """Wave number of a wavelength, and the other way round; 0 is tried by the axis and means nothing."""
-    array = np.asarray(value, dtype=np.float64)
-    return np.asarray(2 * math.pi / np.where(array == 0, np.finfo(float).tiny * 10, array))

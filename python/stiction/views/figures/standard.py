@@ -93,12 +93,6 @@ def picture_of(result: xarray.Dataset | Stored) -> xarray.Dataset | None:
     return result.once(picture_beside) if isinstance(result, Stored) else None
 
 
-def hardness_of(study: Study) -> float | None:
-    """The hardness (GPa) that a study gives, if any."""
-    hardness = study.contact.hardness
-    return None if hardness is None else float(hardness)
-
-
 def title_of(study: Study) -> str:
     """Whose figure it is: the names of the two files."""
     upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
@@ -139,7 +133,7 @@ def _of_measured(
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
     points = at_load(result, np.unique([*study.contact.steps(), *asked]))
-    uncut, title, hardness = points.isel(cut_off=0), words_of(study), hardness_of(study)
+    uncut, title, hardness = points.isel(cut_off=0), words_of(study), study.contact.hardness
     first = asked[0]
     kept = over_and_onset(result)
     over, onset = points if points.sizes["cut_off"] > 1 else kept.get("over"), kept.get("onset")

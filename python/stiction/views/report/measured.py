@@ -24,7 +24,7 @@ from stiction.views.answer import answers, slopes_text
 from stiction.views.asked import at_asked_loads, once
 from stiction.views.digits import with_unit
 from stiction.views.doubts import limit_of
-from stiction.views.figures.standard import hardness_of, picture_of, title_of, words_of
+from stiction.views.figures.standard import picture_of, title_of, words_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import adhesion_text, materials_text, over_text, rules_of, value_of, way_text
@@ -146,7 +146,7 @@ def _held(result: xarray.Dataset | Stored, study: Study) -> list[str]:
 
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
-    hardness = hardness_of(study)
+    hardness = study.contact.hardness
     how = "the elastic half-space" if study.by_half_space else "asperities"
     limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
     modulus = with_unit(facts["modulus"], "GPa")
