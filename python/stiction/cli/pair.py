@@ -176,7 +176,7 @@ def pair(
     from stiction.cli.showing import said_by, show_answer, show_result, write_views
     from stiction.studies.members import about
     from stiction.views.asked import at_asked_loads
-    from stiction.views.inputs import doubts_of_inputs
+    from stiction.views.inputs import doubts_of_study
     from stiction.views.rows import record_text
 
     chosen, said = part_of(part), said_by(as_json)
@@ -186,7 +186,6 @@ def pair(
         announce_reader(Path(file.file))
     studies = bodies.studies
     about(studies[0])  # refuses what cannot be pressed, before anything is written
-    doubts = doubts_of_inputs(*bodies.bodies, studies[0], [float(load) for load in bodies.loads])
     for remark in bodies.remarks[0 if verbose else bool(bodies.elasticity.source) :]:  # of materials the answer has it
         say(remark)
     rests: list[Callable[[], None]] = []
@@ -196,7 +195,7 @@ def pair(
             return
         if rests:
             tell(f"\nBy {stored.study.contact.mechanics}:\n")
-        rests.append(show_answer(stored, command="pair", verbose=verbose, beside=doubts))
+        rests.append(show_answer(stored, command="pair", verbose=verbose))
 
     with executor_of(workers, scheduler) as executor:
         results: list[Stored] = []
@@ -214,12 +213,12 @@ def pair(
         return
     if as_json:
         checks = [
-            json.loads(record_text("pair", at_asked_loads(other), other.study, beside=doubts)) for other in results[1:]
+            json.loads(record_text("pair", at_asked_loads(each), each.study, beside=doubts_of_study(each.study)))
+            for each in results[1:]
         ]
-        about_them = {"check": checks} if checks else None
-        show_result(results[0], command="pair", as_json=True, beside=doubts, about=about_them)
+        show_result(results[0], command="pair", as_json=True, about={"check": checks} if checks else None)
     for result in results:
-        write_views(result, beside=doubts, said=said)
+        write_views(result, said=said)
 
 
 def announce_first(study: Study | None, executor: Executor) -> None:

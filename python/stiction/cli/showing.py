@@ -11,7 +11,6 @@ from stiction.cli.application import announce, say, show_warning, tell
 
 if TYPE_CHECKING:
     from stiction.studies.store import Stored
-    from stiction.views.answer import Doubt
 
 
 DOUBTS = 5  # lines of them that `pair` says, so that number and verdict stay on a terminal of 24 lines
@@ -36,20 +35,16 @@ def show_result(stored: Stored, **asked: Any) -> None:
 
 
 def show_answer(
-    stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False,
-    beside: Sequence[Doubt] | None = None, about: dict[str, Any] | None = None,
-) -> Callable[[], None]:  # fmt: skip
-    """Print text, or JSON, but for what lies beside a result, which what is returned prints; JSON is one.
-
-    Its files are read for doubts that are not given.
-    """
+    stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False, about: dict[str, Any] | None = None
+) -> Callable[[], None]:
+    """Print text, or JSON, but for what lies beside a result, which what is returned prints; JSON is one."""
     from stiction.studies.store import StoreError
     from stiction.views import rows, text
     from stiction.views.asked import at_asked_loads, over_and_onset
     from stiction.views.inputs import doubts_of_study
 
     study = stored.study
-    beside = doubts_of_study(study) if beside is None else beside
+    beside = doubts_of_study(study)
     try:
         with warnings.catch_warnings(action="ignore"):  # of tau0, which was told when the study was made
             at = at_asked_loads(stored)
@@ -77,13 +72,13 @@ def show_answer(
     return rest
 
 
-def write_views(stored: Stored, *, beside: Sequence[Doubt], said: Callable[[str], None]) -> None:
+def write_views(stored: Stored, *, said: Callable[[str], None]) -> None:
     """Write the page, the table and a figure of a measured pair into its folder, and say so in two lines."""
     from stiction.views.figures import drawn
     from stiction.views.files import write_table
     from stiction.views.report import save_report
 
-    write_table(stored, stored.path / "result.csv", beside=beside)
+    write_table(stored, stored.path / "result.csv")
     announce("drawing")
     drawings = drawn(stored, stored.path, first=True)
     page = stored.path / "report.html"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,13 +14,12 @@ from stiction.views.rows import csv_text
 
 if TYPE_CHECKING:
     from stiction.studies.store import Stored
-    from stiction.views.answer import Doubt
 
 
-def write_table(stored: Stored, path: Path, *, beside: Sequence[Doubt] | None = None) -> None:
-    """Write the values of a result at the loads of its study as CSV; its files are read for doubts not given."""
-    beside = doubts_of_study(stored.study) if beside is None else beside
-    path.write_text(csv_text(at_asked_loads(stored), stored.study, beside=beside), encoding="utf-8")
+def write_table(stored: Stored, path: Path) -> None:
+    """Write the values of a result at the loads of its study as CSV."""
+    text = csv_text(at_asked_loads(stored), stored.study, beside=doubts_of_study(stored.study))
+    path.write_text(text, encoding="utf-8")
 
 
 WRITERS: dict[str, tuple[str, Callable[[Stored, Path], None]]] = {
