@@ -49,7 +49,7 @@ MOST_HARMONICS = 1_000_000  # largest product of directions and frequencies; eac
 class FractalParameters(Table):
     """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
 
-    bodies: ClassVar[str] = "generated areas"
+    bodies: ClassVar[str] = "generated areas"  # as the places of keys have them
     is_areal: ClassVar[bool] = True
     """Whether members are pairs of areas, and not of lines."""
 

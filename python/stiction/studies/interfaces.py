@@ -35,19 +35,21 @@ from stiction.studies.study import Study, study_of
 if TYPE_CHECKING:
     import pandas
 
-    from stiction.studies.study import Study
-
 HEAD = "# stiction interface"  # first line of a file
 COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)")
 LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface
 _NUMBERS = ("area_per_load", "variation")
+
 EXCLUDED, UNLIKELY = 0.01, 0.05
 """Probabilities of residuals as large: a rule is excluded by the first, errors are scaled by the second."""
+
 AT_BOUND = 0.01  # distance of a lower end from its bound, in widths of the interval, up to which it is the bound
 COVERAGE = 0.95  # probability of intervals
 RULES: tuple[Sliding, ...] = ("all", "opposing")
+
 HARDNESS = "hardness of the draws"
 """Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
+
 Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
 
 

@@ -327,7 +327,7 @@ class Members(Protocol):
 class MeasuredBodies(Table):
     """What studies of measured surfaces have in common."""
 
-    bodies: ClassVar[str] = "measured areas"
+    bodies: ClassVar[str] = "measured areas"  # as the places of keys have them
     is_areal: ClassVar[bool] = True
     """Whether members are pairs of areas, which are independent of each other, and not of lines."""
     pressed: ClassVar[str]

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.mechanics.onset import Onset
-    from stiction.studies.pressed import OneLoad
     from stiction.studies.store import Stored
 
 FILE = "onset.nc"  # name of the file in the folder of a result

@@ -59,7 +59,6 @@ SEED = 2016  # where random numbers start by default
 Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
 MOST_LISTED = 4  # differences that a message lists
 
-
 Surfaces = Generated | Measured  # the table `[surfaces]` of a study
 SURFACES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
 
@@ -80,20 +79,6 @@ def surfaces_case(given: Mapping[str, Any]) -> type[Surfaces]:
     """The case of a table, by its keys `kind`, `generator` and `press`."""
     key, cases = _CASES[chosen("kind", given, _CASES)]
     return cases[chosen(key, given, cases)]
-
-
-def read_surfaces(value: object) -> Surfaces:
-    """A table of the case that it says."""
-    if isinstance(value, SURFACES):
-        return value
-    if not isinstance(value, Mapping):
-        raise ValueError(f"must be a table, got {shortened(value)}")
-    case = surfaces_case(value)
-    for key in value:
-        owners = [each.case for each in SURFACES if key in each.model_fields]
-        if owners and key not in case.model_fields:
-            raise fault_at(str(key), f"belongs to {' and '.join(owners)}, not to {case.case}")
-    return case.model_validate(value)
 
 
 class Friction(Table):
@@ -200,7 +185,17 @@ class Study(Table):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
-        return read_surfaces(value)
+        """A table of the case that it says."""
+        if isinstance(value, SURFACES):
+            return value
+        if not isinstance(value, Mapping):
+            raise ValueError(f"must be a table, got {shortened(value)}")
+        case = surfaces_case(value)
+        for key in value:
+            owners = [each.case for each in SURFACES if key in each.model_fields]
+            if owners and key not in case.model_fields:
+                raise fault_at(str(key), f"belongs to {' and '.join(owners)}, not to {case.case}")
+        return case.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
     @classmethod
