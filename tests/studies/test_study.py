@@ -127,6 +127,7 @@ class TestChanges:
         [
             ("ensemble.repetitons", 3, r"ensemble\.repetitons: unknown key; is it 'repetitions'\?"),
             ("ensembel.repetitions", 3, r"ensembel: unknown key; is it 'ensemble'\?"),
+            ("ensemble.repetitions.more", 3, r"ensemble\.repetitions\.more: unknown key"),
             ("contact.approach.step", "1 nm", r"contact\.approach\.step: unknown key"),
             ("ensemble.repetitions", 0, r"ensemble\.repetitions: .*greater than or equal to 1, got 0"),
             ("ensemble", 3, r"ensemble: must be a table"),
