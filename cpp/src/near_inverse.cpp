@@ -25,13 +25,6 @@ double product(const std::vector<float>& left, const std::vector<float>& right) 
   });
 }
 
-template <class Work>
-void in_parts(std::size_t count, const Crew& crew, Work work) {
-  crew.each((count + free_points_at_once - 1) / free_points_at_once, [&](std::size_t part, std::size_t) {
-    work(part * free_points_at_once, std::min((part + 1) * free_points_at_once, count));
-  });
-}
-
 }  // namespace
 
 Grid NearInverse::blocks_of(const Grid& area) {
@@ -86,7 +79,7 @@ std::span<const float> NearInverse::operator()(std::span<const std::int32_t> fre
   gather(free, loads_, crew);
   answer(workspace, crew);
   const std::size_t wide = blocks_.grid().columns;
-  in_parts(free.size(), crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(free.size(), free_points_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const auto point = static_cast<std::size_t>(free[k]);
       const Part& y = along_y_[point / columns_];
@@ -100,7 +93,7 @@ std::span<const float> NearInverse::operator()(std::span<const std::int32_t> fre
     }
   });
   sharpen(free, rest_, crew);
-  in_parts(free.size(), crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(free.size(), free_points_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       rest_[static_cast<std::size_t>(free[k])] = 0.0F;
     }
@@ -118,7 +111,7 @@ void NearInverse::renew_springs(std::span<const std::int32_t> free, const Crew& 
 }
 
 void NearInverse::sharpen(std::span<const std::int32_t> free, std::span<const float> values, const Crew& crew) {
-  in_parts(free.size(), crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(free.size(), free_points_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const auto point = static_cast<std::size_t>(free[k]);
       const std::size_t row = point / columns_;

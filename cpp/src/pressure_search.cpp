@@ -154,19 +154,12 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// `work(first, last)` for parts of so many places, which threads share.
-template <class Work>
-void in_parts(std::size_t count, const Crew& crew, const Work& work) {
-  crew.each((count + free_at_once - 1) / free_at_once, [&](std::size_t part, std::size_t) {
-    work(part * free_at_once, std::min((part + 1) * free_at_once, count));
-  });
-}
-
 // What `work(first, last)` gives for each part, put together in their order.
 template <class Sums, class Work>
 Sums sums_in_parts(std::size_t count, const Crew& crew, const Work& work) {
   std::vector<Sums> parts(std::max<std::size_t>((count + free_at_once - 1) / free_at_once, 1));
-  in_parts(count, crew, [&](std::size_t first, std::size_t last) { parts[first / free_at_once] = work(first, last); });
+  crew.in_parts(count, free_at_once,
+                [&](std::size_t first, std::size_t last) { parts[first / free_at_once] = work(first, last); });
   Sums all = parts[0];
   for (std::size_t part = 1; part < parts.size(); ++part) {
     all.add(parts[part]);
@@ -281,7 +274,7 @@ double PressureSearch::balance(const Crew& crew) {
   if (line_) {
     std::fill(residual_.begin(), residual_.end(), 0.0F);
   } else {
-    in_parts(free_.size(), crew, [&](std::size_t first, std::size_t last) {
+    crew.in_parts(free_.size(), free_at_once, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = first; k < last; ++k) {
         residual_[point(free_, k)] = 0.0F;
       }
@@ -403,7 +396,7 @@ void PressureSearch::for_each_gap(Between between) const {
 }
 
 std::span<const float> PressureSearch::residual(const Crew& crew) {
-  in_parts(free_.size(), crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(free_.size(), free_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t i = point(free_, k);
       residual_[i] = static_cast<float>(mean_ - potential_[i]);
@@ -537,13 +530,13 @@ std::span<const float> PressureSearch::step(std::span<const float> preconditione
   }
   conjugate_ = beta > 0.0;
   const double shift = shift_to_sum(target_, most_, sums.load, crew);
-  in_parts(moved_.size(), crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(moved_.size(), free_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       step_[point(moved_, k)] = 0.0F;
     }
   });
   moved_ = free_;
-  in_parts(size, crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(size, free_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t i = point(free_, k);
       target_[k] = std::clamp(target_[k] - shift, 0.0, most_[k]);
@@ -602,7 +595,7 @@ bool PressureSearch::advance(std::span<const float> response, const Crew& crew) 
   // the pressure on points that it wants to free.
   const double part =
       clipped_ ? (best >= least_change ? 1.0 : best) : (best <= 1.0 ? best : std::min(best, std::max(farthest(), 1.0)));
-  in_parts(moved_.size(), crew, [&](std::size_t first, std::size_t last) {
+  crew.in_parts(moved_.size(), free_at_once, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t i = point(moved_, k);
       pressure_[i] =

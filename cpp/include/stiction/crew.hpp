@@ -3,6 +3,7 @@
 
 #include "stiction/checkpoint.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -24,6 +25,13 @@ class Crew {
   /// `work(part, thread)` for each part from 0 on, and returns when all are done. Between parts of its own the caller's
   /// thread, number 0, passes the checkpoint. What a part or the checkpoint throws comes out of it.
   void each(std::size_t parts, const std::function<void(std::size_t, std::size_t)>& work) const;
+
+  /// `work(first, last)` for parts of at most so many places.
+  template <class Work>
+  void in_parts(std::size_t count, std::size_t at_once, const Work& work) const {
+    each((count + at_once - 1) / at_once,
+         [&](std::size_t part, std::size_t) { work(part * at_once, std::min((part + 1) * at_once, count)); });
+  }
 
   /// Passes the checkpoint.
   void check() const { checkpoint_(); }
