@@ -47,7 +47,7 @@ def test_many_repetitions_leave_out_their_intervals(monkeypatch, result):
 
 
 def test_nothing_makes_no_page(result):
-    with pytest.raises(ReportError, match="repetition"):
+    with pytest.raises(ReportError, match="no member of the result has a solution"):
         report_page(result.isel(repetition=[]))
 
 

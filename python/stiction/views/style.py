@@ -153,13 +153,11 @@ def save_picture(figure: Figure, path: Path) -> None:
     """Write a figure as PNG, PDF or SVG, over no other file than one of this package.
 
     Instruments write PNGs beside their data, so a picture of another origin is never replaced. Raises a `ValueError` if
-    the name ends in none of these, another file has it, or it cannot be written.
+    another file has the name, or it cannot be written.
     """
     import matplotlib as mpl
 
     suffix = path.suffix.lower()
-    if suffix not in _MADE_BY:
-        raise ValueError(f"{path}: cannot be written: its name must end in .png, .pdf or .svg")
     maker = f"stiction {__version__}"
     metadata: dict[str, dict[str, Any]] = {
         ".png": {"Software": maker},

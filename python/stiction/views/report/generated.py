@@ -49,8 +49,6 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
     """
     step, head = study.step, head_of(result)
     there = len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
-    if not there:
-        raise ReportError("the result has nothing along 'repetition'; a page needs one repetition or more")
     rules, angles = motions_of(study)
     motions = len(rules) * len(angles)
     values = motions * math.prod(head.sizes[dim] for dim in (*CELLS, step))
