@@ -12,8 +12,7 @@ import time
 from pathlib import Path
 from urllib.parse import quote
 
-import numpy as np
-from stiction import Surface, self_affine_surface, write_surface
+from stiction import self_affine_surface, write_surface
 
 PATIENCE = 60.0
 HELD = Path(__file__).parent / "held"
@@ -125,10 +124,3 @@ def write_maps(folder, size=24):
         paths.append(folder / f"{side}_face.csv")
         write_surface(face, paths[-1])
     return paths
-
-
-def write_other_grid(folder):
-    """A map on another grid."""
-    rng = np.random.default_rng(3)
-    write_surface(Surface(0.01 * rng.standard_normal((20, 30)), spacing=(0.15, 0.12)), folder / "coarse.csv")
-    return folder / "coarse.csv"

@@ -14,9 +14,9 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
-from app.served import PATIENCE, served, until, write_maps, write_other_grid
+from app.served import PATIENCE, served, until, write_maps
 from command import stiction_command, stiction_done
-from stiction import Profile, Study, run, write_profile
+from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction.app.run import ALONE, is_left
 from stiction.cli import showing
 from stiction.views.digits import with_unit
@@ -308,7 +308,8 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
     fresh.find_element("css selector", "#pair .go").send_keys("\n")
     assert "the lower scan is missing" in fresh.find_element("id", "pair-wrong").text
     # A map whose file says its unit, and another grid, beside one whose file does not.
-    other = write_other_grid(tmp_path)
+    other = tmp_path / "coarse.csv"
+    write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), other)
     choose(fresh, "lower", other)
     fill(fresh, HARD | {"load": "5 apples"})
     press(fresh)

@@ -33,7 +33,7 @@ FEWEST_CONTACTS, FEW_CONTACTS = 10, 10
 """Contacts of all members together below which there is no mean, and of one below which μ_s is that of single ones."""
 
 MERGED = 0.3  # true over nominal area from which on contacts are few because they have merged
-HALF = 0.5  # fraction of the load, of the members or of the length of a scan that decides
+HALF = 0.5  # fraction of the load, of members or of the length of a scan from which a value is doubted or marked
 FILLED = 0.02  # part of the points of a scan from which on it matters that they are interpolated
 COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
 SHEARED = 3**-1.5  # shear strength of a body over its hardness, of three yield strengths, by von Mises

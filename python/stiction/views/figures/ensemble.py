@@ -49,9 +49,6 @@ AREAL_POINTS = 400  # rows and columns of a surface in a figure
 MOST_PROFILES = 5
 MOST_CURVES = 8
 
-FRACTION_LIMIT = HALF
-"""Fraction of the load beyond Hertz, or on radii below the grid spacing, from which on a value is marked."""
-
 COLOUR_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients between which the colours run: a few high values would take them all."""
 
@@ -201,7 +198,7 @@ def dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Curves of the lowest and the highest strength, with their intervals; dotted beyond the validity of the model."""
     dimension = curves["fractal_dimension"].values
-    trusted = ~(curves["share_beyond_hertz"].values > FRACTION_LIMIT)  # (dimension, strength)
+    trusted = ~(curves["share_beyond_hertz"].values > HALF)  # (dimension, strength)
     value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
     for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
@@ -246,7 +243,7 @@ def _norm(maps: xarray.Dataset) -> Any:
     """Colours in equal ratios over what is to be trusted, or over all where that is little; the highest share one."""
     values = maps["friction_coefficient"].values
     known = np.isfinite(values) & (values > 0)
-    trusted = known & ~(maps["share_beyond_hertz"].values > FRACTION_LIMIT)
+    trusted = known & ~(maps["share_beyond_hertz"].values > HALF)
     positive = values[trusted if trusted.sum() > 0.1 * known.sum() else known]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # to ends that can be written
@@ -269,13 +266,13 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
     axes.pcolormesh(*edges, colours)
     fraction = panel["share_beyond_hertz"].values
-    _hatch_cells(axes, *edges, known & (fraction > FRACTION_LIMIT))
+    _hatch_cells(axes, *edges, known & (fraction > HALF))
     if min(values.shape) > 1:
         masked = np.ma.masked_invalid(fraction)
-        if masked.count() and masked.min() < FRACTION_LIMIT < masked.max():
+        if masked.count() and masked.min() < HALF < masked.max():
             axes.contour(
                 panel["fractal_dimension"].values, panel["load"].values, masked,
-                levels=[FRACTION_LIMIT], colors="0.1", linewidths=0.7,
+                levels=[HALF], colors="0.1", linewidths=0.7,
             )  # fmt: skip
     axes.axhline(load, color="black", linewidth=0.5)
 
@@ -322,10 +319,10 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
 def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
     handles: list[Any] = []
-    if asperities and (maps["share_beyond_hertz"].values > FRACTION_LIMIT).any():
+    if asperities and (maps["share_beyond_hertz"].values > HALF).any():
         words = "model not valid (dotted): most load on overlaps $> R/10$"
         handles.append(Patch(**_BEYOND | {"facecolor": tuple(middle)}, label=words))
-    if (_fading(maps)[~(maps["share_beyond_hertz"].values > FRACTION_LIMIT)] > 0.1).any():
+    if (_fading(maps)[~(maps["share_beyond_hertz"].values > HALF)] > 0.1).any():
         handles.append(Patch(facecolor=tuple(_faded(middle, np.array(FADE[2]))), label="grey: wide 95 % interval"))
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
         handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
@@ -385,7 +382,7 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load")
     area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
-    trusted = exact | (areas["share_beyond_hertz"].values <= FRACTION_LIMIT)
+    trusted = exact | (areas["share_beyond_hertz"].values <= HALF)
     positive = area[area > 0]
     for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))

@@ -19,16 +19,9 @@ from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.study import study_of
 from stiction.views.digits import with_unit
+from stiction.views.doubts import HALF
 from stiction.views.figures.contact import box_of, draw_frame, draw_heights
-from stiction.views.figures.ensemble import (
-    FRACTION_LIMIT,
-    HEADLINE,
-    dimension_axis,
-    head,
-    headlines,
-    letter,
-    rows_of_axes,
-)
+from stiction.views.figures.ensemble import HEADLINE, dimension_axis, head, headlines, letter, rows_of_axes
 from stiction.views.onset import AMPLITUDES
 from stiction.views.point import STATISTICS
 from stiction.views.style import AREA, FORCE, FRICTION, SLIP_MAP, friction_parameters_text, label, new_figure
@@ -229,7 +222,7 @@ def _curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
     for load, colour in zip(at["load"].values, COLOURS, strict=False):
         one = at.sel(load=load)
         mean, lower, upper = (factor * one[name].sel(statistic=each).values for each in STATISTICS)
-        trusted = ~(one["share_beyond_hertz"].values > FRACTION_LIMIT)
+        trusted = ~(one["share_beyond_hertz"].values > HALF)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "marker": marker, "markersize": 2}

@@ -20,8 +20,7 @@ from stiction.studies.maps import MOTIONS, head_of, solved_pieces
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
 from stiction.views.digits import with_unit
-from stiction.views.doubts import checks_of_ensemble
-from stiction.views.figures.ensemble import FRACTION_LIMIT
+from stiction.views.doubts import HALF, checks_of_ensemble
 from stiction.views.point import rules_of, way_text
 from stiction.views.report.page import AXES, BYTES, PageResult, ReportError, counted, motions_of, packed
 from stiction.views.report.pictures import dimension_panel, profiles_panel
@@ -33,7 +32,7 @@ MOST_SUMS = 12_000_000
 """Sums of single members in a page, of four bytes each when compressed; without them it has no intervals."""
 
 PER_MEMBER = 7  # sums of each member at each step
-MOST_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; of the fractions it is `FRACTION_LIMIT`
+MOST_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; of the fractions it is `HALF`
 DRAWN = ("share_beyond_hertz", "share_below_grid")  # figures of validity that hatch the map and dot the curves
 CELLS = ("fractal_dimension", "amplitude")
 AT_HARDNESS = ("load_share_at_hardness", "area_share_at_hardness")
@@ -177,7 +176,7 @@ def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
         words = QUANTITIES[name].short
         figures[name] = {
             "words": words[0].upper() + words[1:], "isShare": "share" in name,
-            "limit": FRACTION_LIMIT if "share" in name else MOST_OVERLAP, "isDrawn": name in DRAWN, "of": of,
+            "limit": HALF if "share" in name else MOST_OVERLAP, "isDrawn": name in DRAWN, "of": of,
             "over": over,
         }  # fmt: skip
     return figures
