@@ -410,8 +410,9 @@ class EvenWaves {
     }
     waves_->forward(packed, waves);
     for (std::size_t k = 0; k <= half_; ++k) {
-      const std::complex<double> one = waves[k % half_];
-      const std::complex<double> turned = std::conj(waves[(half_ - k) % half_]);
+      const bool ends = k == 0 || k == half_;
+      const std::complex<double> one = waves[ends ? 0 : k];
+      const std::complex<double> turned = std::conj(waves[ends ? 0 : half_ - k]);
       values[k] = 0.5 * ((one + turned) - std::complex<double>(0.0, 1.0) * turns_[k] * (one - turned)).real();
     }
   }
