@@ -45,19 +45,6 @@ def test_a_tilt_far_larger_than_the_roughness_costs_no_digits():
     assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10  # 1e5 µm in 1e-16
 
 
-def test_a_surface_is_levelled_by_its_least_squares_plane():
-    random = np.random.default_rng(3)
-    heights = random.normal(size=(20, 31)) + np.arange(31) - 2 * np.arange(20)[:, np.newaxis] + 5
-    y, x = np.indices(heights.shape)
-    design = np.column_stack([np.ones(heights.size), x.ravel(), y.ravel()])
-    reference = heights.ravel() - design @ np.linalg.lstsq(design, heights.ravel(), rcond=None)[0]
-    surface = Surface(heights, spacing=(0.5, 0.25))
-    result = levelled(surface, "plane")
-    assert np.abs(result.heights.ravel() - reference).max() < 100 * ROUND_OFF  # heights of order 40
-    assert result.spacing == surface.spacing
-    assert np.abs(levelled(surface, "mean").heights - (heights - heights.mean())).max() < 100 * ROUND_OFF
-
-
 def test_trends_and_bodies_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="trend must be one of 'mean', 'line', 'quadratic', got 'plane'"):
         levelled(rough(9), "plane")

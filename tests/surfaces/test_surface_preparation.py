@@ -30,13 +30,16 @@ def bumps(shape=(60, 80), spacing=(0.2, 0.1)):
     return Surface(height(y, x), spacing=spacing), height
 
 
-def test_a_polynomial_of_second_degree_is_the_least_squares_one():
+def test_a_trend_is_the_polynomial_of_least_squares():
     surface, _ = bumps()
-    level = levelled(surface, "quadratic")
     y, x = np.broadcast_arrays(surface.y[:, np.newaxis], surface.x)
-    terms = np.stack([(x**i * y**j).ravel() for i in range(3) for j in range(3 - i)], axis=1)
-    fit = terms @ np.linalg.lstsq(terms, surface.heights.ravel(), rcond=None)[0]
-    assert level.heights == pytest.approx(surface.heights - fit.reshape(60, 80), abs=1e-10)
+    for degree, trend in enumerate(("mean", "plane", "quadratic")):
+        level = levelled(surface, trend)
+        terms = [(x**i * y**j).ravel() for i in range(degree + 1) for j in range(degree + 1 - i)]
+        terms = np.stack(terms, axis=1)
+        fit = terms @ np.linalg.lstsq(terms, surface.heights.ravel(), rcond=None)[0]
+        assert level.heights == pytest.approx(surface.heights - fit.reshape(60, 80), abs=1e-10)
+        assert level.spacing == surface.spacing
     assert level.history == ("levelled by a polynomial of second degree",)
     bowl = Surface(3 + 2 * x - y + x * y - 4 * x**2 + 0.5 * y**2, spacing=surface.spacing)
     assert not levelled(bowl, "quadratic").heights.any()
