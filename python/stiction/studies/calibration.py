@@ -171,7 +171,8 @@ class _Problem:
         scores, columns = ndtri(points), dict(zip(keys, points.T[1 + len(bodies) :], strict=True))
         gain = np.exp(common * scores[:, :1])
         area = np.exp(scatter[places] * scores[:, 1:][:, places])
-        area = area * np.stack([np.broadcast_to(each.area(columns), NUISANCES) for each in friction], axis=1)
+        areas = (1.0 if each.yields is None else each.yields.area(columns) for each in friction)
+        area = area * np.stack([np.broadcast_to(each, NUISANCES) for each in areas], axis=1)
         measured = np.array([float(test.coefficient or 0.0) for test in tests]) / gain
 
         def of_all(name: str) -> Floats:

@@ -94,10 +94,6 @@ class _Friction(PerLoad):
     hardness: float = math.nan
     yields: _Yields | None = None
 
-    def area(self, columns: Mapping[str, Floats]) -> Any:
-        """True area over the computed one, of probabilities of what is known of hardness, creep and moduli."""
-        return 1.0 if self.yields is None else self.yields.area(columns)
-
 
 @dataclass(frozen=True)
 class _Yields:
@@ -128,7 +124,7 @@ class _Yields:
         return f"{name} {self.known[name].text}"
 
     def area(self, columns: Mapping[str, Floats]) -> Floats:
-        """As `_Friction.area`, of probabilities by `key`."""
+        """True area over the computed one, of probabilities by `key`."""
         return self.area_of({name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()})
 
     def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
