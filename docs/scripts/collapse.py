@@ -37,7 +37,7 @@ from stiction import (
 )
 from stiction._core import patches_of
 from stiction.mechanics.friction import load_of
-from stiction.mechanics.patches import slopes, sums
+from stiction.mechanics.patches import patch_sums, slopes
 
 DOCS = Path(__file__).parents[1]
 DONE = DOCS.parent / "build/collapse.jsonl"
@@ -240,9 +240,8 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
         row[f"mu {rule} {name}"] = float(np.mean(values))
     # The same with every point for itself, in place of patches that oppose as a whole.
     senses = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
-    each = Loads(
-        sums(pressure[touching] * cell, area, leaning, np.arange(1, area.size + 1, dtype=np.int32), senses, "opposing")
-    )
+    alone = np.arange(1, area.size + 1, dtype=np.int32)
+    each = Loads(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
     for name, tau0 in TAU0.items():
         row[f"mu points {name}"] = float(
             np.mean(load_of("tangential", each, MU0, tau0) / load_of("normal", each, MU0, tau0))

@@ -12,7 +12,8 @@ import time
 from pathlib import Path
 from urllib.parse import quote
 
-from stiction import self_affine_surface, write_surface
+import numpy as np
+from stiction import Surface, self_affine_surface, write_surface
 
 PATIENCE = 60.0
 HELD = Path(__file__).parent / "held"
@@ -69,6 +70,14 @@ class Served:
         """What the page is told."""
         return json.loads(self.ask("GET", "/jobs")[2])
 
+    def memory(self):
+        """Resident memory of the server alone, bytes."""
+        with open(f"/proc/{self.process.pid}/statm", encoding="utf-8") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    def is_alive(self):
+        return self.process.poll() is None and self.ask("GET", "/")[0] == 200
+
     @contextlib.contextmanager
     def held(self, member):
         """Commands that begin in here wait at this member until the end, or until it is let go."""
@@ -124,3 +133,10 @@ def write_maps(folder, size=24):
         paths.append(folder / f"{side}_face.csv")
         write_surface(face, paths[-1])
     return paths
+
+
+def write_other_grid(folder):
+    """A map on another grid."""
+    rng = np.random.default_rng(3)
+    write_surface(Surface(0.01 * rng.standard_normal((20, 30)), spacing=(0.15, 0.12)), folder / "coarse.csv")
+    return folder / "coarse.csv"

@@ -8,7 +8,9 @@ import signal
 import socket
 import stat
 import subprocess
-from contextlib import suppress
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from urllib.parse import quote
 
@@ -17,6 +19,8 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.served import served, until, write_maps
+
+MOST_MEMORY = 400e6  # bytes: it has xarray and its own pages, and reads a scan at a time
 
 
 @pytest.fixture(scope="module")
@@ -51,15 +55,20 @@ def test_other_names_of_this_computer_are_no_names_of_the_server(app, host):
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1:{port}"])
-def test_pages_of_others_ask_for_nothing_and_the_page_may_load_its_own_alone(app, origin):
+def test_pages_of_others_ask_for_nothing(app, origin):
     for method, path in (("GET", "/"), ("POST", "/demo"), ("POST", "/jobs"), ("PUT", "/scans?name=a.csv")):
         assert app.ask(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
-    # Changes need an origin, and reading no other site.
+
+
+def test_changes_need_an_origin_and_reading_no_other_site(app):
     assert app.ask("POST", "/demo", b"", Origin=None)[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
-    status, headers, _ = app.ask("GET", "/", Sec_Fetch_Site="same-origin")
-    assert status == 200
+    assert app.ask("GET", "/", Sec_Fetch_Site="same-origin")[0] == 200
+
+
+def test_the_page_may_load_its_own_alone(app):
+    _, headers, _ = app.ask("GET", "/")
     assert "default-src 'none'" in headers["content-security-policy"]
     assert "unsafe" not in headers["content-security-policy"]
     assert headers["cache-control"] == "no-store"
@@ -126,6 +135,31 @@ def test_only_what_the_page_offers_is_begun(app, asked):
     assert app.jobs() == []
 
 
+@pytest.mark.soak
+def test_three_gigabytes_are_refused_before_they_come(app):
+    size = 3_000_000_000
+    assert app.ask("PUT", "/scans?name=x.npy", b"", Content_Length=str(size))[0] == 413
+    sent = 0
+    with socket.create_connection(("127.0.0.1", int(app.port)), timeout=60) as client:
+        own = {
+            "Host": f"127.0.0.1:{app.port}", "Origin": app.origin, "Cookie": app.cookie, "X-Stiction-Key": app.key,
+            "Transfer-Encoding": "chunked",
+        }  # fmt: skip
+        head = "".join(f"{name}: {value}\r\n" for name, value in own.items())
+        client.sendall(f"PUT /scans?name=x.npy HTTP/1.1\r\n{head}\r\n".encode())
+        piece = b"1000000\r\n" + bytes(2**24) + b"\r\n"
+        try:
+            while sent < size:
+                client.sendall(piece)
+                sent += 2**24
+        except OSError:
+            pass
+    assert sent < size / 5
+    assert app.memory() < MOST_MEMORY
+    assert until(lambda: list(app.private()[0].glob("*.partial")), lambda left: not left) == []
+    assert app.is_alive()
+
+
 def test_the_menu_has_what_begins_it_again_and_nothing_else_is_written(app):
     (app.folder / "applications").touch()
     assert app.ask("POST", "/menu", b"")[::2] == (400, b"applications cannot be written: File exists")
@@ -140,12 +174,42 @@ def test_the_menu_has_what_begins_it_again_and_nothing_else_is_written(app):
     assert "drop two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def test_bodies_are_short_and_say_how_long_they_are(app):
-    assert app.ask("PUT", "/scans?name=x.npy", b"", Content_Length=str(3 * 10**9))[0] == 413
-    assert app.ask("PUT", "/scans?name=x.npy", b"", Transfer_Encoding="chunked")[0] == 411
+def test_bodies_of_questions_are_short(app):
     assert app.ask("POST", "/jobs", b"", Content_Length=str(10**6))[0] == 413
     assert app.ask("POST", "/jobs", b"", Transfer_Encoding="chunked", Content_Length="2")[0] == 411
     assert app.ask("POST", "/jobs", b"[" * 2**16)[0] == 400
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", ["bomb.x3p", "bomb.xlsx"])
+def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
+    path = tmp_path / name
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        inside = "main.xml" if name.endswith("x3p") else "xl/worksheets/sheet1.xml"
+        with archive.open(inside, "w", force_zip64=True) as file:
+            for _ in range(80):
+                file.write(bytes(4_000_000))
+    status, _, body = app.ask("GET", f"/scans/{app.take(path)}")
+    assert status == 200
+    assert json.loads(body)["error"].startswith(f"{name}: ")
+    assert app.memory() < MOST_MEMORY
+    assert app.is_alive()
+
+
+@pytest.mark.soak
+def test_a_thousand_at_once_are_answered_or_refused(app):
+    def ask(_):
+        try:
+            return app.ask("GET", "/")[0]
+        except OSError:
+            return "refused"
+
+    with ThreadPoolExecutor(250) as pool:
+        found = list(pool.map(ask, range(1000)))
+    assert set(found) <= {200, "refused"}
+    assert found.count(200) > 50
+    assert app.memory() < MOST_MEMORY
+    assert until(app.is_alive, bool)
 
 
 def test_the_folder_is_private_and_goes(tmp_path):
@@ -157,6 +221,20 @@ def test_the_folder_is_private_and_goes(tmp_path):
         server.process.send_signal(signal.SIGINT)
         assert server.process.wait(60) == 0
         assert server.private() == []
+
+
+@pytest.mark.soak
+def test_scans_are_counted_while_they_come(app):
+    head = f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
+    (root,) = app.private()
+    for _ in range(2):  # and no longer
+        with ExitStack() as stack:
+            for _ in range(6):
+                client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
+                client.sendall(f"PUT /scans?name=x HTTP/1.1\r\n{head}\r\nContent-Length: 300000000\r\n\r\n1".encode())
+            until(lambda: len(list(root.glob("*.partial"))), lambda count: count == 6)
+            assert app.ask("PUT", "/scans?name=x", b"", Content_Length="300000000")[0] == 413
+        assert until(lambda: list(root.glob("*.partial")), lambda left: not left) == []
 
 
 @pytest.mark.soak

@@ -24,8 +24,8 @@ ALWAYS = (False, BAND, False)
 
 
 class TestOfAProfile:
-    # A 95 % interval that holds in 30 cases fails in 1.5; more than 5 would be a chance of 1 in 300.
-    CASES, MOST_MISSES = 30, 5
+    # A 95 % interval that holds in 60 cases fails in 3; more than 8 would be a chance of 1 in 500.
+    CASES, MOST_MISSES = 60, 8
 
     @pytest.mark.parametrize(
         ("periodic", "band", "given"),
@@ -44,7 +44,7 @@ class TestOfAProfile:
             errors.append((found.value - hurst) / ((found.upper - found.lower) / 3.92))
             assert found.lower < found.value < found.upper
         assert misses <= self.MOST_MISSES
-        # The mean of 30 errors in standard errors scatters by 0.18; a found band takes in some of an unseen roll-off.
+        # The mean of 60 errors in standard errors scatters by 0.13; a found band takes in some of an unseen roll-off.
         assert abs(np.mean(errors)) < (0.5 if given else 0.8)
 
     def test_of_an_exact_power_law_is_exact(self):
@@ -75,7 +75,7 @@ class TestOfAProfile:
     def test_noise_that_comes_up_gradually_is_left_out_as_well(self):
         # Without this, all wavelengths are fitted, H is 0.20 on average, and one in forty intervals holds it.
         found, held = [], 0
-        for repetition in range(20):
+        for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
             noise = np.random.default_rng(repetition).normal(size=4096) * 0.01
             noisy = Profile(rough(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
@@ -84,7 +84,7 @@ class TestOfAProfile:
             held += estimate.lower < 0.3 < estimate.upper
         assert np.median([estimate.shortest_wavelength for estimate in found]) > 0.05
         assert np.mean([estimate.value for estimate in found]) == pytest.approx(0.3, abs=0.05)
-        assert held >= 16  # 35 of 40 in a trial
+        assert held >= 24  # 35 of 40 in a trial
 
     def test_levelling_scale_and_direction_do_not_matter(self):
         profile = rough(points=4096)
@@ -171,8 +171,8 @@ def test_says_where_the_interval_says_little():
 
 
 class TestOfASurface:
-    # 95 % of 30; more than 5 misses would be a chance of 1 in 300.
-    CASES, MOST_MISSES = 30, 5
+    # 95 % of 60; more than 8 misses would be a chance of 1 in 500.
+    CASES, MOST_MISSES = 60, 8
 
     @pytest.mark.parametrize(
         ("longest", "given"),

@@ -24,6 +24,7 @@ from stiction.studies.store import open_stored
 
 LOOK = 0.4  # seconds between two looks at how far a command has come
 PATIENCE = 5.0  # seconds that a command has to write what it has computed, once it is to end
+MOST_WAITING = 8  # jobs in the queue
 MOST_OUTPUT = 2**25  # bytes that a command may print
 TOO = ", here and in the pictures"
 END_OF_RECORD = b"\n}\n"  # what the JSON of a command ends with; all that it does after that is to draw
@@ -87,6 +88,8 @@ class Jobs:
 
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, first: Any = None) -> Job:
         """Put a command into the queue, which goes on where the same one ended, or a result that is there."""
+        if sum(job.state == "waiting" for job in self.all.values()) >= MOST_WAITING:
+            raise RefusedError(f"{MOST_WAITING} jobs are waiting already: stop one of them")
         same = [each for each in arguments if not re.match("--(mu0|tau0)=", each)]
         own = self.root / "results" / hashlib.sha256("\0".join(same).encode()).hexdigest()[:12] / arguments[0]
         job = self.all[len(self.all) + 1] = Job(len(self.all) + 1, title, arguments, folder or own, first)

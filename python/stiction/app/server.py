@@ -29,7 +29,9 @@ from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
 MOST_BYTES = 300_000_000  # of a scan; as much text as the readers take
+MOST_IN_ALL = 2_000_000_000  # of all scans
 MOST_ASKED = 2**16  # bytes of any other request
+SLOWEST = 120.0  # seconds for a request and its answer
 LONGEST = 60  # characters of the name of a scan
 MOST_LISTED = 100  # results in the list
 MOST_POINTS = 2**21  # of a scan, for a first answer
@@ -76,6 +78,7 @@ class Server:
         self.jobs = Jobs(root)
         self.scans: dict[str, Path] = {}
         self.points: dict[str, int] = {}
+        self.arriving = 0
         self.asked, self.has_window = 0.0, False
         routes: list[tuple[str, str, Any]] = [
             ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part),
@@ -112,7 +115,9 @@ class Server:
 
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        await (self._refused(Request(scope)) or self._app)(scope, receive, sent)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(SLOWEST):
+                await (self._refused(Request(scope)) or self._app)(scope, receive, sent)
 
     def _refused(self, request: Request) -> Response | None:
         headers = request.headers
@@ -172,12 +177,14 @@ class Server:
 
     async def take(self, request: Request) -> Response:
         """Take a scan under the last part of its name, without whatever could mean something to a file system."""
-        _check_length(request, MOST_BYTES)
+        kept = sum(path.stat().st_size for path in self.scans.values())
+        length = _length(request, min(MOST_BYTES, MOST_IN_ALL - kept - self.arriving))
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
         stem, dot, ending = name.rpartition(".")
         name = f"{(stem or 'scan')[: LONGEST - 10]}{dot}{ending[:9]}" if dot else (name or "scan")[:LONGEST]
         partial = self.root / f"{secrets.token_hex(4)}.partial"
         digest = hashlib.sha256(name.encode())
+        self.arriving += length
         try:
             with partial.open("wb") as file:
                 async for chunk in request.stream():
@@ -194,6 +201,7 @@ class Server:
                     pass
             raise RefusedError(f"the scan cannot be kept: {error.strerror}") from None
         finally:
+            self.arriving -= length
             partial.unlink(missing_ok=True)
         return JSONResponse({"scan": scan})
 
@@ -232,7 +240,7 @@ class Server:
 
     async def ask(self, request: Request) -> Response:
         """Put a command into the queue: `pair` of two scans, `run` of generated surfaces, or a result to be opened."""
-        _check_length(request, MOST_ASKED)
+        _length(request, MOST_ASKED)
         if not isinstance(asked := await request.json(), dict):
             raise HTTPException(400)
         command, options = asked.get("command"), asked.get("options")
@@ -324,10 +332,13 @@ async def _refusal(_: Request, refused: Exception) -> Response:
     return PlainTextResponse(words.encode("utf-8", "replace"), 400)
 
 
-def _check_length(request: Request, most: int) -> None:
-    """Refuse a body that is too long or does not say how long it is."""
+def _length(request: Request, most: int) -> int:
+    """The length of a body, which is refused if it is too long or does not say how long it is."""
     length = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length.isdecimal():
         raise HTTPException(411)
     if int(length) > most:
-        raise HTTPException(413, f"a scan may have {MOST_BYTES / 1e6:.0f} MB here")
+        raise HTTPException(
+            413, f"a scan may have {MOST_BYTES / 1e6:.0f} MB here, and all of them {MOST_IN_ALL / 1e6:.0f}"
+        )
+    return int(length)
