@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -10,15 +11,24 @@
 
 namespace stiction {
 
+// A round is the parts of one call. Nobody waits for a thread that has taken no part: one that wakes up late finds the
+// round over, and waits for the next.
 struct Crew::Threads {
+  using Work = std::function<void(std::size_t, std::size_t)>;
+
+  struct Round {
+    std::uint32_t number = 0;
+    std::uint32_t parts = 0;
+    const Work* work = nullptr;
+  };
+
   std::mutex mutex;
   std::condition_variable begun;
   std::condition_variable done;
-  const std::function<void(std::size_t, std::size_t)>* work = nullptr;
-  std::atomic<std::size_t> next{0};
-  std::size_t parts = 0;
-  std::size_t busy = 0;
-  std::size_t rounds = 0;
+  Round round;
+  std::atomic<std::uint64_t> next{0};  // number of a round, in the upper half, and its next part
+  std::atomic<std::uint32_t> finished{0};
+  std::atomic<bool> stopped{false};
   std::exception_ptr thrown;
   bool over = false;
   std::vector<std::thread> threads;
@@ -40,34 +50,65 @@ struct Crew::Threads {
     }
   }
 
+  Round begin(std::size_t parts, const Work& work) {
+    {
+      const std::lock_guard lock(mutex);
+      round = {round.number + 1, static_cast<std::uint32_t>(parts), &work};
+      finished = 0;
+      stopped = false;
+      thrown = nullptr;
+      next = std::uint64_t{round.number} << 32;
+    }
+    begun.notify_all();
+    return round;
+  }
+
   void run(std::size_t thread) {
-    std::size_t seen = 0;
+    std::uint32_t seen = 0;
     std::unique_lock lock(mutex);
     while (true) {
-      begun.wait(lock, [&] { return over || rounds != seen; });
+      begun.wait(lock, [&] { return over || round.number != seen; });
       if (over) {
         return;
       }
-      seen = rounds;
+      const Round now = round;
+      seen = now.number;
       lock.unlock();
-      share(thread, {});
+      share(now, thread, {});
       lock.lock();
-      if (--busy == 0) {
-        done.notify_one();
-      }
     }
   }
 
-  void share(std::size_t thread, const Checkpoint& checkpoint) {
-    try {
-      for (std::size_t part = next++; part < parts; part = next++) {
-        (*work)(part, thread);
-        checkpoint();
+  // Takes parts of a round while there are any; after an exception they are only counted.
+  void share(const Round& now, std::size_t thread, const Checkpoint& checkpoint) {
+    std::uint64_t place = next;
+    while (place >> 32 == now.number && static_cast<std::uint32_t>(place) < now.parts) {
+      if (!next.compare_exchange_weak(place, place + 1)) {
+        continue;
       }
-    } catch (...) {
-      next = parts;
-      const std::lock_guard lock(mutex);
-      thrown = std::current_exception();
+      try {
+        if (!stopped) {
+          (*now.work)(static_cast<std::uint32_t>(place), thread);
+          checkpoint();
+        }
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        thrown = std::current_exception();
+        stopped = true;
+      }
+      if (++finished == now.parts) {
+        const std::lock_guard lock(mutex);
+        done.notify_one();
+      }
+      place = next;
+    }
+  }
+
+  void end(const Round& now) {
+    std::unique_lock lock(mutex);
+    done.wait(lock, [&] { return finished == now.parts; });
+    if (thrown) {
+      std::rethrow_exception(std::exchange(thrown, nullptr));
     }
   }
 };
@@ -90,22 +131,9 @@ void Crew::each(std::size_t parts, const std::function<void(std::size_t, std::si
     }
     return;
   }
-  {
-    const std::lock_guard lock(others_->mutex);
-    others_->work = &work;
-    others_->parts = parts;
-    others_->next = 0;
-    others_->busy = others_->threads.size();
-    others_->thrown = nullptr;
-    ++others_->rounds;
-  }
-  others_->begun.notify_all();
-  others_->share(0, checkpoint_);
-  std::unique_lock lock(others_->mutex);
-  others_->done.wait(lock, [&] { return others_->busy == 0; });
-  if (others_->thrown) {
-    std::rethrow_exception(std::exchange(others_->thrown, nullptr));
-  }
+  const Threads::Round round = others_->begin(parts, work);
+  others_->share(round, 0, checkpoint_);
+  others_->end(round);
 }
 
 }  // namespace stiction

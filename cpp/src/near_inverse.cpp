@@ -15,7 +15,7 @@ constexpr double block_tolerance = 1e-4;
 // Relative change of the number of free points up to which springs are kept.
 constexpr double springs_kept = 0.02;
 // Free points that one thread looks at.
-constexpr std::size_t free_points_at_once = std::size_t{1} << 14;
+constexpr std::size_t free_points_at_once = std::size_t{1} << 16;
 // Sums over blocks that are made at once, and then added.
 constexpr std::size_t most_sums = 8;
 

@@ -30,7 +30,7 @@ constexpr int most_newton_steps = 200;
 constexpr std::size_t sums_at_once = 8;
 // Points of a grid, and free ones among them, that one thread looks at.
 constexpr std::size_t points_at_once = std::size_t{1} << 16;
-constexpr std::size_t free_at_once = std::size_t{1} << 14;
+constexpr std::size_t free_at_once = std::size_t{1} << 16;
 
 // Adds what the last step did to some potentials.
 STICTION_MULTIVERSION
