@@ -63,7 +63,8 @@ def solving(study: Study) -> Callable[[], None]:
 def beginning_to_slide(study: Study) -> None:
     load, mu0, tau0 = (float(each[0]) for each in (study.friction.load, study.friction.mu0, study.friction.tau0))
     for member in range(FEW):
-        assert onset_of_member(study, member, load=load, mu0=mu0, tau0=tau0) is not None
+        found = onset_of_member(study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.quoted_cut_off())
+        assert found is not None
 
 
 def seconds(task: Callable[[], None]) -> float:

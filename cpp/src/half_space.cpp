@@ -58,7 +58,7 @@ double step_between(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Sums of squares about a value or, with an exponent of 1, of what is beyond it; in as many sums as make it fast.
+// Σ (value - about)^Exponent; in as many sums as make it fast.
 template <int Exponent>
 STICTION_INLINE double powers_about(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
@@ -154,7 +154,7 @@ class Descent {
   PressureSearch& search() { return search_; }
   double balance() { return search_.balance(crew_); }
 
-  // The potential; in single precision where iterations follow.
+  // The potential; in single precision where it is certified later, or needs not be exact.
   void renew(Values gap, bool exact) {
     const Values pressure = search_.pressure();
     std::vector<double> potential = search_.take_potential();
@@ -545,7 +545,8 @@ LinearAnswer linear_answer(const HalfSpaceGrids& grids, std::span<const bool> fr
   const double mean = 1.0 / static_cast<double>(free.size());
   Workspace workspace;
   Descent descent(kernels, std::move(start), mean, bound, workspace, crew);
-  descent.renew(std::vector<double>(free.size(), 0.0), false);
+  // Single precision leaves 1e-7 of a displacement; on lines the differences that count are a small part of it.
+  descent.renew(std::vector<double>(free.size(), 0.0), grid.line);
   for (std::int64_t i = 0; i < most_iterations; ++i) {
     const double error = descent.balance();
     const double unit = floats ? of_differences * mean * grids.even_deviation() : std::abs(descent.search().approach());

@@ -271,6 +271,9 @@ void PressureSearch::check(std::span<const float> grid) const {
 }
 
 double PressureSearch::balance(const Crew& crew) {
+  if (potential_.size() != pressure_.size()) {
+    throw std::logic_error("PressureSearch: a potential comes before a balance");
+  }
   if (line_) {
     std::fill(residual_.begin(), residual_.end(), 0.0F);
   } else {

@@ -91,16 +91,21 @@ TEST_CASE("pressures meet what is asked of them on lines and areas, whatever bou
 }
 
 TEST_CASE("threads change no bits of a solution") {
-  const Grid grid{250, 240, 0.01, 0.01, false, false};
-  const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
-  const std::vector<double> gap = waves(grid);
-  const HalfSpaceSolver solver(gap, grids, unbounded, 1e-6);
-  const HalfSpaceSolution alone = solver.at(0.4);
-  const auto loaded = std::count_if(alone.pressure.begin(), alone.pressure.end(), [](double p) { return p > 0.0; });
-  CHECK(loaded > 2 * (1 << 14));  // points of several parts, which threads share
-  const HalfSpaceSolution together = solver.at(0.4, {}, Crew(2));
-  CHECK(together.pressure == alone.pressure);
-  CHECK(together.approach == alone.approach);
+  for (const bool periodic : {false, true}) {
+    const Grid grid{500, 480, 0.005, 0.005, false, periodic};
+    const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
+    const std::vector<double> gap = waves(grid);
+    const std::vector<double> bound{periodic ? 1.0 : unbounded[0]};
+    const HalfSpaceSolver solver(gap, grids, bound, 1e-6);
+    const HalfSpaceSolution alone = solver.at(0.4);
+    const auto loaded = std::count_if(alone.pressure.begin(), alone.pressure.end(), [](double p) { return p > 0.0; });
+    CHECK(loaded > 1 << 16);  // points of several parts, which threads share
+    for (const std::size_t threads : {2U, 3U}) {
+      const HalfSpaceSolution together = solver.at(0.4, {}, Crew(threads));
+      CHECK(together.pressure == alone.pressure);
+      CHECK(together.approach == alone.approach);
+    }
+  }
 }
 
 TEST_CASE("an approach is met by the load that it takes") {

@@ -138,6 +138,7 @@ TEST_CASE("what cannot be is refused") {
   CHECK_THROWS_AS(PressureSearch(one, 2.0, std::vector<double>{4.0, -1.0}, false), std::invalid_argument);
   CHECK_THROWS_AS(PressureSearch(one, 2.0, std::vector<double>{4.0, nan}, false), std::invalid_argument);
   PressureSearch search(one, 1.0, none, false);
+  CHECK_THROWS_AS(search.balance(), std::logic_error);
   CHECK_THROWS_AS(search.restart(std::vector<double>{1.0}), std::invalid_argument);
   search.restart(one);
   search.balance();

@@ -70,6 +70,10 @@ def rough(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed
     return bodies, {"effective_modulus": modulus, "work_of_adhesion": work, "adhesion_range": length}
 
 
+OF_SPACING = 0.03
+"""Difference over the pull-off force between spacings that give the process zone 8 points or more."""
+
+
 @pytest.mark.parametrize(
     "case",
     [
@@ -324,3 +328,20 @@ def test_a_range_that_the_grid_does_not_resolve_is_raised():
     with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is raised to"):
         curve = half_space(*bodies, [0.0], **adhesive | {"adhesion_range": 1e-4})
     assert curve.adhesion_range > 1e-4
+
+
+@pytest.mark.parametrize(("modulus", "length", "rms"), [(80.0, 5e-4, 1e-3), (2.0, 2e-3, 5e-3)])
+def test_the_pull_off_force_does_not_go_with_the_spacing(modulus, length, rms):
+    found = []
+    for points in (64, 128, 256):
+        draw, x = np.random.default_rng(1), np.arange(points) / points
+        heights = np.zeros((points, points))
+        for i, j in np.ndindex(13, 7):
+            wave, phase, part = np.hypot(i - 6, j), 2 * np.pi * draw.random(), draw.standard_normal()
+            if 2 <= wave <= 6:
+                heights += part * wave**-1.8 * np.cos(2 * np.pi * ((i - 6) * x[:, None] + j * x) + phase)
+        bodies = (Surface(each, spacing=1.28 / points) for each in (0 * heights, rms * heights))
+        adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
+        found.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
+    assert found[0] > 0
+    assert found[1:] == pytest.approx(found[:1] * 2, rel=OF_SPACING)

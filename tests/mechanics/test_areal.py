@@ -694,3 +694,70 @@ def test_a_flat_body_counts_as_a_summit():
             convex, signed = (press(*bodies, [0.1, 0.3], curvature=each) for each in ("convex", "signed"))
             assert convex.contact_count.tolist() == signed.contact_count.tolist()
             assert convex.contact_count[-1] > 5
+
+
+def test_no_minimum_of_rough_maps_is_missed():
+    # Roughness down to the grid, where many minima are small and near to saddles.
+    upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
+    gap = upper.heights - lower.heights
+    deepest = 2 * np.ptp(gap)
+    found = candidates(upper, lower, deepest=deepest)
+    places = areal.minima(gap, (0.05, 0.05))
+    assert len(found) >= len(places) > 100
+    apart = np.abs(found.position[:, None, :2] - places).max(axis=2)
+    assert apart.min(axis=0).max() < 1e-6
+
+
+def test_superposition_of_both_loads():
+    upper, lower = rough_pair()
+    found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
+    curve = press(upper, lower, [0.1], direction=33)
+    s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
+    total = np.zeros(3)
+    for one in found:
+        n = one["normal"]
+        total[2] += one["force"] * n[2]
+        if s @ n < 0:
+            t = -s + (s @ n) * n
+            friction = (0.3 * one["force"] + 0.07 * one["area"]) * t / np.linalg.norm(t)
+            total[:2] += (one["force"] * n)[:2]
+            total += friction
+    assert_close(curve.normal_load(mu0=0.3, tau0=0.07), total[2], INDEPENDENT)
+    assert_close(curve.tangential_load(mu0=0.3, tau0=0.07), -s @ total + s[2] * total[2], INDEPENDENT)
+    assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, INDEPENDENT)
+
+
+def test_overlapping_ellipses_are_counted():
+    # Two summits side by side whose ellipses meet, and one far away.
+    def bumps(x, y):
+        centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
+        return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
+
+    lower = surface_of(bumps, (121, 261), (0.01, 0.01))
+    flat = Surface(np.zeros_like(lower.heights), spacing=0.01)
+    table = contacts(flat, lower, 0.02)
+    assert len(table) == 3
+    # The nearer two meet where 2 sqrt(R d) = 0.2, R = 0.2.
+    approach = [0.04, 0.049, 0.052, 0.06]
+    curve = press(flat, lower, approach)
+    assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
+
+
+def test_a_long_valley_carries_what_lies_on_the_map():
+    # Bowed ever less along the valley, all of the ellipse carries ever more, and its part here that of a line.
+    y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
+    flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))
+    load = []
+    for bow in (1e2, 1e3, 1e4, 1e5):
+        body = Surface(-(x**2) / 2 - y**2 / (2 * bow), spacing=(0.05, 0.02))
+        curve = press(flat, body, [0.02])
+        assert (curve.contact_count[0], curve.validity.share_at_edge[0]) == (1, 1)
+        load.append(curve.normal_elastic[0])
+        # Of a line of length l at the pressure of the ellipse's middle: the half-width b of a cylinder of radius 1.
+        overlap = 0.02 - body.heights.max()
+        a, b, first = areal.semi_axes(bow, 1.0, overlap)
+        middle = 10 * overlap / first / b  # 3 F / (2 π a b)
+        line = np.pi / 2 * middle * b * 2.0
+        assert 1 - 0.2 * 2.0 / a < load[-1] / line < 1 + 1e-6
+    assert (np.diff(load) < 0).all()
+    assert 1.1 < load[0] / load[-1] < 4

@@ -826,3 +826,27 @@ def test_an_onset_of_next_to_no_strength_is_refused():
     body = rough((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)
+
+
+@pytest.mark.parametrize(("boundary", "hardness"), [("free", None), ("periodic", None), ("free", 1.0)])
+def test_bits_are_those_of_any_number_of_threads(boundary, hardness):
+    body = rough((150, 128))
+    alone = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
+    with scipy.fft.set_workers(3):
+        together = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
+    assert np.array_equal(alone.contact(0).pressure, together.contact(0).pressure)
+
+
+def test_closures_of_whole_and_of_masked_bodies_on_one_grid_are_their_own():
+    body = rough((32, 32))
+    missing = np.zeros((32, 32), bool)
+    missing[:8] = True
+    masked = Surface(body.heights, spacing=body.spacing, missing=missing)
+    whole, holed, again = (half_space(flat_like(each), each, [0.05]) for each in (body, masked, body))
+    assert whole._problem.grids is holed._problem.grids
+    assert whole.closure[0] == again.closure[0] != holed.closure[0]
+    even = whole._problem.grids.displacement(np.ones((32, 32)))
+    moved = (whole.contact(0).pressure * even).mean()
+    assert whole.closure[0] == pytest.approx(whole.approach[0] - moved, rel=1e-12)
+    moved = (holed.contact(0).pressure * holed._problem.grids.displacement(np.where(missing, 0.0, 1.0))).sum()
+    assert holed.closure[0] == pytest.approx(holed.approach[0] - moved / (~missing).sum(), rel=1e-12)

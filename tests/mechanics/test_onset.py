@@ -579,3 +579,15 @@ def test_bad_places(ball):
             onset.energy_lost(amplitude)
     assert onset.energy_lost(0.0) == 0
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
+
+
+def test_uniform_strength_on_a_ball_by_another_way(ball):
+    """tau0 alone: the asperity's closed form, whose bound is even over the true contact."""
+    curve, radius = ball
+    onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=PARTS)
+    area = np.pi * radius**2
+    assert onset.sliding_load == pytest.approx(0.2 * curve.contact_area[0], rel=ROUND_OFF)
+    assert onset.displacement_at_sliding == pytest.approx(2 * 0.2 * area / (np.pi * MODULUS / 2 * radius) / 2, rel=0.01)
+    for displacement, part in zip(onset.displacement, PARTS, strict=True):
+        edge = displacement / onset.displacement_at_sliding
+        assert 2 / np.pi * (np.arcsin(edge) + edge * np.sqrt(1 - edge**2)) == pytest.approx(part, rel=5 * MINDLIN)

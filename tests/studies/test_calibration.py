@@ -337,3 +337,23 @@ def test_predictions_cover_the_truth_of_every_kind_of_tests(kind: str) -> None:
     print(kind, share.round(3))
     assert share[1] > 0.92
     assert share.min() > (0.7 if "no" in kind else 0.9)  # far from the tests, a truth at a bound is held less often
+
+
+def test_intervals_are_those_of_minos() -> None:
+    iminuit = pytest.importorskip("iminuit")
+    tests = ball_tests(seed=5)
+
+    def chi_squared(mu0: float, tau0: float) -> float:
+        predicted = [mu0 + tau0 * BALL.area_per_load(float(test.load)) for test in tests]
+        return sum(((test.coefficient - y) / test.uncertainty) ** 2 for test, y in zip(tests, predicted, strict=True))
+
+    minuit = iminuit.Minuit(chi_squared, mu0=0.1, tau0=0.01)
+    minuit.errordef = iminuit.Minuit.LEAST_SQUARES
+    minuit.migrad()
+    minuit.minos(cl=0.95)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    for name, found in (("mu0", interface.mu0), ("tau0", interface.tau0)):
+        width = minuit.merrors[name].upper - minuit.merrors[name].lower
+        value = minuit.values[name]
+        expected = value, value + minuit.merrors[name].lower, value + minuit.merrors[name].upper
+        assert found == pytest.approx(expected, abs=MONTE_CARLO * width)

@@ -158,3 +158,24 @@ def test_scans_that_are_not_alike_are_refused(tmp_path) -> None:
         pair(scan(1, "upper"), tmp_path, **given)
     with pytest.raises(ValueError, match=r"surfaces.surrogates: of several scans"):
         pair([scan(1, "upper"), scan(2, "upper")], scan(1, "lower"), surrogates=4, **given)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("spread", [0.0, 0.2])
+def test_pressed_scans_cover_the_mean_of_their_parts(spread) -> None:
+    rng = np.random.default_rng(7)
+    given = {"mechanics": "asperities", "onset": 0, **QUICK}
+
+    def scans_of(part: int, count: int):
+        seeds = 1000 * part + np.arange(count)
+        gradients = np.exp(spread * rng.standard_normal((2, count)))
+        return [
+            [scan(int(s), side, g) for s, g in zip(seeds, own, strict=True)]
+            for side, own in zip(("upper", "lower"), gradients, strict=True)
+        ]
+
+    truth = pair(*scans_of(100, 24), shifts=576, **given).value  # all parts are of one kind
+    found = [pair(*scans_of(part, 3 + part % 4), shifts=32, **given) for part in range(20)]
+    covered = sum(each.interval[0] <= truth <= each.interval[1] for each in found)
+    print(f"spread {spread}: {covered} of 20 cover {truth:.4f}")
+    assert covered >= 17

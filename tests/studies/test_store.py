@@ -1,5 +1,6 @@
 """A result in its folder: what is there, what is continued, and what is refused."""
 
+import contextlib
 import errno
 import io
 import itertools
@@ -625,3 +626,52 @@ def test_a_file_is_that_which_xarray_writes(undisturbed):
     image = io.BytesIO()
     store.write(part, image)
     assert store.encoded(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()
+
+
+INTERRUPTED = r"""
+import os, signal, sys, threading
+from stiction import Study
+from stiction.studies import runner
+study, sums, interrupted = Study.from_toml("s.toml"), runner.member_sums, threading.Event()
+def tell(word):  # in one piece: print() writes the end of a line by itself, and another thread between both
+    os.write(1, f"{word}\n".encode())
+def held(study, member):
+    if member >= 20:
+        tell("held")
+        interrupted.wait()
+    return sums(study, member)
+def interrupt(*of):
+    interrupted.set()
+    signal.default_int_handler(*of)
+signal.signal(signal.SIGINT, interrupt)
+runner.member_sums = held
+runner.block_size = lambda study: 8
+tell("begun")
+try:
+    runner.fill(study, "r", say=lambda text: tell("ready"))
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path):
+    study = repetitions(1000)
+    (tmp_path / "s.toml").write_text(study.to_toml())
+    with (
+        subprocess.Popen(
+            [sys.executable, "-c", INTERRUPTED], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
+        ) as process,
+        contextlib.ExitStack() as whatever_happens,
+    ):
+        whatever_happens.callback(process.kill)  # which does nothing to one that has ended
+        assert process.stdout.readline() == b"begun\n"
+        wanted = {b"ready\n", b"held\n"}  # each thread is held, and says so, in any order
+        while wanted and (line := process.stdout.readline()):
+            wanted.discard(line)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(300) == 130
+    kept = store.open_stored(tmp_path / "r")
+    assert 8 <= kept.finished.size < 500  # and not all, however busy the machine is
+    assert_nothing_is_left(tmp_path)
+    computed = run(repetitions(int(kept.finished[-1]) + 1))
+    assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))

@@ -355,3 +355,14 @@ def test_a_file_with_other_lines_is_a_study_or_refused(seed):
         assert study.contact.steps().size
         assert set(study.motions()) <= {"sliding", "direction"}
     assert taken
+
+
+def test_figures_7_and_8_have_the_papers_amplitudes():
+    for name in ("figure7", "figure8"):
+        assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
+
+
+def test_figure5_has_the_papers_friction():
+    friction = Study.named("figure5").friction
+    assert friction.mu0 == (0.4,)
+    assert [float(tau0) for tau0 in friction.tau0] == [0.01]

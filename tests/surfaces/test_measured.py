@@ -860,3 +860,18 @@ def test_very_long_lines_are_read_in_time(file):
     began = time.process_time()
     assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)
     assert time.process_time() - began < 4  # 0.4 s in a trial
+
+
+def test_words_beside_the_points_are_bounded(file):
+    few, many, deep = (PLAIN.replace("</p:ISO", f"{words}</p:ISO") for words in (
+        "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
+    ))  # fmt: skip
+    assert read_surface(file(archive_of(few), "a.x3p")).heights.shape == (6, 9)
+    assert "more than 100000 elements in main.xml" in refusal(file(archive_of(many), "a.x3p"), read_surface)
+    assert "which its points do not need" in refusal(file(archive_of(deep), "a.x3p"), read_surface)
+    # Points that are listed may need more than words, but no more than there are.
+    listed = main_of(x3p(np.zeros(40_000), listed=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
+    assert len(listed) > 4_000_000
+    assert len(read_profile(file(archive_of(listed), "b.x3p"))) == 40_000
+    longer = listed.replace("40000</SizeX>", "4</SizeX>")
+    assert "which its points do not need" in refusal(file(archive_of(longer), "b.x3p"))

@@ -11,10 +11,13 @@ from stiction import (
     hurst_exponent_of,
     levelled,
     power_spectrum,
+    random_phases,
     rotated,
     roughness_parameters,
     spectral_moments,
     surface_spectrum,
+    weierstrass_mandelbrot,
+    weierstrass_mandelbrot_moments,
 )
 
 # Of sums over some thousand points, of transforms and their squares.
@@ -179,3 +182,19 @@ def test_agrees_with_surface_topography():
         ring = (at > edges[index - 1]) & (at < edges[index])
         # Its rings have edges of their own, and the density falls by half within a tenth of a decade.
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
+
+
+def test_of_eq_1_are_its_exact_ones():
+    # Half of Σ a² k^(2j); 20 profiles of some hundred independent wavelengths each leave a few per cent.
+    options = {"convention": "classical"}
+    exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
+    found = [
+        spectral_moments(
+            weierstrass_mandelbrot(
+                random_phases(4, repetition=r), 1.2, points=8000, band_limit="nyquist", extent=80.0, **options
+            )
+        )
+        for r in range(20)
+    ]
+    for name in ("slope", "curvature"):
+        assert np.mean([getattr(m, name) for m in found]) == pytest.approx(getattr(exact, name), rel=0.05)

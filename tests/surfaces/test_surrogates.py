@@ -7,6 +7,7 @@ import pytest
 from rough_bodies import rough
 from stiction import (
     Profile,
+    half_space,
     isotropic_spectrum,
     isotropic_surface,
     levelled,
@@ -179,3 +180,34 @@ def test_bad_input(changes, words):
     arguments = {"profile": known(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
     with pytest.raises(ValueError, match=words):
         isotropic_surface(arguments.pop("profile"), arguments.pop("seed"), **arguments)
+
+
+@pytest.mark.soak
+def test_area_and_friction_are_those_of_the_map():
+    """Pieces have 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
+    bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
+
+    def answers(pairs):
+        found = []
+        for pair in pairs:
+            area = np.prod(pair[0].extent)
+            curve = half_space(*pair, [0.02 * area], direction=[0.0, 90.0, 180.0, 270.0])
+            friction = curve.friction_coefficient(mu0=0.4, tau0=0.1)
+            found.append([curve.contact_area[0] / area, friction.mean()])
+        return np.mean(found, axis=0)
+
+    own = answers(
+        [
+            levelled(type(body)(body.heights[:, at : at + 128], spacing=0.1), "plane")
+            for body in bodies
+        ]
+        for at in range(0, 1024, 128)
+    )  # fmt: skip
+    made = answers(
+        [
+            isotropic_surface(levelled(body.row(20 * each), "line"), 1, shape=(128, 128), side=side, repetition=each)
+            for body, side in zip(bodies, ("upper", "lower"), strict=True)
+        ]
+        for each in range(6)
+    )  # fmt: skip
+    np.testing.assert_allclose(made, own, rtol=SCATTER)

@@ -336,3 +336,15 @@ def test_a_hardness_that_was_measured_has_no_range(study):
     one = answers(measured(load_share_at_hardness=0.9), study)[0]
     assert "known" not in one.inputs
     assert not any("softer material" in doubt.text for doubt in one.doubts)
+
+
+def test_no_finer_scan_is_spoken_of_where_nothing_is_to_be_quoted():
+    one = answers(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0))[0]
+    assert (one.verdict, one.bracket) == ("Do not quote", None)
+    assert "finer scan" not in answers_text([one])
+
+
+def test_the_ends_meet_where_slopes_put_the_answer_below_the_limit():
+    low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
+    assert low == pytest.approx(0.22)
+    assert low < high

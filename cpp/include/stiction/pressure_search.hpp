@@ -35,8 +35,9 @@ class PressureSearch {
   /// their sum.
   PressureSearch(std::vector<double> pressure, double total, Values bound, bool line);
 
-  /// Finds approach and free points. Returns the largest distance |potential - approach| [µm] of a free point: no point
-  /// under pressure is open by more, none below its bound overlaps by more. Infinite where potentials are not finite.
+  /// Finds approach and free points; a std::logic_error before the first `restart`. Returns the largest distance
+  /// |potential - approach| [µm] of a free point: no point under pressure is open by more, none below its bound
+  /// overlaps by more. Infinite where potentials are not finite.
   double balance(const Crew& crew = Crew());
 
   /// Mean potential of the free points less potential [µm] there, and its continuation, 0 on areas, elsewhere.
@@ -69,7 +70,7 @@ class PressureSearch {
   Values pressure() const { return pressure_; }
   /// The pressure, of which the search is then empty.
   std::vector<double> take_pressure() { return std::move(pressure_); }
-  /// The potential, whose memory `restart` can have again.
+  /// The potential, whose memory `restart` can have again, as it must before the next balance.
   std::vector<double> take_potential() { return std::move(potential_); }
 
  private:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import math
+import re
 import warnings
 import zipfile
 from collections import Counter
@@ -12,6 +14,8 @@ from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatErro
 from stiction.surfaces.measured.text import read_lines
 
 MOST_TAGS = 10_000_000  # largest number of XML tags in a workbook, four for a cell with a number: 2.5 million heights
+MOST_TAGS_IN_A_ROW = 8 * 16_384  # eight for each column that a sheet of Excel can have; a row is held in memory
+_ROW = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes) -> Channels:
@@ -51,11 +55,16 @@ def _refuse_bombs(data: bytes) -> None:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         left, tags = MOST_TEXT_BYTES, 0
         for name in archive.namelist():
+            tags_in_row = -math.inf  # before the first row, and so in what is no sheet
             for chunk in chunks(archive, name, left):
                 left -= len(chunk)
                 tags += chunk.count(b"<")
                 if tags > MOST_TAGS:
                     raise FormatError(f"holds more than {MOST_TAGS} tags of XML; save the sheet as .csv")
+                before, *rows = (part.count(b"<") for part in _ROW.split(chunk))
+                if max(tags_in_row + before, *rows, 0) > MOST_TAGS_IN_A_ROW:
+                    raise FormatError("has a sheet with more cells in a row than Excel can have")
+                tags_in_row = rows[-1] if rows else tags_in_row + before
 
 
 def _lines(sheet: Any) -> list[str]:

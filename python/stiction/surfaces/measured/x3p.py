@@ -23,6 +23,9 @@ _MAIN = "main.xml"
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
 """Numbers as XML Schema writes them: no underscores, and no digits of other scripts."""
 
+_MOST_WORDS = 4_000_000  # bytes of main.xml, but for the points that it lists
+_MOST_ELEMENTS = 100_000  # largest size of main.xml without its points
+_BYTES_OF_A_POINT = 200
 _SPARE = 64  # bytes of bits beyond the last point
 _DEEPEST = 6
 
@@ -82,21 +85,26 @@ def _read(archive: zipfile.ZipFile) -> Raw:
 
 
 class _Main:
-    """The texts of main.xml by their paths below the root, and the points that it lists; no document type."""
+    """The texts of main.xml by their paths below the root, and the points that it lists; no document type, no bombs."""
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self.texts: dict[str, str] = {}
         self.listed: list[str] | None = None
         self._path: list[str] = []
         self._words: list[str] = []
+        self._elements = 0
         parser = expat.ParserCreate(namespace_separator="}")  # some programs give all elements a namespace
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._refuse
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.CharacterDataHandler = self._words.append
+        read = 0
         for chunk in chunks(archive, _MAIN, MOST_TEXT_BYTES):
             parser.Parse(chunk)
+            read += len(chunk)
+            if read > _MOST_WORDS + (0 if self.listed is None else _BYTES_OF_A_POINT * math.prod(_shape(self))):
+                raise FormatError(f"has a {_MAIN} of more than {read - len(chunk)} bytes, which its points do not need")
         parser.Parse(b"", True)
 
     def _refuse(self, *_: object) -> None:
@@ -108,6 +116,10 @@ class _Main:
         self._words.clear()
         if name == "DataList":
             self.listed = []
+        if name != "Datum":
+            self._elements += 1
+            if self._elements > _MOST_ELEMENTS:
+                raise FormatError(f"has more than {_MOST_ELEMENTS} elements in {_MAIN}")
 
     def _end(self, _: str) -> None:
         text = "".join(self._words)
