@@ -7,9 +7,11 @@ import pytest
 from rough_bodies import rough_maps
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
+from stiction.studies import hardness
 from stiction.studies.at_load import PerLoad, six_at
 from stiction.studies.budget import _Point
-from stiction.studies.hardness import Areas, bodies_wanted, inputs_of
+from stiction.studies.executors import threads
+from stiction.studies.hardness import Areas, areas_over_hardness, bodies_wanted, inputs_of
 from stiction.studies.known import ENDS, known
 from stiction.studies.pair import pair_study
 from stiction.studies.values import StudyError
@@ -80,6 +82,17 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
         direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=stiffness, **kwargs)
         found = one._draws({"hardness": part, "effective_modulus": part})
         assert found[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
+
+
+def test_large_maps_are_pressed_at_other_hardnesses_by_the_first_two_members(monkeypatch) -> None:
+    asked = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
+    study = pair_study(*bodies(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **asked)
+    with threads(1) as executor:
+        many = areas_over_hardness(study, executor)
+        monkeypatch.setattr(hardness, "LARGE_POINTS", 1)
+        few = areas_over_hardness(study, executor)
+    assert (many.sizes["repetition"], few.sizes["repetition"]) == (4, 2)
+    np.testing.assert_array_equal(few["contact_area"], many["contact_area"][:2])
 
 
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # plastic, and between elastic and plastic
