@@ -21,7 +21,7 @@ HALF_WRITTEN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9
 OLD = 3600.0  # seconds after which nobody is still writing a file on another machine
 _HERE = f"{zlib.crc32(platform.node().encode()):08x}"
 _THIS_RUN = secrets.token_hex(4)  # the number of a process may have been that of one that was killed
-_MARKED = 1000  # bytes in which a file of ours carries its mark
+_MARKED = 2**16  # bytes at the beginning and at the end of a file in which its mark is searched
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -40,11 +40,16 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
 @contextmanager
 def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
     """A file to write, which takes the place of an older one when it is whole; one without the mark is left alone."""
+    check_replaceable(path, mark, failure)
+    with _said(path, failure), _partial(path, Path.replace) as partial:
+        yield partial
+
+
+def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> None:
+    """Raise a failure if the path exists and is no file with the mark; a link that leads nowhere exists."""
     with _said(path, failure):
         if os.path.lexists(path) and not _is_ours(path, mark):
             raise failure(f"{named(path)}: exists already and is something else; remove it, or choose another name")
-        with _partial(path, Path.replace) as partial:
-            yield partial
 
 
 def replace(path: Path, content: bytes) -> None:
@@ -109,7 +114,9 @@ def _is_ours(path: Path, mark: bytes) -> bool:
     if not path.is_file():
         return False
     with path.open("rb") as file:
-        return mark in file.read(_MARKED)
+        head = file.read(_MARKED)
+        file.seek(max(len(head), path.stat().st_size - _MARKED))
+        return mark in head or mark in file.read(_MARKED)
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------------

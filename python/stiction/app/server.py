@@ -23,6 +23,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from stiction._files import replaced_file
 from stiction.app import made
 from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
@@ -166,11 +167,12 @@ class Server:
             raise RefusedError(f"{sys.executable}: a menu cannot hold this name")
         data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         data.mkdir(parents=True, exist_ok=True)
-        (data / "stiction.desktop").write_text(
-            "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
-            f'Exec="{sys.executable}" -P -m stiction app\nPath={self.here}\nCategories=Science;\n',
-            "utf-8",
-        )
+        with replaced_file(data / "stiction.desktop", b"Name=stiction\n", ValueError) as partial:
+            partial.write_text(
+                "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
+                f'Exec="{sys.executable}" -P -m stiction app\nPath={self.here}\nCategories=Science;\n',
+                "utf-8",
+            )
         return JSONResponse({"file": str(data / "stiction.desktop")})
 
     # ---- Scans ------------------------------------------------------------------------------------------------------

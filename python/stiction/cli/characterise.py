@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -10,6 +11,7 @@ import typer
 
 from stiction._arguments import quantity_of
 from stiction._checks import choice
+from stiction._files import check_replaceable
 from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import FILE, Json, given, measurement, option, with_options
@@ -76,6 +78,7 @@ def characterise(
     """
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
+    from stiction.views.files import new_text
     from stiction.views.style import save_picture
 
     outputs = [] if as_json and output is None else _outputs(files, output, together=together, repeated=repeated)
@@ -104,9 +107,7 @@ def characterise(
         what = ""
         if len(files) > 1:
             what = f", {len(files)} files"
-            if path.exists():
-                raise ValueError(f"{named(path)}: exists already; --output FILE.csv puts the table elsewhere")
-            path.write_text(views.characterisation_csv(told), encoding="utf-8")
+            new_text(path, views.characterisation_csv(told))
         elif path.suffix.lower() == ".html":
             from stiction.views.report.surface import surface_page
 
@@ -145,6 +146,7 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
 def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated import repeated
+    from stiction.views.files import new_text
     from stiction.views.rows import record
     from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
     from stiction.views.style import save_picture
@@ -158,14 +160,28 @@ def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Pa
             else:
                 write_surface(twice.scan, path)
         elif path.suffix.lower() == ".csv":
-            path.write_text(octaves_csv(twice), encoding="utf-8")
+            new_text(path, octaves_csv(twice))
         else:
             save_picture(repeated_figure(twice), path)
         (say if as_json else tell)(f"wrote {named(path)}, {' and '.join(file.name for file in files)}")
 
 
 def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """What is to be written; refused before anything is computed where it cannot be."""
+    """Return the files to write; raise a `ValueError` if one would replace a file that is not a figure or a report."""
+    from stiction.views.report.page import MARK
+    from stiction.views.style import MARKS
+
+    paths = _paths(files, output, together=together, repeated=repeated)
+    marks = {".html": MARK.encode(), **MARKS}
+    for path in paths:
+        if (ending := path.suffix.lower()) in marks:
+            check_replaceable(path, marks[ending], ValueError)
+        elif os.path.lexists(path):
+            raise ValueError(f"{named(path)}: exists already; move it, or choose another name with --output")
+    return paths
+
+
+def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     if repeated and (len(files) != 2 or together):
         raise ValueError(f"--repeated is for two scans of one place, without --together, got {len(files)}")
     if together and len(files) < 2:
@@ -174,10 +190,7 @@ def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated
     endings = [".csv", *pictures] if together else [".csv"] if len(files) > 1 else [".html", *pictures]
     endings = [".npy", ".csv", *pictures] if repeated else endings
     if output is None and repeated:
-        paths = [Path("repeated.npy"), Path("noise.csv"), Path("noise.png")]
-        if there := [path for path in paths[:2] if path.exists()]:
-            raise ValueError(f"{named(there[0])}: exists already: move it, or choose by --output")
-        return paths
+        return [Path("repeated.npy"), Path("noise.csv"), Path("noise.png")]
     if output is None:
         stem, count = ("joined", 2) if together else ("characterised", 1) if len(files) > 1 else (files[0].stem, 2)
         return [Path(f"{stem}{ending}") for ending in endings[:count]]

@@ -176,11 +176,13 @@ def pair(
     from stiction.cli.showing import said_by, show_answer, show_result, write_views
     from stiction.studies.members import about
     from stiction.views.asked import at_asked_loads
+    from stiction.views.files import VIEWS, check_files
     from stiction.views.inputs import doubts_of_study
     from stiction.views.rows import record_text
 
     chosen, said = part_of(part), said_by(as_json)
     check_folder(output)
+    check_files(output, VIEWS)
     bodies = Pair(upper=upper, lower=lower, **asked)
     for file in bodies.files:
         announce_reader(Path(file.file))

@@ -75,15 +75,15 @@ def show_answer(
 def write_views(stored: Stored, *, said: Callable[[str], None]) -> None:
     """Write the page, the table and a figure of a measured pair into its folder, and say so in two lines."""
     from stiction.views.figures import drawn
-    from stiction.views.files import write_table
+    from stiction.views.files import TABLE, VIEWS, replace_text, result_csv
     from stiction.views.report import save_report
 
-    write_table(stored, stored.path / "result.csv")
+    replace_text(stored.path / TABLE, result_csv(stored), VIEWS[TABLE])
     announce("drawing")
     drawings = drawn(stored, stored.path, first=True)
     page = stored.path / "report.html"
     save_report(stored, page, name=stored.path.resolve().name)
-    said(f"wrote {page} (open it), {' and '.join(['result.csv', *(drawing.name for drawing in drawings)])}")
+    said(f"wrote {page} (open it), {' and '.join([TABLE, *(drawing.name for drawing in drawings)])}")
 
 
 def draw_result(stored: Stored, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:

@@ -9,8 +9,11 @@ from stiction._arguments import listed, load_of, numbers_of, quantities_of, quan
 from stiction.cli.application import command, tell
 from stiction.cli.options import ELASTICITY, option, with_options
 from stiction.cli.running import Scheduler, Workers
+from stiction.studies.store import SEAL
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
+MARKS = {TABLE: SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A0 = b p^c"}
+"""What a file of an earlier table contains; no other file is replaced."""
 
 
 @command(
@@ -49,6 +52,7 @@ def table_command(
     from stiction.studies.elasticity import elasticity_of
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
+    from stiction.views.files import check_files, replace_text
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = elasticity_of(**asked).effective_modulus
@@ -63,13 +67,14 @@ def table_command(
         extent=float(quantity_of("extent", extent, "length")), points=points, longest_wavelength=longest,
         shortest_wavelength=shortest, repetitions=repetitions, seed=seed,
     )  # fmt: skip
+    check_files(output, MARKS)
     with executor_of(workers, scheduler) as executor:
         stored = fill_folder(study, output, executor)
     table = friction_table(stored.dataset(), **materials)
     tell(friction_table_text(table))
     export(table, output / TABLE, replace=(output / TABLE).exists())
     for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):
-        (output / name).write_text(text, encoding="utf-8")
+        replace_text(output / name, text, MARKS[name])
     for name in (TABLE, NUMBERS, LAWS):
         tell(f"wrote {output / name}")
 

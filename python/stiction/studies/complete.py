@@ -9,21 +9,24 @@ from pathlib import Path
 from typing import Any
 
 from stiction._core import __version__
-from stiction._files import replace as put
+from stiction._files import check_replaceable, replaced_file
 from stiction._text import duration_text
 from stiction.studies.contact_picture import FILE as PICTURE
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.hardness import FILE as HARDNESS
 from stiction.studies.hardness import areas_over_hardness, hardness_beside
 from stiction.studies.onset import FILE as ONSET
-from stiction.studies.onset import TABLE, backbone, onset_beside, onset_of_result
+from stiction.studies.onset import TABLE, TABLE_MARK, backbone, onset_beside, onset_of_result
 from stiction.studies.pressed import cost_of_member
 from stiction.studies.resolution import FOLDER, resolution_study
 from stiction.studies.runner import fill, filled, prepared
-from stiction.studies.store import BLOCKS, STUDY, Stored, export, open_stored
+from stiction.studies.store import BLOCKS, SEAL, STUDY, Stored, StoreError, export, open_stored
 from stiction.studies.study import Study, computed_otherwise, differences, differences_text
 
 Say = Callable[[str], Any]  # a function that tells a person a line
+
+_BESIDE = {PICTURE: SEAL, HARDNESS: SEAL, ONSET: SEAL, TABLE: TABLE_MARK}
+"""Files that are kept beside the blocks of a measured pair, and the mark by which each is recognised."""
 
 
 def _nothing(_: str) -> None:
@@ -40,6 +43,8 @@ def complete(
     `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
     `announce` tell what was done, is worth knowing and comes, and `answered` is given the result of the blocks.
     """
+    for name, mark in (_BESIDE if study.is_measured and part is None else {}).items():
+        check_replaceable(folder / name, mark, StoreError)
     there = open_stored(folder) if (folder / STUDY).exists() else None
     if replace and there:
         remove_result(there)
@@ -102,7 +107,8 @@ def fill_beside(
         return
     if curve is not None:
         export(curve, stored.path / ONSET, replace=True)
-        put(stored.path / TABLE, backbone(curve).encode())
+        with replaced_file(stored.path / TABLE, TABLE_MARK, StoreError) as partial:
+            partial.write_text(backbone(curve), encoding="utf-8")
 
 
 def remove_result(stored: Stored) -> None:

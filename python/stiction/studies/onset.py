@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 FILE = "onset.nc"  # name of the file in the folder of a result
 TABLE = "onset.csv"  # the curve as a table: the backbone of a Masing model
+TABLE_MARK = b"fraction of the sliding load,"  # beginning of its first line
 MEMBERS, FEW = 16, 4  # whose onset is computed, unless another number is asked for; of areas by the half-space a few
 
 FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)

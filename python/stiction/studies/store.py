@@ -48,6 +48,7 @@ from stiction.studies.study import (
     Difference,
     Study,
     computed_otherwise,
+    differences,
     differences_text,
     study_from_text,
 )
@@ -375,7 +376,7 @@ def begin(path: str | Path, study: Study) -> Stored:
     stored = Stored(path, study, _listed(path))
     if stored.blocks:
         _check(stored)
-    elif os.path.lexists(path / STUDY):
+    if os.path.lexists(path / STUDY) and not _says(path, study):
         _check_replaceable(path, study)
     try:
         (path / BLOCKS).mkdir(parents=True, exist_ok=True)
@@ -417,16 +418,16 @@ def _check(stored: Stored) -> None:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """That a study without any block is the one that is asked for, or was written by a command."""
+    """Raise a `StoreError` if the study in a folder was not written by a command, so that it is not replaced."""
     try:
-        is_ours = content(path / STUDY, LONGEST_FILE).startswith(MARK.encode())
-        differ = [] if is_ours else computed_otherwise(_study(path), study)
+        if content(path / STUDY, LONGEST_FILE).startswith(MARK.encode()):
+            return
+        differ = differences(_study(path), study)
     except OSError as error:
         raise StoreError(f"{named(path / STUDY)}: cannot be read: {reason(error)}") from None
     except NotReadableError as error:
         raise StoreError(f"{named(path / STUDY)}: {error}; choose another place, or remove it") from None
-    if differ:
-        raise _another_study(path, differ)
+    raise _another_study(path, differ)
 
 
 def _says(path: Path, study: Study) -> bool:
@@ -615,7 +616,7 @@ def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool =
     path : path
         Must not exist yet. It appears when it is whole.
     replace : bool
-        Whether it may exist, and be a netCDF file, which it then takes the place of.
+        Whether it may exist as a file that this function wrote, which it then takes the place of.
 
     Raises
     ------
@@ -626,7 +627,7 @@ def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool =
     """
     path = Path(path)
     dataset = result.dataset() if isinstance(result, Stored) else result
-    with replaced_file(path, b"\x89HDF", ExportError) if replace else new_file(path, ExportError) as partial:
+    with replaced_file(path, SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
         whole = io.BytesIO()  # because HDF5 may crash where a disk is full
         write(dataset, whole)
         seal(whole)

@@ -43,6 +43,7 @@ from stiction.surfaces.spectrum import (
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import percent, with_unit
 from stiction.views.rows import entry, record
+from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.text import fitted
 
 PAPERS_MU0 = 0.4  # molecular friction coefficient of the friction that slopes alone give
@@ -459,5 +460,4 @@ def characterisation_csv(files: Files) -> str:
             if name == "hurst_exponent":
                 row |= {f"{name} {end}": value[end] for end in ("lower", "upper")}
         rows.append(row)
-    text: str = pandas.DataFrame(rows).to_csv(index=False, float_format="%.9g")
-    return text
+    return csv_of_frame(pandas.DataFrame(rows))

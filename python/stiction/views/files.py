@@ -2,29 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stiction._files import check_replaceable, new_file, replaced_file
 from stiction._text import named
 from stiction.studies.store import export
 from stiction.views.asked import at_asked_loads
 from stiction.views.inputs import doubts_of_study
+from stiction.views.report.page import MARK
 from stiction.views.rows import csv_text
+from stiction.views.style import MARKS
 
 if TYPE_CHECKING:
     from stiction.studies.store import Stored
 
+TABLE = "result.csv"
+VIEWS = {TABLE: b"coefficient of static friction: lower", "report.html": MARK.encode(), "friction.png": MARKS[".png"]}
+"""Files that a pair writes into its folder when it has been computed, and the mark by which each is recognised."""
 
-def write_table(stored: Stored, path: Path) -> None:
-    """Write the values of a result at the loads of its study as CSV."""
-    text = csv_text(at_asked_loads(stored), stored.study, beside=doubts_of_study(stored.study))
-    path.write_text(text, encoding="utf-8")
+
+def check_files(folder: Path, marks: Mapping[str, bytes]) -> None:
+    """Raise a `ValueError` if a file in a folder, to be replaced later, exists without its mark."""
+    for name, mark in marks.items():
+        check_replaceable(folder / name, mark, ValueError)
+
+
+def replace_text(path: Path, text: str, mark: bytes) -> None:
+    """Write a text in place of an older file with the mark; a `ValueError` if another file has the name."""
+    with replaced_file(path, mark, ValueError) as partial:
+        partial.write_text(text, encoding="utf-8")
+
+
+def new_text(path: Path, text: str) -> None:
+    """Write a text to a new file; a `ValueError` if the file exists or cannot be written."""
+    with new_file(path, ValueError) as partial:
+        partial.write_text(text, encoding="utf-8")
+
+
+def result_csv(stored: Stored) -> str:
+    """Return the values of a result at the loads of its study as CSV."""
+    return csv_text(at_asked_loads(stored), stored.study, beside=doubts_of_study(stored.study))
 
 
 WRITERS: dict[str, tuple[str, Callable[[Stored, Path], None]]] = {
     ".nc": ("the whole result", export),
-    ".csv": ("a table", write_table),
+    ".csv": ("a table", lambda stored, path: new_text(path, result_csv(stored))),
 }
 """What writes a result to a file that does not exist yet, and what the file then holds, by the ending of its name."""
 
@@ -37,6 +61,4 @@ def write_result(stored: Stored, path: Path) -> None:
     if path.suffix.lower() not in WRITERS:
         endings = " or ".join(f"{ending} ({what})" for ending, (what, _) in WRITERS.items())
         raise ValueError(f"{named(path)}: its name must end in {endings}")
-    if path.exists():
-        raise ValueError(f"{named(path)}: exists already; remove it, or choose another name")
     WRITERS[path.suffix.lower()][1](stored, path)

@@ -10,6 +10,7 @@ import xarray
 from stiction.mechanics.quantities import column_of
 from stiction.studies.friction_table import STRAIGHT
 from stiction.views.digits import with_interval, with_unit
+from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.text import aligned, fitted
 
 _TITLES = {
@@ -49,7 +50,7 @@ def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
         if (factor := column_of(name)[1]) != 1:
             frame[name] *= factor
     frame = frame.rename(columns={name: column_of(name)[0] for name in places})
-    return str(frame.to_csv(index=False, float_format="%.9g"))
+    return csv_of_frame(frame)
 
 
 def friction_table_text(table: xarray.Dataset) -> str:

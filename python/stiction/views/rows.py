@@ -24,6 +24,7 @@ from stiction.views.digits import duration, finite
 from stiction.views.onset import onset_record, words_of
 from stiction.views.point import CELLS, rules_of
 from stiction.views.resolution import resolution_record
+from stiction.views.spreadsheet import csv_of_frame
 
 if TYPE_CHECKING:
     import pandas
@@ -117,8 +118,7 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 def csv_text(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> str:
     """`table_of` for spreadsheets."""
-    text: str = table_of(at, study, beside=beside).to_csv(index=False, float_format="%.9g")
-    return text
+    return csv_of_frame(table_of(at, study, beside=beside))
 
 
 def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> pandas.DataFrame:

@@ -14,6 +14,7 @@ from stiction.mechanics.resolution import KAPPA
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.repeated import Repeated
 from stiction.views.digits import percent, with_unit
+from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
 from stiction.views.text import aligned, fitted
 
@@ -184,8 +185,7 @@ def octaves_csv(found: Repeated) -> str:
     import pandas
 
     columns = {"wavelength (um)": found.wavelength, "noise (um)": found.noise, "common (um)": found.common}
-    table: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.6g")
-    return f"# {limit_text(found)}\n{table}"
+    return f"# {limit_text(found)}\n{csv_of_frame(pandas.DataFrame(columns), float_format='%.6g')}"
 
 
 def repeated_figure(found: Repeated) -> Figure:

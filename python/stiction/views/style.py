@@ -137,8 +137,8 @@ def evenly_spread(count: int, most: int) -> NDArray[np.intp]:
 
 FORMATS = ("png", "pdf", "svg")  # what a figure can be written as
 
-_MADE_BY = {".png": b"Software\0stiction", ".pdf": b"%PDF", ".svg": b"stiction"}
-"""What the beginning of a file of ours has."""
+MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
+"""Metadata by which a figure of this package is recognised, by the ending of its name."""
 
 
 def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
@@ -164,10 +164,7 @@ def save_picture(figure: Figure, path: Path) -> None:
         ".pdf": {"Creator": maker, "CreationDate": None},
         ".svg": {"Title": maker, "Date": None},
     }
-    mark = _MADE_BY[suffix]
-    if suffix == ".pdf" and path.is_file() and b"(stiction " not in path.read_bytes():
-        mark = b"\0 a PDF of somebody else"  # what it is of stands at the end of a PDF
-    with mpl.rc_context(STYLE), replaced_file(path, mark, ValueError) as partial:
+    with mpl.rc_context(STYLE), replaced_file(path, MARKS[suffix], ValueError) as partial:
         if suffix == ".png":
             write_png(figure, partial, dpi=figure.dpi, metadata=metadata[suffix])
         else:
