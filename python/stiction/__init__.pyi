@@ -66,6 +66,7 @@ from stiction.studies.runner import run as run
 from stiction.studies.study import Study as Study, study_names as study_names
 from stiction.studies.traverse import traverse as traverse, traverse_mean as traverse_mean
 from stiction.surfaces.cut_off import cut_off as cut_off
+from stiction.surfaces.filters import filtered as filtered
 from stiction.surfaces.fractal import (
     random_phases as random_phases,
     weierstrass_mandelbrot as weierstrass_mandelbrot,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rough_bodies import rough, self_affine_map
 from stiction import Profile, Surface, cut_off, surface_spectrum
-from stiction.surfaces.cut_off import transmission
+from stiction.surfaces.filters import transmission
 
 ROUND_OFF = 1e-12
 

@@ -11,7 +11,7 @@ import numpy as np
 from stiction._checks import Floats, read_only
 from stiction._drawing import draw_repeated
 from stiction._shown import Shown, axes_for
-from stiction.surfaces.cut_off import transmission
+from stiction.surfaces.filters import transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, refuse_missing
 from stiction.surfaces.scale import in_three_digits, variances

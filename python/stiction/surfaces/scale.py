@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, number, read_only, truth
 from stiction._shown import Readable, Tabled
-from stiction.surfaces.cut_off import transmission
+from stiction.surfaces.filters import transmission
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile

@@ -1,0 +1,56 @@
+"""Gaussian regression filters of ISO 16610 by their definitions: weighted least squares at every point, in loops."""
+
+import math
+
+import numpy as np
+
+ALPHA = math.sqrt(math.log(2) / math.pi)
+
+
+def gaussian_weight(distance, cutoff):
+    return math.exp(-math.pi * (distance / (ALPHA * cutoff)) ** 2)
+
+
+def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
+    """At each point the constant term of the polynomial fitted about it."""
+    points = len(heights)
+    weights = [1.0] * points if weights is None else weights
+    smooth = []
+    for i in range(points):
+        normal, right = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
+        for j in range(points):
+            offset = (j - i) * spacing
+            weight = weights[j] * gaussian_weight(offset, cutoff)
+            powers = [(offset / cutoff) ** k for k in range(degree + 1)]
+            for k in range(degree + 1):
+                right[k] += weight * heights[j] * powers[k]
+                for m in range(degree + 1):
+                    normal[k, m] += weight * powers[k] * powers[m]
+        smooth.append(np.linalg.solve(normal, right)[0])
+    return np.array(smooth)
+
+
+def mean_surface(heights, spacing, cutoff, terms, weights=None):
+    """At each point the constant term of the polynomial with these terms (powers of y and x) fitted about it."""
+    rows, columns = heights.shape
+    weights = np.ones(heights.shape) if weights is None else weights
+    y, x = spacing[0] * np.arange(rows)[:, np.newaxis], spacing[1] * np.arange(columns)
+    smooth = np.empty(heights.shape)
+    for j in range(rows):
+        for i in range(columns):
+            v, u = (y - y[j]) / cutoff, (x - x[i]) / cutoff
+            root = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / ALPHA**2)).ravel()
+            design = np.stack([(v**a * u**b).ravel() for a, b in terms], axis=1)
+            smooth[j, i] = np.linalg.lstsq(design * root[:, np.newaxis], heights.ravel() * root, rcond=None)[0][0]
+    return smooth
+
+
+def robust_mean_line(heights, spacing, cutoff, iterations=60):
+    """Fit with Tukey's biweight of the residuals of the fit before, second degree, so many times."""
+    weights = [1.0] * len(heights)
+    for _ in range(iterations):
+        smooth = mean_line(heights, spacing, cutoff, degree=2, weights=weights)
+        residuals = [abs(z - w) for z, w in zip(heights, smooth, strict=True)]
+        scale = 4.4478 * float(np.median(residuals))
+        weights = [(1 - (r / scale) ** 2) ** 2 if r < scale else 0.0 for r in residuals]
+    return smooth

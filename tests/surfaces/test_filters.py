@@ -1,0 +1,137 @@
+"""S- and L-filters of ISO 16610 against direct weighted least squares, the transmission of sinusoids, and limits."""
+
+import math
+
+import numpy as np
+import pytest
+from reference.gaussian_filters import mean_line, mean_surface, robust_mean_line
+from rough_bodies import rough, self_affine_map
+from stiction import Profile, Surface, cut_off, filtered
+
+ROUND_OFF = 1e-12
+
+SAMPLED = 1e-6
+"""Error relative to the total height: weights sampled from the Gaussian differ from those of its transform cut at the
+Nyquist wave number, by less than this from cutoffs of nine points on."""
+
+
+def total_height(body):
+    return float(np.ptp(body.heights))
+
+
+class TestGaussian:
+    @pytest.mark.parametrize("cutoff", [0.15, 0.6, 2.0])
+    def test_s_filter_equals_weighted_least_squares_at_each_point(self, cutoff):
+        profile = rough(points=200)  # 2 µm long
+        expected = mean_line(profile.heights, profile.spacing, cutoff)
+        found = filtered(profile, cutoff=cutoff).heights
+        assert np.abs(found - expected).max() < SAMPLED * total_height(profile)
+
+    def test_l_filter_is_the_deviation_from_the_s_filter(self):
+        for body in (rough(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
+            cutoff = 40 * min(body.spacings)
+            parts = [filtered(body, cutoff=cutoff, kind=kind) for kind in ("S", "L")]
+            assert np.abs(parts[0].heights + parts[1].heights - body.heights).max() < ROUND_OFF * total_height(body)
+            assert [part.history[-1][:8] for part in parts] == ["S-filter", "L-filter"]
+
+    @pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0, 2.0, 4.0])
+    def test_sinusoid_has_the_transmission_of_the_standard(self, ratio):
+        # exp(-π (α λc/λ)²), α = sqrt(ln 2/π), for the mean line; the rest for the roughness profile.
+        wavelength, cutoff = 0.4, 0.4 * ratio
+        wave = Profile(np.sin(2 * np.pi * np.arange(800) / 80), spacing=wavelength / 80)
+        transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
+        middle = slice(360, 440)  # a wave from ends that lie further than all weights
+        for kind, factor in (("S", transmission), ("L", 1 - transmission)):
+            found = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
+            assert np.abs(found - factor * wave.heights[middle]).max() < 1e-9
+
+    def test_straight_line_and_plane_have_no_roughness_up_to_the_ends(self):
+        x = 0.1 * np.arange(60)
+        for body in (Profile(3 + 2 * x, spacing=0.1), Surface(3 + 2 * x + x[:, np.newaxis], spacing=0.1)):
+            assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
+
+    def test_cut_off_is_the_s_filter(self):
+        for body in (rough(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
+            cutoff = 9 * min(body.spacings)
+            assert np.array_equal(cut_off(body, cutoff).heights, filtered(body, cutoff=cutoff).heights)
+
+
+class TestMissingPoints:
+    def test_profile_filter_gives_missing_points_no_weight(self):
+        profile, missing = rough(points=200), np.zeros(200, bool)
+        missing[[0, 1, 50, 51, 52, 53, 120]] = True
+        expected = mean_line(profile.heights, profile.spacing, 0.3, weights=(~missing).astype(float))
+        results = [
+            filtered(Profile(heights, spacing=profile.spacing, missing=missing), cutoff=0.3).heights
+            for heights in (profile.heights, np.where(missing, 1e3, profile.heights))
+        ]
+        for found in results:
+            assert np.abs(found - expected)[~missing].max() < SAMPLED * total_height(profile)
+
+    def test_surface_filter_gives_missing_points_no_weight(self):
+        surface, missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
+        missing[3:9, 10:14], missing[20:, :4] = True, True
+        expected = mean_surface(
+            surface.heights, surface.spacing, 6.0, [(0, 0), (0, 1), (1, 0), (1, 1)], (~missing).astype(float)
+        )
+        found = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
+        assert np.abs(found - expected)[~missing].max() < SAMPLED * total_height(surface)
+
+    def test_heights_stay_where_no_measured_point_is_in_reach(self):
+        missing = np.zeros(400, bool)
+        missing[100:300] = True
+        profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
+        found = filtered(profile, cutoff=9.0).heights
+        assert found[200] == pytest.approx(profile.heights[200], rel=1e-9)
+        periodic = filtered(profile, cutoff=9.0, periodic=True).heights
+        assert periodic[200] == pytest.approx(profile.heights[200], rel=1e-9)
+
+
+class TestRobust:
+    def test_profile_filter_equals_iterated_least_squares(self):
+        profile = rough(points=120)
+        heights = profile.heights.copy()
+        heights[[30, 31, 80]] -= 3 * total_height(profile)
+        scratched = Profile(heights, spacing=profile.spacing)
+        expected = robust_mean_line(heights, profile.spacing, 0.3)
+        found = filtered(scratched, cutoff=0.3, robust=True).heights
+        assert np.abs(found - expected).max() < 1e-3 * total_height(profile)
+
+    def test_surface_filter_follows_a_paraboloid_under_scratches(self):
+        y, x = 0.1 * np.arange(40)[:, np.newaxis], 0.1 * np.arange(50)
+        form = 0.3 * x**2 - 0.2 * y**2 + 0.1 * x * y
+        scratched = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)
+        scratched[:, 20:22] -= 1.0
+        found = filtered(Surface(scratched, spacing=0.1), cutoff=2.0, robust=True).heights
+        linear = filtered(Surface(scratched, spacing=0.1), cutoff=2.0).heights
+        assert np.abs(found - form).max() < 3e-3  # three deviations of the noise, at corners
+        assert np.abs(linear - form).max() > 0.05
+
+    def test_surface_filter_of_normal_heights_is_near_weighted_least_squares_of_second_degree(self):
+        surface = self_affine_map(1, 0.7, (16, 20), spacing=(0.5, 0.25))
+        terms = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]
+        found = filtered(surface, cutoff=4.0, robust=True).heights
+        weights = np.ones(surface.heights.shape)
+        for _ in range(40):
+            expected = mean_surface(surface.heights, surface.spacing, 4.0, terms, weights)
+            residual = np.abs(surface.heights - expected)
+            weights = np.maximum(1 - (residual / (4.4478 * np.median(residual))) ** 2, 0) ** 2
+        assert np.abs(found - expected).max() < 1e-3 * total_height(surface)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"cutoff": 0.01}, "cutoff must be from two points, 0.02 µm, to the shortest side, 3 µm"),
+        ({"cutoff": 3.1}, "cutoff must be from two points"),
+        ({"cutoff": 1.0, "kind": "R"}, "kind must be one of 'S', 'L'"),
+        ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
+    ],
+)
+def test_filter_rejects_bad_arguments(options, message):
+    with pytest.raises(ValueError, match=message):
+        filtered(rough(points=300), **options)
+
+
+def test_filter_accepts_the_whole_length_as_cutoff():
+    assert filtered(rough(points=300), cutoff=3.0, kind="L").heights.size == 300
