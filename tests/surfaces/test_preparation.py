@@ -46,9 +46,9 @@ def test_a_tilt_far_larger_than_the_roughness_costs_no_digits():
 
 
 def test_trends_and_bodies_that_do_not_fit_are_refused():
-    with pytest.raises(ValueError, match="trend must be one of 'mean', 'line', 'quadratic', got 'plane'"):
+    with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
         levelled(rough(9), "plane")
-    with pytest.raises(ValueError, match="trend must be one of 'mean', 'plane', 'quadratic', got 'line'"):
+    with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):
         levelled(Surface(np.eye(3), spacing=1.0), "line")
     with pytest.raises(ValueError, match="body must be a Profile or a Surface, got list"):
         levelled([1.0, 2.0], "line")

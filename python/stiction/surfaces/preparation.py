@@ -9,15 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice, number
+from stiction.surfaces.form import round_form
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, part
 from stiction.surfaces.surface import AnyBody, Surface
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
+ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
+SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
 Align = Literal["start", "middle"]  # which part two bodies of different size are cut to
 ON_POINT = 1e-9  # spacings within which a position is that of a point: 0.3 is the third point of a spacing of 0.1
 ROUND_OFF = 1e-14  # residue of a straight line after it has been subtracted, as a fraction of the largest height
-_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2}
+_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
+_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
 _LEVELLED = {
     "mean": "levelled by the mean",
@@ -32,29 +36,32 @@ _SIDES = (np.floor, np.ceil)
 
 
 @overload
-def levelled(body: Profile, trend: ProfileTrend) -> Profile: ...
+def levelled(body: Profile, trend: ProfileForm) -> Profile: ...
 @overload
-def levelled(body: Surface, trend: SurfaceTrend) -> Surface: ...
+def levelled(body: Surface, trend: SurfaceForm) -> Surface: ...
 def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
-    r"""Heights about their least-squares trend.
+    r"""Subtract the least-squares trend or form from heights (F-operation of ISO 16610).
 
     Parameters
     ----------
     body : Profile or Surface
-    trend : {"mean", "line", "quadratic"} for a profile, {"mean", "plane", "quadratic"} for a surface
-        What is subtracted: the mean height; a straight line or a plane, which is the tilt of the instrument; a
-        parabola, or a polynomial of second degree in x and y, which is also the bow of its guide or the form of the
-        body. Each contains those before it.
+        Missing points have no weight.
+    trend : str
+        For a profile "mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic" or "circle"; for a surface
+        "plane" instead of "line", and "sphere" or "cylinder" instead of "circle". A line or a plane is the tilt of the
+        instrument; a polynomial of higher degree (total degree in x and y) is also the bow of its guide or the form of
+        the body. Each polynomial contains those before it. A circle, a sphere and a cylinder have a tilt of their own.
 
     Returns
     -------
     Profile or Surface
-        Of the same spacing, with a mean of zero; the step is added to its history.
+        Of the same spacing, with a mean of zero over the measured points; the step is added to its history.
 
     Notes
     -----
-    On a uniform grid the polynomials :math:`1, t, t^2 - \overline{t^2}` with t measured from the middle are orthogonal,
-    so each coefficient of the least-squares fit is a quotient of two sums; over an area so are their products.
+    On a uniform grid the polynomials are made orthogonal by their three-term recurrence, so each coefficient of the
+    least-squares fit is a quotient of two sums; over an area so are their products. Circles, spheres and cylinders are
+    fitted along the height, not along their normals.
 
     Examples
     --------
@@ -65,26 +72,33 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     >>> profile.history
     ('levelled by a line',)
     """
+    if not isinstance(body, (Profile, Surface)):
+        raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
+    choice("trend", trend, ProfileForm if isinstance(body, Profile) else SurfaceForm)
+    if trend not in _DEGREES:
+        form, words = round_form(body.heights, body.spacings, body.missing, trend)
+        rest = body.heights - form
+        mean = rest.mean() if body.missing is None else rest[~body.missing].mean()
+        return body.changed(rest - mean, f"levelled by a {words}")
+    degree = _DEGREES[trend]
+    axes = [_orthogonal(points, degree) for points in body.heights.shape]
     if isinstance(body, Profile):
-        choice("trend", trend, ProfileTrend)
-        basis, step = _orthogonal(body.heights.size, _DEGREES[trend]), _LEVELLED[trend]
-        return body.changed(_without(body.heights, basis, body.missing), step)
-    if isinstance(body, Surface):
-        choice("trend", trend, SurfaceTrend)
-        rows, columns = body.heights.shape
-        degree = _DEGREES[trend]
-        along_y, along_x = _orthogonal(rows, degree), _orthogonal(columns, degree)
-        basis = [along_y[j][:, np.newaxis] * along_x[i] for j in range(degree + 1) for i in range(degree + 1 - j)]
-        step = "levelled by a polynomial of second degree" if trend == "quadratic" else _LEVELLED[trend]
-        return body.changed(_without(body.heights, basis, body.missing), step)
-    raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
+        basis = axes[0]
+        words = _LEVELLED.get(trend, f"levelled by a polynomial of {_ORDINALS.get(degree)} degree")
+    else:
+        basis = [axes[0][j][:, np.newaxis] * axes[1][i] for j in range(degree + 1) for i in range(degree + 1 - j)]
+        words = f"levelled by a polynomial of {_ORDINALS[degree]} degree" if degree > 1 else _LEVELLED[trend]
+    return body.changed(_without(body.heights, basis, body.missing), words)
 
 
 def _orthogonal(points: int, degree: int) -> list[Floats]:
     """Polynomials of degree 0 to `degree` that are orthogonal on a uniform grid, of size about one."""
     t = (np.arange(points) - (points - 1) / 2) / points
-    square = np.square(t)
-    return [np.ones(1), t, square - square.mean()][: degree + 1]
+    polynomials = [np.ones(1), t]
+    for _ in range(2, degree + 1):
+        last, before = polynomials[-1], np.broadcast_to(polynomials[-2], points)
+        polynomials.append(t * last - (t * last * before).sum() / np.square(before).sum() * before)
+    return polynomials[: degree + 1]
 
 
 def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:

@@ -1,0 +1,111 @@
+"""Least-squares circles, spheres and cylinders: the nominal form of round parts under their roughness."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction._shown import with_unit
+
+RoundForm = Literal["circle", "sphere", "cylinder"]
+Points = tuple[Floats, Floats]  # positions x and y of points from the middle, µm
+_Model = Callable[[Floats, Points], Floats]
+_STEEPEST = 1e-6  # smallest square of the cosine of the slope at which a cap is still evaluated: it ends at its equator
+_TOLERANCE = 1e-12  # relative change at which the fit ends
+
+
+def round_form(
+    heights: Floats, spacing: tuple[float, ...], missing: NDArray[np.bool_] | None, form: RoundForm
+) -> tuple[Floats, str]:
+    r"""Fit a circle, a sphere or a cylinder to heights by least squares along the height.
+
+    Returns
+    -------
+    (ndarray, str)
+        The heights of the fitted form, and the form with its radius in words.
+
+    Notes
+    -----
+    A sphere of curvature κ with slopes s at the middle has the height
+
+    .. math:: h = \frac{κu^2 + 2 s·u/g}{1/g + \sqrt{1/g^2 - κ(κu^2 + 2 s·u/g)}}, \qquad g = \sqrt{1 + s^2}
+
+    at u from the middle, which stays a plane for κ = 0. A cylinder is such an arc across its axis, and a line along it.
+    """
+    from scipy.optimize import least_squares
+
+    axes = [step * (np.arange(points) - (points - 1) / 2) for points, step in zip(heights.shape, spacing, strict=True)]
+    x, y = axes[-1], (axes[0][:, np.newaxis] if len(axes) == 2 else np.zeros(1))
+    positions = np.broadcast_to(x, heights.shape), np.broadcast_to(y, heights.shape)
+    measured = np.ones(heights.shape, bool) if missing is None else ~missing
+    inside = positions[0][measured], positions[1][measured]
+    wanted = heights[measured]
+    model, start = _MODELS[form], _start(form, inside, wanted)
+    scale = np.maximum(np.abs(start), _scales(form, inside, wanted))
+    found = least_squares(
+        lambda values: model(values * scale, inside) - wanted, start / scale, xtol=_TOLERANCE, ftol=_TOLERANCE
+    ).x * scale  # fmt: skip
+    curvature = float(found[1])
+    radius = "an infinite radius" if curvature == 0 else f"radius {with_unit(1 / abs(curvature), 'µm')}"
+    return model(found, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
+
+
+def _arc(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
+    """Return heights of a cap at squared distances from the middle; tilt is the slope there times the distance."""
+    rise = curvature * square + 2 * tilt * cosine
+    root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _STEEPEST))
+    return np.asarray(rise / (cosine + root))
+
+
+def _sphere(values: Floats, points: Points) -> Floats:
+    height, curvature, slope_x, slope_y = values
+    x, y = points
+    cosine = 1 / math.sqrt(1 + slope_x**2 + slope_y**2)
+    return np.asarray(height + _arc(x**2 + y**2, slope_x * x + slope_y * y, curvature, cosine))
+
+
+def _circle(values: Floats, points: Points) -> Floats:
+    return _sphere(np.append(values, 0.0), (points[0], np.zeros_like(points[0])))
+
+
+def _cylinder(values: Floats, points: Points) -> Floats:
+    height, curvature, slope, along, angle = values
+    x, y = points
+    across = y * math.cos(angle) - x * math.sin(angle)
+    axis = x * math.cos(angle) + y * math.sin(angle)
+    arc = _arc(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
+    return np.asarray(height + along * axis + arc)
+
+
+_MODELS: dict[str, _Model] = {"circle": _circle, "sphere": _sphere, "cylinder": _cylinder}
+
+
+def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
+    """Return first values from the paraboloid that fits best."""
+    x, y = points
+    if form == "circle":
+        square, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
+        return np.array([height, 2 * square, slope])
+    design = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)
+    height, slope_x, slope_y, xx, xy, yy = np.linalg.lstsq(design, heights, rcond=None)[0]
+    if form == "sphere":
+        return np.array([height, xx + yy, slope_x, slope_y])
+    values, vectors = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
+    flat = vectors[:, int(np.argmin(np.abs(values)))]  # direction of the axis
+    angle = math.atan2(flat[1], flat[0])
+    along = slope_x * flat[0] + slope_y * flat[1]
+    slope = slope_y * flat[0] - slope_x * flat[1]
+    return np.array([height, float(values[int(np.argmax(np.abs(values)))]), slope, along, angle])
+
+
+def _scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
+    """Return changes of the values that change the heights by their own size."""
+    size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
+    height = float(np.ptp(heights))
+    slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}
+    return np.array([height, 8 * height / size**2, *slopes[form]])

@@ -1,0 +1,95 @@
+"""Form removal: polynomials of any degree, circles, spheres and cylinders, against exact forms."""
+
+import numpy as np
+import pytest
+from stiction import Profile, Surface, levelled
+
+NOISE = 1e-3
+
+
+def grid(rows=60, columns=80, spacing=0.5):
+    return spacing * np.arange(rows)[:, np.newaxis], spacing * np.arange(columns)
+
+
+def noise(shape, seed=1):
+    return NOISE * np.random.default_rng(seed).normal(size=shape)
+
+
+def radius(body):
+    words = body.history[-1].split()
+    return float(words[-2]), words[3]
+
+
+@pytest.mark.parametrize(("trend", "degree"), [("cubic", 3), ("quartic", 4), ("quintic", 5), ("sextic", 6)])
+def test_levelled_removes_polynomials_up_to_its_degree_only(trend, degree):
+    t = np.linspace(-1, 2, 200)
+    for power in range(8):
+        rest = levelled(Profile(3 * t**power + t, spacing=0.1), trend).heights
+        assert (np.abs(rest).max() < 1e-11) == (power <= degree)
+    y, x = grid()
+    y, x = y / 10 - 1, x / 10 - 2
+    assert np.abs(levelled(Surface(x ** (degree - 1) * y, spacing=0.5), trend).heights).max() < 1e-11
+    assert np.abs(levelled(Surface(x**degree * y, spacing=0.5), trend).heights).max() > 1e-3
+
+
+@pytest.mark.parametrize("trend", ["cubic", "sextic"])
+def test_levelled_equals_direct_least_squares(trend):
+    degree = {"cubic": 3, "sextic": 6}[trend]
+    heights = np.random.default_rng(2).normal(size=(20, 25))
+    y, x = np.meshgrid(np.linspace(-1, 1, 20), np.linspace(-1, 1, 25), indexing="ij")
+    design = np.stack([(y**j * x**i).ravel() for j in range(degree + 1) for i in range(degree + 1 - j)], axis=1)
+    fit = design @ np.linalg.lstsq(design, heights.ravel(), rcond=None)[0]
+    found = levelled(Surface(heights, spacing=0.5), trend).heights
+    assert np.abs(found - (heights.ravel() - fit).reshape(heights.shape)).max() < 1e-11
+
+
+@pytest.mark.parametrize(("sign", "word"), [(1, "convex"), (-1, "concave")])
+def test_sphere_is_removed_up_to_the_noise(sign, word):
+    y, x = grid()
+    cap = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
+    own = noise(cap.shape)
+    found = levelled(Surface(cap + own, spacing=0.5), "sphere")
+    assert radius(found) == (pytest.approx(300, rel=1e-3), word)
+    assert found.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters of 4800 points
+    assert found.heights.mean() == pytest.approx(0, abs=1e-12)
+
+
+def test_tilted_cylinder_is_removed_up_to_the_noise():
+    y, x = grid()
+    across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
+    own = noise((60, 80))
+    found = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + own, spacing=0.5), "cylinder")
+    assert radius(found)[0] == pytest.approx(200, rel=2e-3)  # of the vertical section, whose axis rises by 2 %
+    assert found.heights.std() == pytest.approx(own.std(), rel=2e-3)
+
+
+def test_circle_is_removed_up_to_the_noise():
+    x = np.arange(1000.0)
+    own = noise(1000)
+    found = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + own, spacing=1.0), "circle")
+    assert radius(found)[0] == pytest.approx(2000, rel=1e-4)
+    assert found.heights.std() == pytest.approx(own.std(), rel=3e-3)
+
+
+def test_missing_points_have_no_weight_in_the_form():
+    x = np.arange(400.0)
+    heights, missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
+    missing[50:80] = True
+    bridged = np.where(missing, heights + 5, heights)
+    for trend in ("circle", "sextic"):
+        rest = levelled(Profile(bridged, spacing=1.0, missing=missing), trend).heights
+        assert np.abs(rest[~missing]).max() < 1e-5
+
+
+def test_form_of_noise_alone_changes_little():
+    own = noise((60, 80))
+    for trend in ("sphere", "cylinder"):
+        found = levelled(Surface(own, spacing=0.5), trend).heights
+        assert found.std() == pytest.approx(own.std(), rel=5e-3)
+
+
+def test_levelled_rejects_a_form_of_the_other_kind_of_body():
+    with pytest.raises(ValueError, match="trend must be one of"):
+        levelled(Profile(np.arange(9.0), spacing=1.0), "sphere")
+    with pytest.raises(ValueError, match="trend must be one of"):
+        levelled(Surface(noise((9, 9)), spacing=1.0), "circle")
