@@ -7,6 +7,7 @@ import pytest
 from command import assert_refused, stiction_command, stiction_done
 from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
 from stiction.studies.store import open_stored
+from stiction.studies.tests_file import friction_tests
 
 MU0, TAU0 = 0.15, 0.012
 BALL = ("--ball", "5 mm", "--effective-modulus", "3 GPa")
@@ -51,7 +52,7 @@ def test_a_ball_gives_both_and_keeps_them(tmp_path):
     first, *rest = done.stdout.splitlines()
     assert first.startswith("μ0 + τ0 A/F = ")
     assert rest[0].startswith("μ0 = 0.1")
-    assert rest[1].startswith("τ0 = 12")
+    assert float(rest[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
     assert done.stdout.count("χ²") == 1  # both rules are one of a ball
     kept = read_interface(tmp_path / "film")
     assert kept.separated
@@ -90,6 +91,14 @@ def test_a_ball_beyond_yield_is_told(tmp_path):
         ("load (mN),coefficient", (1, "x"), "coefficient must be a number"),
         ("load (MPa),coefficient", (1, 0.2), "load has the unit"),
         ("load (mN),coefficient,uncertainty (%)", (1, 0.2, -1), "uncertainty must be"),
+        ("load (mN),coefficient (mN)", (1, 0.2), "a coefficient has no unit: forces go under"),
+        ("load (mN),coefficient (%),uncertainty (%)", (1, 20, 3), "may be relative or not"),
+        ("load (mN),coefficient,run (mN)", (1, 0.2, "a"), "run has no unit"),
+        ("load (mN),coefficient,wait (mN)", (1, 0.2, 3), "wait has one of the units s"),
+        ("load (mN),coefficient,mu", (1, 0.2, 3), "has the column 'mu'"),
+        ("load (mN),force (mN),friction force (mN)", (1, 0.2, 3), "has two columns of force"),
+        ("load (mN);coefficient", ("1,250;2,250",), "may be decimal or part thousands"),
+        ("load (mN),coefficient", ("0,5", "0,25"), "decimal commas need semicolons"),
     ],
 )
 def test_a_table_that_says_something_else_is_refused(tmp_path, head, row, words):
@@ -123,6 +132,47 @@ def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
     done = stiction_done("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
     assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16"])
+def test_tests_file_reads_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
+    rows = [f"{1e3 * load:g};{load * y:.6g};{0.03 * load * y:.6g}" for load, y, _ in ball_rows()]
+    plain = ["load (uN);force (mN);uncertainty (mN)", *rows]
+    commas = ["normal load [µN];friction force (mN);uncertainty in mN", *(row.replace(".", ",") for row in rows)]
+    (tmp_path / "plain.csv").write_text("\n".join(plain), encoding="utf-8")
+    (tmp_path / "commas.csv").write_text("\r\n".join(commas), encoding=encoding)
+    bodies = {"ball": Ball("5 mm", "3 GPa")}
+    first, other = (friction_tests(tmp_path / f"{name}.csv", bodies) for name in ("plain", "commas"))
+    for one, two in zip(first, other, strict=True):
+        assert (one.load, one.coefficient, one.uncertainty) == (two.load, two.coefficient, two.uncertainty)
+
+
+def test_tests_file_uses_the_units_of_its_columns(tmp_path):
+    (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
+    (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
+    for name in ("a.csv", "b.csv"):
+        (test,) = friction_tests(tmp_path / name, {"ball": Ball("5 mm", "3 GPa")})
+        assert (test.load, test.coefficient, test.uncertainty) == (2000, 0.5, pytest.approx(0.01))
+
+
+@pytest.mark.parametrize(
+    "ranges",
+    [
+        ("--effective-modulus", "2..4.5 GPa"),
+        ("--young", "2..4.5 GPa,70 GPa", "--poisson", "0.35..0.39,0.22"),
+        ("--upper", "PMMA", "--lower", "glass"),
+    ],
+)
+def test_calibrate_widens_tau0_by_ranges_of_the_moduli(tmp_path, ranges):
+    table(tmp_path / "forces.csv", ball_rows())
+    common = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
+    done = stiction_done(*common, *ranges, cwd=tmp_path, blank=True)
+    wide = {each["name"]: each for each in json.loads(done.stdout)["values"]}["tau0"]
+    ends = {"--effective-modulus": ("2", "4.5"), "--young": ("2.25", "4.86"), "--upper": ("2.49", "3.53")}[ranges[0]]
+    for end in ends:
+        done = stiction_done(*common, "--effective-modulus", f"{end} GPa", cwd=tmp_path, blank=True)
+        tau0 = {each["name"]: each for each in json.loads(done.stdout)["values"]}["tau0"]["value"]
+        assert wide["lower"] < tau0 < wide["upper"]
 
 
 def test_a_folder_of_own_interfaces_is_listed(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from rough_bodies import rough_maps
 from stiction import Ball, FrictionTest, HalfSpaceCurve, Interface, calibrate, half_space, pair, write_interface
 from stiction.studies.hardness import inputs_of
-from stiction.studies.interfaces import HARDNESS, highest_density
+from stiction.studies.interfaces import HARDNESS, credible_interval
 
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)
@@ -60,7 +60,7 @@ def test_at_a_bound_the_density_is_that_of_brute_force() -> None:
     weight = np.exp(log - log.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
     for draws, found in ((mu0, interface.mu0), (tau0, interface.tau0)):
-        expected = highest_density(draws.ravel()[values], 0.0)
+        expected = credible_interval(draws.ravel()[values], 0.0)
         assert found == pytest.approx(expected, abs=MONTE_CARLO * (expected[2] - expected[1]))
     assert interface.tau0[1] == 0.0
 
@@ -172,6 +172,56 @@ def test_waiting_tells_both_apart_on_one_plastic_pair() -> None:
     assert strength.separated
     assert strength.mu0[0] == pytest.approx(0.2, abs=0.01)
     assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
+
+
+def test_calibrate_weighs_ranges_by_the_tests() -> None:
+    # Truth at 1.8 standard deviations of its range, and precise tests on a second body that know A/F.
+    ranged, exact = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
+    modulus = 3.0 * 1.5 ** (1.8 / 1.96)
+    truth = Ball("5 mm", modulus)
+    tests = [
+        FrictionTest(body, load, coefficient=y, uncertainty=0.005 * y)
+        for body, area in ((ranged, truth), (exact, exact))
+        for load in LOADS
+        for y in [MU0 + TAU0 * area.area_per_load(load)]
+    ]
+    interface = calibrate(tests, common=0.0)
+    fit = interface.fits[0]
+    (score,) = fit.scores.values()
+    assert np.median(score) == pytest.approx(1.8, abs=0.2)
+    assert fit.scale == 1.0  # judged at the best modulus, not at the middle of its range
+    assert interface.mu0[1] < MU0 < interface.mu0[2]
+    assert interface.tau0[1] < TAU0 < interface.tau0[2]
+
+
+def test_calibrate_agrees_with_brute_force_over_a_range() -> None:
+    # Given the modulus the tests are linear; the integral over the modulus by a fine grid.
+    low, high = 2.0, 4.5
+    body = Ball("5 mm", f"{low}..{high} GPa")
+    tests = [
+        FrictionTest(body, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty)
+        for test in ball_tests(seed=4)
+    ]
+    interface = calibrate(tests, common=0.0)
+    best, covariance = least_squares(tests)
+    random = np.random.default_rng(0)
+    plain = random.multivariate_normal(best, covariance, 400_000)
+    # A/F goes with E*^(-2/3), and tau0 with its inverse; the flat prior is of tau0 A/F.
+    relative = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
+    tau0 = plain[:, 1] * relative ** (2 / 3)
+    for found, draws in ((interface.mu0, plain[:, 0]), (interface.tau0, tau0)):
+        expected = np.quantile(draws, [0.5, 0.025, 0.975])
+        assert found == pytest.approx(expected, abs=MONTE_CARLO * np.ptp(expected))
+
+
+def test_prediction_on_the_tested_pair_uses_its_area_once() -> None:
+    rough = pair(*faces(0.03), hardness="0.8 GPa", **PRESSED)
+    tests = [FrictionTest(rough, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
+    strength = calibrate(tests, common=0.0)
+    again = strength.predict(rough, "20 MPa")
+    other = strength.predict(pair(*faces(0.02), hardness="0.8 GPa", **PRESSED), "20 MPa")
+    assert again == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
+    assert np.ptp(other[1:]) > 2 * np.ptp(again[1:])
 
 
 def test_errors_that_are_too_small_are_scaled_and_it_is_said() -> None:

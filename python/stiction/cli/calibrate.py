@@ -56,10 +56,9 @@ def calibrate(
     tests; elsewhere it says what would tell them apart.
     """
     from stiction.studies.calibration import calibrate as fitted
-    from stiction.studies.calibration import friction_tests
-    from stiction.studies.elasticity import elasticity_of
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.known import ENDS, known
+    from stiction.studies.tests_file import friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.result import Result
     from stiction.views.style import save_picture
@@ -68,9 +67,8 @@ def calibrate(
     if len(bodies) < len(pair or ()):
         raise ValueError("--pair must be folders of different names: by these the column pair calls them")
     if ball is not None:
-        elasticity = elasticity_of(**asked)
         radius = quantity_of("ball", ball, "length")
-        bodies["ball"] = Ball(float(radius), elasticity.effective_modulus)
+        bodies["ball"] = Ball(float(radius), **asked)
     else:
         refuse(context, "is for --ball", *asked)
     if not bodies:
@@ -88,7 +86,7 @@ def calibrate(
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
     interface = fitted(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     tell(calibration_record(interface) if as_json else calibration_text(interface))
-    if ball is not None and elasticity.hardness is not None:
+    if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
         ratio = min(bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"])
         if 1 / ratio > YIELDS * elasticity.hardness:
             say(f"under the ball a mean pressure of {1e3 / ratio:.3g} MPa may be beyond yield, where A/F is another")

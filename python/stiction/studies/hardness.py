@@ -17,12 +17,13 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space import half_space, solved
 from stiction.mechanics.hardness import area_per_load
-from stiction.mechanics.materials import Material, MaterialValue, material, softer_material
+from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
 from stiction.studies.at_load import member_values
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.known import Distribution, Known, known
+from stiction.studies.known import Known, known
 from stiction.studies.members import bodies_of, points_of_member
+from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
 from stiction.studies.store import Stored, read_beside
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
@@ -68,21 +69,23 @@ def inputs_of(study: Study) -> dict[str, Input]:
     table, contact = study.known, study.contact
     bodies = materials_of(study)
     found: dict[str, Input] = {}
-    for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure"), ("effective_modulus", "E*", "modulus")):
+    for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure")):
         if (text := getattr(table, name)) is not None:
             found[name] = Input(words, known(name, text, kind))  # type: ignore[arg-type]
+    moduli = moduli_of(study).inputs
+    if "effective_modulus" in moduli:
+        found["effective_modulus"] = Input("E*", moduli.pop("effective_modulus"))
     if contact.hardness is not None:
         softer = softer_material(*bodies)
         words = f"the hardness of the {softer.name}" if softer else "the hardness"
         if table.hardness is not None:
             found["hardness"] = Input(words, known("hardness", table.hardness, "hardness"))
         elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < ROUNDED:
-            found["hardness"] = Input(words, _of_material(softer.hardness, "log-normal"))
-    for index, each in enumerate(_bodies(study)):
-        for name, value in each.items():
-            words = f"{_MODULI[name]} of the {bodies[index].name if bodies else f'{SIDES[index]} body'}"
-            if index == 0 or not (bodies and bodies[0] == bodies[1]):
-                found[f"{name}_{SIDES[index]}"] = Input(words, value)
+            found["hardness"] = Input(words, hardness_of_material(softer.hardness))
+    for key, value in moduli.items():
+        name, _, side = key.partition("_")
+        words = f"{_MODULI[name]} of the {bodies[SIDES.index(side)].name if bodies else f'{side} body'}"
+        found[key] = Input(words, value)
     return {name: each for name, each in found.items() if not each.known.is_exact}
 
 
@@ -91,16 +94,17 @@ def creep_of(study: Study) -> Known | None:
     return known("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
-def _bodies(study: Study) -> list[dict[str, Known]]:
-    """Young's modulus and Poisson's ratio of the upper and the lower body; none where only E* is known."""
-    table, materials = study.known, materials_of(study)
+def moduli_of(study: Study) -> Moduli:
+    """What is known of the moduli of a study."""
+    table, materials, middle = study.known, materials_of(study), float(study.contact.effective_modulus)
+    if table.effective_modulus is not None:
+        return Moduli(middle, known("effective_modulus", table.effective_modulus, "modulus"))
     if table.young is not None and table.poisson is not None:
         given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
-        return [{"young": known("young", e, "modulus"), "poisson": known("poisson", nu)} for e, nu in given]
-    return [
-        {"young": _of_material(each.young_modulus, "log-normal"), "poisson": _of_material(each.poisson_ratio, "normal")}
-        for each in materials
-    ]
+        bodies = [{"young": known("young", e, "modulus"), "poisson": known("poisson", nu)} for e, nu in given]
+        return Moduli(middle, bodies=tuple(bodies))
+    bodies = [moduli_of_material(each) for each in materials]
+    return Moduli(middle, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1])
 
 
 def materials_of(study: Study) -> tuple[Material, ...]:
@@ -111,27 +115,9 @@ def materials_of(study: Study) -> tuple[Material, ...]:
         return ()
 
 
-def _of_material(value: MaterialValue, distribution: Distribution) -> Known:
-    low, high = float(value.low), float(value.high)
-    return Known(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
-
-
 def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
     """E* over that of the study, of draws of its inputs by their names."""
-    if "effective_modulus" in drawn:
-        return drawn["effective_modulus"] / float(study.contact.effective_modulus)
-    bodies, materials = _bodies(study), materials_of(study)
-    ones = [SIDES[0]] * 2 if materials and materials[0] == materials[1] else SIDES
-    middle = [_compliance(body["young"].value, body["poisson"].value) for body in bodies]
-    now = [
-        _compliance(*(drawn.get(f"{name}_{side}", body[name].value) for name in _MODULI))
-        for side, body in zip(ones, bodies, strict=False)
-    ]
-    return sum(middle) / sum(now) if bodies else 1.0
-
-
-def _compliance(young: Any, poisson: Any) -> Any:
-    return (1 - poisson**2) / young
+    return moduli_of(study).relative(drawn)
 
 
 # ---- Areas over hardness ---------------------------------------------------------------------------------------------

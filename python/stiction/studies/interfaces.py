@@ -11,7 +11,7 @@ import csv
 import io
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
 from importlib import resources
@@ -28,8 +28,10 @@ from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import SIX, Curve
 from stiction.mechanics.model import Sliding
 from stiction.studies.at_load import PerLoad, member_values, six_at
+from stiction.studies.elasticity import Elasticity
 from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
 from stiction.studies.known import Known, draws, known
+from stiction.studies.moduli import Moduli, elasticity_and_moduli
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
@@ -61,6 +63,11 @@ class Ball:
     ----------
     radius : float or str, µm
     effective_modulus : float or str, GPa
+        "3 GPa", or a range, "2..4.5 GPa", which becomes its middle. None: that of the bodies.
+    young, poisson : optional
+        Young's moduli and Poisson's ratios of both bodies instead, ranges too.
+    upper_material, lower_material : str, optional
+        What the bodies are made of instead, by name; their moduli are the ranges of `material`.
 
     Examples
     --------
@@ -70,17 +77,28 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str
+    effective_modulus: float | str | None = None
+    young: Any = field(default=None, kw_only=True)
+    poisson: Any = field(default=None, kw_only=True)
+    upper_material: str | None = field(default=None, kw_only=True)
+    lower_material: str | None = field(default=None, kw_only=True)
+    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # at the middle of what is known
+    moduli: Moduli = field(init=False, repr=False, hash=False)  # what is known of the moduli of both bodies
 
     def __post_init__(self) -> None:
         """Numbers in core units."""
-        for name, kind, unit in (("radius", "length", "µm"), ("effective_modulus", "pressure", "GPa")):
-            value = number(name, in_core_units(name, getattr(self, name), kind), unit=unit, above=0)
-            object.__setattr__(self, name, value)
+        radius = number("radius", in_core_units("radius", self.radius, "length"), unit="µm", above=0)
+        object.__setattr__(self, "radius", radius)
+        elasticity, moduli = elasticity_and_moduli(
+            self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
+        )
+        object.__setattr__(self, "effective_modulus", elasticity.effective_modulus)
+        object.__setattr__(self, "elasticity", elasticity)
+        object.__setattr__(self, "moduli", moduli)
 
     def area_per_load(self, load: float) -> float:
-        """A/F (1/GPa) at a load (mN)."""
-        radius, modulus = float(self.radius), float(self.effective_modulus)
+        """A/F (1/GPa) at a load (mN), at the middle of what is known of the moduli."""
+        radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
         force, area = hertz_sphere(overlap, radius, modulus)
         return float(area / force)
@@ -91,21 +109,56 @@ class _Friction(PerLoad):
     """What the surfaces of a test do at its load."""
 
     scatter: float = 0.0  # relative standard error of `stick`
+    surfaces: Hashable = None  # name of the surfaces, whose area is the same in all tests
     hardness: float = math.nan
     yields: _Yields | None = None
 
 
 @dataclass(frozen=True)
 class _Yields:
-    """How the true area of a result at a load goes with what is not known of its bodies."""
+    """True area over the computed one as a function of inputs that are not known exactly."""
+
+    known: Mapping[str, Known]  # hardness, creep and moduli that are ranges
+
+    def key(self, name: str) -> str:
+        """Name of a nuisance: inputs of two results that are known alike are one."""
+        return f"{name} {self.known[name].text}"
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all nuisances."""
+        return [self.key(name) for name in self.known]
+
+    def area(self, columns: Mapping[Any, Floats]) -> Floats:
+        """True area over the computed one, of probabilities by `key`."""
+        return self.area_of({name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()})
+
+    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
+        """The same of values of the inputs."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class _BallYields(_Yields):
+    """Hertz's area goes with E*^(-2/3)."""
+
+    moduli: Moduli
+
+    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
+        """True area over that at the middle modulus."""
+        return np.asarray(self.moduli.relative(drawn)) ** (-2 / 3)
+
+
+@dataclass(frozen=True)
+class _ResultYields(_Yields):
+    """True area of a result of measured bodies at a load."""
 
     areas: Areas
     study: Study
-    known: Mapping[str, Known]  # hardness, creep and moduli that are ranges
     wait: float
 
     @classmethod
-    def of(cls, result: Any, load: float, wait: float) -> _Yields | None:
+    def of(cls, result: Any, load: float, wait: float) -> _ResultYields | None:
         """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
@@ -117,18 +170,10 @@ class _Yields:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        return cls(Areas.of(at, study, source), study, known | ({} if fall is None else {"creep": fall}), wait)
-
-    def key(self, name: str) -> str:
-        """Name of a nuisance: what two results know alike is one."""
-        return f"{name} {self.known[name].text}"
-
-    def area(self, columns: Mapping[str, Floats]) -> Floats:
-        """True area over the computed one, of probabilities by `key`."""
-        return self.area_of({name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()})
+        return cls(known | ({} if fall is None else {"creep": fall}), Areas.of(at, study, source), study, wait)
 
     def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
-        """The same of values of what is known."""
+        """True area over the computed one, of values of the inputs."""
         hardness = drawn.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -drawn["creep"] if "creep" in drawn else hardness
         modulus = relative_modulus(self.study, drawn)
@@ -148,9 +193,9 @@ class FrictionTest:
     coefficient : float, optional
     force : float or str, mN, optional
         Tangential force at which it slid, in place of the coefficient. The first peak is the static one.
-    uncertainty : float, optional
-        Standard uncertainty of the coefficient, or of the force where that is given. None: it is found from the scatter
-        of all tests.
+    uncertainty : float or str, optional
+        Standard uncertainty of the coefficient, or of the force where that is given, mN; "20 mN" is of the force and
+        "3 %" relative. None: it is found from the scatter of all tests.
     slid : bool
         Whether it slid; if it held, the coefficient is a lower bound.
     run : str or int, optional
@@ -169,7 +214,7 @@ class FrictionTest:
     load: float | str
     coefficient: float | None = None
     force: float | str | None = None
-    uncertainty: float | None = None
+    uncertainty: float | str | None = None
     slid: bool = True
     run: str | int | None = None
     wait: float | str = 1.0
@@ -184,9 +229,7 @@ class FrictionTest:
         object.__setattr__(self, "wait", number("wait", in_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("one of coefficient and force is needed")
-        scale = 1.0
         if self.force is not None:
-            scale = load
             force = number("force", in_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
         found = number("coefficient", self.coefficient)
@@ -195,14 +238,27 @@ class FrictionTest:
         object.__setattr__(self, "coefficient", found)
         object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
-            of_force = isinstance(self.uncertainty, str)
-            error = in_core_units("uncertainty", self.uncertainty, "force") if of_force else self.uncertainty
-            object.__setattr__(self, "uncertainty", number("uncertainty", error, above=0) / scale)
+            object.__setattr__(self, "uncertainty", self._uncertainty_of_coefficient(load))
+
+    def _uncertainty_of_coefficient(self, load: float) -> float:
+        """Standard uncertainty of the coefficient: a force is over the load (mN), and a percentage relative."""
+        given, is_force = self.uncertainty, self.force is not None
+        if isinstance(given, str) and given.strip().endswith("%"):
+            try:
+                part = float(given.strip().removesuffix("%"))
+            except ValueError:
+                raise ValueError(f"uncertainty must be a number of percent, got {given!r}") from None
+            return number("uncertainty", 0.01 * part * float(self.coefficient or 0.0), above=0)
+        if isinstance(given, str):
+            given, is_force = in_core_units("uncertainty", given, "force"), True
+        return number("uncertainty", given, above=0) / (load if is_force else 1.0)
 
     @cached_property
     def yields(self) -> _Yields | None:
-        """How the true area goes with what is not known of the bodies, of a result of `pair`."""
-        return _Yields.of(self.result, float(self.load), float(self.wait))
+        """How the true area goes with what is not known of the bodies, of a ball or a result of `pair`."""
+        if isinstance(self.result, Ball):
+            return _BallYields(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
+        return _ResultYields.of(self.result, float(self.load), float(self.wait))
 
 
 @dataclass(frozen=True)
@@ -218,6 +274,7 @@ class Fit:
     mu0: Floats  # draws
     tau0: Floats  # of the same draws, GPa
     hardness: Floats  # of the same draws, GPa; NaN where there is none, or another in other tests
+    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of nuisances of the same draws
 
 
 @dataclass(frozen=True)
@@ -273,17 +330,17 @@ class Interface:
     @property
     def identified(self) -> Interval:
         """mu0 + tau0 A/F at the A/F of the tests, and its 95 % interval."""
-        return highest_density(self.fits[0].mu0 + self.fits[0].tau0 * self.area_per_load, 0.0)
+        return credible_interval(self.fits[0].mu0 + self.fits[0].tau0 * self.area_per_load, 0.0)
 
     @property
     def mu0(self) -> Interval:
         """Molecular friction coefficient and its interval; NaN where the two are not separated."""
-        return highest_density(self.fits[0].mu0, 0.0) if self.separated else (math.nan,) * 3
+        return credible_interval(self.fits[0].mu0, 0.0) if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> Interval:
         """Adhesive shear strength (GPa) and its interval; NaN where the two are not separated."""
-        return highest_density(self.fits[0].tau0, 0.0) if self.separated else (math.nan,) * 3
+        return credible_interval(self.fits[0].tau0, 0.0) if self.separated else (math.nan,) * 3
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
@@ -312,29 +369,41 @@ class Interface:
         (float, float, float)
             Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
         """
+        from scipy.special import ndtr
+
         fit, random = self.fits[0], np.random.default_rng(1)
-        found = _friction_of(FrictionTest(result, load, coefficient=0.0), fit.sliding)
-        area = np.exp(found.scatter * random.standard_normal(len(fit.mu0)))
+        found = friction_of(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+
+        def scores(name: Hashable) -> Floats:  # what is common to tests and prediction is drawn once
+            return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
+
+        area = np.exp(found.scatter * scores(found.surfaces))
         if (own := found.yields) is not None:
-            drawn = {name: each.quantile(random.random(len(fit.mu0))) for name, each in own.known.items()}
+            drawn = {name: each.quantile(ndtr(scores(own.key(name)))) for name, each in own.known.items()}
             if "hardness" in drawn and own.known["hardness"].says(self.about.get(HARDNESS, "")):
-                drawn["hardness"] = fit.hardness  # what is common to tests and prediction is drawn once
+                drawn["hardness"] = fit.hardness
             area = area * own.area_of(drawn)
-        return highest_density(found.coefficient(fit.mu0, fit.tau0, area), 0.0)
+        return credible_interval(found.coefficient(fit.mu0, fit.tau0, area), 0.0)
 
 
-def highest_density(values: Floats, bound: float = -math.inf) -> Interval:
-    """Median of draws and the shortest interval that holds 95 % of them; a lower end beside the bound is the bound."""
+def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
+    """Return the median of draws and the ends of their 95 % interval.
+
+    The ends are quantiles of equal tails, so that the interval of a product of a range contains what the ends of the
+    range give. Where the shortest interval with 95 % of the draws begins at the bound, the interval is that one.
+    """
     ordered = np.sort(values)
     inside = math.ceil(COVERAGE * len(ordered)) - 1
     start = int((ordered[inside:] - ordered[: len(ordered) - inside]).argmin())
-    low, high = float(ordered[start]), float(ordered[start + inside])
-    if low - bound < AT_BOUND * (high - low):
+    if ordered[start] - bound < AT_BOUND * (ordered[start + inside] - ordered[start]):
         low, high = bound, float(ordered[inside])
+    else:
+        low, high = (float(end) for end in np.quantile(ordered, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2]))
     return float(np.median(ordered)), low, high
 
 
-def _rules_of(result: Any) -> tuple[str, ...]:
+def rules_of(result: Any) -> tuple[str, ...]:
+    """Return the sliding rules that a result has."""
     if isinstance(result, Ball):  # on which all rubs
         return RULES
     if isinstance(result, Curve):
@@ -342,13 +411,13 @@ def _rules_of(result: Any) -> tuple[str, ...]:
     return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
 
 
-def _friction_of(test: FrictionTest, sliding: Sliding) -> _Friction:
+def friction_of(test: FrictionTest, sliding: Sliding) -> _Friction:
     """What the surfaces of a test do at its load, by a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, Curve)) and test.wait != 1:
         raise ValueError("wait needs a result of pair, which knows the creep")
     if isinstance(result, Ball):
-        return _Friction(stick=result.area_per_load(load))
+        return _Friction(stick=result.area_per_load(load), yields=test.yields)
     if isinstance(result, Curve):
         return _of_curve(result, load)
     return replace(_of_members(result, load, sliding), yields=test.yields)
@@ -382,7 +451,10 @@ def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
     stick = six["tangential_adhesive"][reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: each[reached].mean() for name, each in six.items()}
-    return _Friction.of(means, scatter=spread, hardness=float(study_of(dataset).contact.hardness or math.nan))
+    surfaces = dataset.attrs["study"]
+    return _Friction.of(
+        means, scatter=spread, surfaces=surfaces, hardness=float(study_of(dataset).contact.hardness or math.nan)
+    )
 
 
 # ---- Files -----------------------------------------------------------------------------------------------------------
@@ -497,7 +569,7 @@ def interfaces_in(folder: str | Path) -> dict[str, dict[str, str]]:
         with contextlib.suppress(ValueError):
             own = read_interface(path)
             fit, about = own.fits[0], {"kind": "measured", **own.about}
-            low, high = zip(*(highest_density(each, 0.0)[1:] for each in (fit.mu0, 1e3 * fit.tau0)), strict=True)
+            low, high = zip(*(credible_interval(each, 0.0)[1:] for each in (fit.mu0, 1e3 * fit.tau0)), strict=True)
             found[path.name] = about | {
                 "mu0": f"{low[0]:.3g}..{high[0]:.3g}", "tau0": f"{low[1]:.3g}..{high[1]:.3g} MPa",
                 "area_per_load": f"{own.area_per_load:.3g} /GPa",

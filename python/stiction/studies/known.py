@@ -150,7 +150,7 @@ def _with_units(first: str, last: str) -> tuple[str, str]:
     return (first if unit is None or _UNIT.search(first) else f"{first} {unit[0]}"), last
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(maxsize=32)
 def sobol(dimensions: int, count: int = DRAWS, *, seed: int = 0) -> Floats:
     """(count, dimensions) points of a scrambled Sobol sequence inside the unit cube; `count` is a power of two."""
     from scipy.stats import qmc

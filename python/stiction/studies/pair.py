@@ -18,7 +18,7 @@ from stiction._units import Quantity, exactly, quantity
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.interfaces import Interface, highest_density, interface, interfaces, medians
+from stiction.studies.interfaces import Interface, credible_interval, interface, interfaces, medians
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, Body, MeasuredFile
 from stiction.studies.members import about
@@ -280,7 +280,7 @@ class Pair:
             table["interface"] = name if name in interfaces() else str(Path(name).resolve())
             fit = self.strength.fits[0]
             for name, values, unit in (("mu0", fit.mu0, ""), ("tau0", 1e3 * fit.tau0, " MPa")):
-                low, high = (f"{end:.4g}" for end in highest_density(values, 0.0)[1:])
+                low, high = (f"{end:.4g}" for end in credible_interval(values, 0.0)[1:])
                 table |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
         return table
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._shown import png_of
-from stiction.studies.calibration import LEAST_VARIATION
-from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface, highest_density
+from stiction.studies.calibration_fit import MIN_VARIATION
+from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface, credible_interval
 from stiction.views.digits import finite, percent, with_interval, with_unit
 from stiction.views.point import RULES
 from stiction.views.rows import entry, record
@@ -47,7 +47,7 @@ def _not_separated(interface: Interface) -> Iterator[str]:
     value, ratio = interface.identified[0], interface.area_per_load
     count = len(interface.tests)
     few = f"A/F varies by {percent(interface.variation)} among {count} tests" if count > 1 else "there is one test"
-    need = f", and {LEAST_VARIATION:.0%} are needed".replace("%", " %") if count > 2 else ", and three are needed"
+    need = f", and {MIN_VARIATION:.0%} are needed".replace("%", " %") if count > 2 else ", and three are needed"
     yield f"Only μ0 + τ0 A/F is measured: {few}{need} to know either alone."
     yield f"What is left: from μ0 = {value:.3g}, τ0 = 0 to μ0 = 0, τ0 = {with_unit(value / ratio, 'GPa')}."
 
@@ -146,7 +146,7 @@ def _tests_panel(axes: Axes, interface: Interface) -> None:
     points = np.array(interface.tests, dtype=float).reshape(-1, 4)
     largest = 1.15 * max(points[:, 0].max(initial=0.0), interface.area_per_load)
     ratio = np.linspace(0.0, largest, 60)
-    band = np.array([highest_density(fit.mu0 + fit.tau0 * each, 0.0) for each in ratio])
+    band = np.array([credible_interval(fit.mu0 + fit.tau0 * each, 0.0) for each in ratio])
     axes.fill_between(ratio, band[:, 1], band[:, 2], color=ALL, alpha=0.15, linewidth=0, label="95 %")
     axes.plot(ratio, band[:, 0], color=ALL, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
     slid = points[:, 3] > 0

@@ -1,0 +1,541 @@
+"""Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling over nuisances.
+
+Nuisances are what the tests share and nobody knows exactly: the gain of the force cell, the true areas of the
+surfaces, hardness, creep and moduli that are ranges, the spread between runs, and the size of the errors where it is
+not given. Given all of them the tests are linear in mu0 and tau0, whose density is computed on a grid that follows it.
+The integral of that density, the evidence, weighs the nuisances. Their proposal, Student's t distribution, starts at
+the best fit and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18, 447-459).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.mechanics.model import Sliding
+from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, friction_of
+from stiction.studies.known import sobol
+
+MIN_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not separated
+ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points of a round of adaptation, and of the result at most
+FINAL_POINTS = 256, 1024  # nuisance points of the result: the first, doubled for each nuisance, at most the second
+MAX_SCORE = 5.0  # largest normal score of a nuisance; what is beyond has no weight
+MAX_ROUNDS = 8  # rounds of adaptation
+MIN_SAMPLE_FRACTION = 0.4  # effective sample size over points at which the proposal is good enough
+MIN_EFFECTIVE = 300.0  # effective sample size of nuisances, below which the result takes more points
+STRENGTHS, COEFFICIENTS = 41, 31  # cells of tau0, and of mu0 in each of these
+NUM_DRAWS = 4000  # pairs of mu0 and tau0 that represent their joint distribution
+DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
+PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
+OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
+RUN_SPREAD = 0.07  # median of the prior relative standard deviation between runs, half a Cauchy distribution
+
+GAIN, SPREAD = "gain", "spread between runs"  # names of nuisances
+
+
+@dataclass(frozen=True)
+class _Best:
+    """The most likely mu0, tau0 and nuisances of a problem, and how well the tests fit there."""
+
+    mu0: float
+    tau0: float  # GPa
+    scores: Floats  # (nuisances,)
+    residuals: Floats  # (slid tests,) over the errors
+    slope: Floats  # Jacobian of the weighted residuals and then of the scores, by what is free and by the scores
+    robust: Floats  # (tests,) square roots of weights, smaller for outliers
+    scale: float  # by which errors were multiplied before, where none were given
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Cells of mu0 and tau0 for every nuisance point, and the logarithm of the probability in each cell."""
+
+    triangle: Floats  # (points, 2, 3) upper rows of the triangular factor by which the grid was chosen
+    depth: float
+    low: Floats  # (points,) ends of tau0, GPa
+    high: Floats
+    log_probability: Floats  # (points, tau0, mu0), without the prior of the nuisances
+
+
+class CalibrationProblem:
+    """Equations rub mu0 + stick tau0 = right of all tests, their errors and their nuisances.
+
+    Parameters
+    ----------
+    tests : sequence of FrictionTest
+    sliding : {"all", "opposing"}
+    common : float
+        Relative standard uncertainty of the gain, which all tests share.
+    known : (float or None, float or None)
+        mu0 and tau0 (GPa) where they are known.
+    outliers : bool
+        Whether errors follow Student's t distribution instead of the normal one.
+    """
+
+    def __init__(
+        self,
+        tests: Sequence[FrictionTest],
+        sliding: Sliding,
+        common: float,
+        known: tuple[float | None, float | None],
+        *,
+        outliers: bool,
+    ) -> None:
+        self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
+        alike = {(id(test.result), test.load, test.wait): test for test in tests}
+        friction = {key: friction_of(test, sliding) for key, test in alike.items()}
+        self._friction = [friction[id(test.result), test.load, test.wait] for test in tests]
+        self.slid = np.array([test.slid for test in tests])
+        self.load = np.array([float(test.load) for test in tests])
+        self.measured = np.array([float(test.coefficient or 0.0) for test in tests])
+        self.has_errors = tests[0].uncertainty is not None
+        if self.has_errors:
+            self.error = np.array([test.uncertainty for test in tests], float)
+        else:  # all have one relative error, whose size is a nuisance
+            self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
+        scatters: dict[Hashable, float] = {}
+        for found in self._friction:
+            if found.scatter > 0:
+                scatters[found.surfaces] = max(scatters.get(found.surfaces, 0.0), found.scatter)
+        self._scatters = scatters
+        inputs = [name for found in self._friction if found.yields for name in found.yields.names]
+        self._members = _runs_of(tests)
+        self.nuisances: list[Hashable] = [
+            *([GAIN] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
+            *([SPREAD] if len(self._members) else []),
+        ]  # fmt: skip
+        """Names of the nuisances, each with a standard normal score."""
+        middle = self._columns(np.zeros((1, len(self.nuisances))))
+        self.ratio = middle[1][0] / middle[0][0]  # A/F at the middle of all nuisances, 1/GPa
+        self._offsets, self._offset_sizes = self._offsets_of_runs(middle)
+
+    # ---- Equations --------------------------------------------------------------------------------------------------
+
+    def _columns(self, scores: Floats) -> tuple[Floats, Floats, Floats]:
+        """(points, tests) each of rub, stick and right at scores (points, nuisances)."""
+        from scipy.special import ndtr
+
+        at = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
+        probability = {name: ndtr(values) for name, values in at.items()}
+        areas: dict[int, Floats] = {}  # of tests at one load on the same surfaces
+
+        def area(found: Any) -> Floats:
+            factor = np.ones(len(scores))
+            if found.yields is not None:
+                if id(found) not in areas:
+                    areas[id(found)] = found.yields.area(probability)
+                factor = factor * areas[id(found)]
+            return factor * np.exp(self._scatters[found.surfaces] * at[found.surfaces]) if found.scatter > 0 else factor
+
+        def of_all(name: str) -> Floats:
+            return np.array([getattr(found, name) for found in self._friction])
+
+        gain = np.exp(self.common * at[GAIN])[:, np.newaxis] if GAIN in at else np.ones((len(scores), 1))
+        # The measured coefficient is the gain times the true one, and its error is that of the measured one.
+        rub = gain * of_all("rub") - self.measured * of_all("rub_normal")
+        stick = gain * of_all("stick") - self.measured * of_all("stick_normal")
+        right = self.measured - gain * of_all("elastic")
+        return rub, stick * np.stack([area(found) for found in self._friction], axis=1), right
+
+    def _offsets_of_runs(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
+        """Unit vectors (runs, tests) and sizes (runs,) of relative offsets of the runs, over errors.
+
+        They are relative to the fitted coefficients: those relative to measured ones would pull the fit to low values.
+        """
+        if not len(self._members):
+            return np.zeros((0, len(self.slid))), np.zeros(0)
+        rub, stick, right = (each[0] for each in middle)
+        mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
+        shifts = self._members * (rub * mu0 + stick * tau0) / self.error
+        self._run_errors = (shifts * self.error).sum(axis=0)  # of held tests, per unit of the spread
+        shifts = np.where(self.slid, shifts, 0.0)
+        sizes = np.linalg.norm(shifts, axis=1)
+        there = sizes > 0
+        return shifts[there] / sizes[there, np.newaxis], sizes[there]
+
+    @cached_property
+    def _weight(self) -> Floats:
+        return np.where(self.slid, 1.0 / self.error**2, 0.0)
+
+    @property
+    def pivot(self) -> float:
+        """A/F of the tests, 1/GPa, each with its weight."""
+        return float(np.average(self.ratio, weights=self._weight))
+
+    @property
+    def variation(self) -> float:
+        """Standard deviation over mean of A/F."""
+        return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
+
+    def _spread(self, scores: Floats) -> Floats:
+        """(points,) relative standard deviations between runs."""
+        from scipy.special import ndtr
+
+        if SPREAD not in self.nuisances:
+            return np.zeros(len(scores))
+        part = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD)]), 1 - 1e-9)
+        return np.asarray(RUN_SPREAD * np.tan(0.5 * math.pi * part))
+
+    def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+        """(points, slid tests, 3) independent equations over their errors, and logarithms of their norms."""
+        rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
+        norm = -np.count_nonzero(self.slid) * np.log(scale)
+        if len(self._offsets):
+            unit = self._offsets[:, self.slid]
+            ratio = 1 + np.square(np.multiply.outer(spread / scale, self._offset_sizes))
+            norm = norm - 0.5 * np.log(ratio).sum(axis=1)
+            along = np.einsum("rn,pnk->prk", unit, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
+            rows = rows - np.einsum("rn,prk->pnk", unit, along)
+        return rows, np.asarray(norm, dtype=np.float64)
+
+    # ---- Best fit ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def best(self) -> _Best:
+        """The most likely mu0, tau0 and nuisances.
+
+        Offsets of runs are free here, so that residuals are those within runs. Outliers have smaller weights.
+        """
+        from scipy.optimize import least_squares
+
+        free = [place for place, value in enumerate(self.known) if value is None]
+        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
+        robust, scale = np.ones(len(self.slid)), 1.0
+
+        def equations(moves: Floats) -> Floats:
+            scores = np.zeros((len(moves), len(self.nuisances)))
+            scores[:, moved] = moves
+            rows = self._rows(self._columns(scores), np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
+            return np.asarray(rows * robust[self.slid, np.newaxis])
+
+        at_middle = equations(np.zeros((1, len(moved))))[0]
+        size = np.maximum(np.linalg.norm(at_middle[:, :2], axis=0), 1e-300)
+
+        def values(x: Floats) -> Floats:
+            strength = np.array([0.0 if value is None else value for value in self.known])
+            strength[free] = x[: len(free)] / size[free]
+            return strength
+
+        def residuals(x: Floats) -> Floats:
+            rows = equations(x[np.newaxis, len(free) :])[0]
+            return np.concatenate([rows[:, 2] - rows[:, :2] @ values(x), x[len(free) :]])
+
+        def jacobian(x: Floats) -> Floats:
+            step = 1e-5
+            moves = x[len(free) :] + step * np.concatenate([np.zeros((1, len(moved))), np.eye(len(moved))])
+            rows = equations(moves)
+            data = rows[..., 2] - rows[..., :2] @ values(x)
+            top = np.concatenate([-rows[0][:, free] / size[free], (data[1:] - data[0]).T / step], axis=1)
+            prior = np.concatenate([np.zeros((len(moved), len(free))), np.eye(len(moved))], axis=1)
+            return np.concatenate([top, prior])
+
+        lower = np.concatenate([np.zeros(len(free)), np.full(len(moved), -np.inf)])
+        x = np.zeros(len(free) + len(moved))
+        for _ in range(1 if self.has_errors and not self.outliers else 4):
+            start = _nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
+            x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
+            if x.size:
+                x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
+            found = residuals(x)[: len(at_middle)] / robust[self.slid]
+            slope = jacobian(x) if x.size else np.zeros((len(found), 0))
+            if not self.has_errors:
+                middle = np.median(np.abs(found)) / 0.6745 if self.outliers else np.sqrt((found**2).mean())
+                scale, found = scale * max(float(middle), 1e-9), found / max(float(middle), 1e-9)
+            if self.outliers:
+                robust[self.slid] = np.sqrt((OUTLIER_FREEDOM + 1) / (OUTLIER_FREEDOM + found**2))
+        scores = np.zeros(len(self.nuisances))
+        scores[moved] = x[len(free) :]
+        mu0, tau0 = values(x)
+        return _Best(float(mu0), float(tau0), scores, found, slope, robust, scale)
+
+    def fit(self) -> Fit:
+        """The joint distribution of mu0 and tau0, and how well the tests fit."""
+        from scipy.stats import chi2, linregress
+
+        best = self.best
+        chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
+        slid = int(self.slid.sum())
+        # Where A/F is the same in all tests, one combination is fitted.
+        fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_VARIATION else 2)
+        freedom = max(0, slid - fitted - max(0, len(self._offsets) - 1))
+        probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
+        is_scaled = freedom > 0 and (not self.has_errors or (probability < UNLIKELY and not self.outliers))
+        scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
+        loads = np.log(self.load[self.slid])
+        trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
+        mu0, tau0, scores = self._draws(max(scale, 1e-9), freedom if is_scaled else None)
+        named = {name: scores[:, place] for place, name in enumerate(self.nuisances) if name not in (GAIN, SPREAD)}
+        return Fit(
+            self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
+            self._hardness(named), named,
+        )  # fmt: skip
+
+    @cached_property
+    def shared_hardness(self) -> Any:
+        """The range of hardness that all tests have, as it is known; None where there is none."""
+        first = self._friction[0].yields
+        yields = [each.yields for each in self._friction]
+        names = {each.key("hardness") if each and "hardness" in each.known else "" for each in yields}
+        return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
+
+    def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
+        """(draws,) hardness (GPa) that all tests have; NaN where there is none, or another in other tests."""
+        from scipy.special import ndtr
+
+        first = self._friction[0]
+        if self.shared_hardness is not None and first.yields is not None:
+            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.yields.key("hardness")])))
+        ones = {each.hardness for each in self._friction}
+        return np.full(NUM_DRAWS, first.hardness if len(ones) == 1 else math.nan)
+
+    # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
+
+    def _grid(self, points: Floats) -> _Grid:
+        """Grid of mu0 and tau0 at points (points, nuisances and the logarithm of the scale)."""
+        from scipy.special import log_ndtr
+
+        scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
+        columns, spread = self._columns(scores), self._spread(scores)
+        rows, norm = self._rows(columns, scale, spread)
+        triangle = _triangle(rows)
+        if self.outliers:
+            chosen = _triangle(rows * self.best.robust[self.slid, np.newaxis])
+        else:
+            rows = chosen = triangle
+        depth = DEPTH * (1.0 if self.slid.all() and not self.outliers else 4.0)
+        if self.known[1] is not None:
+            low = high = np.full(len(points), self.known[1])
+        elif self.known[0] is not None:
+            low, high = _range_at(self.known[0], chosen, depth)
+        else:
+            low, high = _range(chosen, depth)
+        count = 1 if self.known[1] is not None else STRENGTHS
+        tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, (np.arange(count) + 0.5) / count)
+        start, step = self._coefficients(chosen[:, np.newaxis], tau0, depth)
+        mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._count) + 0.5)
+        tau0 = tau0[..., np.newaxis]
+        log = np.zeros(mu0.shape)
+        for row in np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]:
+            residual = row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0
+            if self.outliers:
+                log -= 0.5 * (OUTLIER_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_FREEDOM)
+            else:
+                log -= 0.5 * residual**2
+        for test in np.flatnonzero(~self.slid):
+            error = scale * self.error[test]
+            if len(self._members):
+                error = np.hypot(error, spread * self._run_errors[test])
+            rub, stick, right = (each[:, test, np.newaxis, np.newaxis] for each in columns)
+            log += log_ndtr((rub * mu0 + stick * tau0 - right) / error[:, np.newaxis, np.newaxis])
+        # All values of mu0 and of tau0 A/F are as likely beforehand, whatever the areas and the gain.
+        volume = sum(
+            np.log(np.abs(column[:, self.slid]).mean(axis=1))
+            for column, value in zip(columns[:2], self.known, strict=True) if value is None
+        )  # fmt: skip
+        if self.known[1] is None:
+            volume = volume + np.log((high - low) / count)
+        width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
+        log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
+        return _Grid(chosen, depth, low, high, log)
+
+    @property
+    def _count(self) -> int:
+        return 1 if self.known[0] is not None else COEFFICIENTS
+
+    def _coefficients(self, triangle: Floats, tau0: Floats, depth: float) -> tuple[Floats, Floats]:
+        """Start and step of the cells of mu0 at each tau0: around the best value, at least 0."""
+        if self.known[0] is not None:
+            return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
+        best = (triangle[..., 0, 2] - triangle[..., 0, 1] * tau0) / triangle[..., 0, 0]
+        half = math.sqrt(depth) / triangle[..., 0, 0]
+        low = np.maximum(best - half, 0.0)
+        high = np.maximum(best + half, low + half)
+        return low, (high - low) / COEFFICIENTS
+
+    # ---- Nuisances --------------------------------------------------------------------------------------------------
+
+    def _draws(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
+        """(draws,) of mu0 and tau0 (GPa), and (draws, nuisances) scores.
+
+        With degrees of freedom, errors are known up to a factor.
+        """
+        count = len(self.nuisances)
+        active = [*range(count), *([count] if freedom is not None else [])]
+        mean, covariance = self._first_proposal(scale, freedom)
+        points, grid, log_weight = self._weighted(mean, covariance, active, ROUND_POINTS if active else 1)
+        for seed in range(1, MAX_ROUNDS if active else 0):
+            if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
+                break
+            power = 1.0  # tempered weights, where a few points have them all
+            while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
+                power *= 0.7
+            weight = np.exp(power * (log_weight - log_weight.max()))
+            mean = np.average(points[:, active], axis=0, weights=weight)
+            covariance = np.cov(points[:, active].T, aweights=weight, ddof=0).reshape(len(active), -1)
+            covariance = covariance + 1e-6 * np.eye(len(active))
+            points, grid, log_weight = self._weighted(mean, covariance, active, ROUND_POINTS, seed)
+        size = min(FINAL_POINTS[0] << len(active), FINAL_POINTS[1])
+        while active:
+            points, grid, log_weight = self._weighted(mean, covariance, active, size, MAX_ROUNDS)
+            if _effective(log_weight) > min(MIN_EFFECTIVE, MIN_SAMPLE_FRACTION * size) or size >= MAX_POINTS:
+                break
+            size *= 2
+        return self._resampled(points, grid, log_weight)
+
+    def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
+        """Mean and covariance of nuisances, and of the logarithm of the scale, around the best fit."""
+        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
+        size = len(self.nuisances) + (freedom is not None)
+        mean, covariance = np.zeros(size), np.eye(size)
+        mean[: len(self.nuisances)] = self.best.scores
+        if moved:
+            data, slope = len(self.best.residuals), self.best.slope
+            weighed = np.concatenate([slope[:data] * self.best.scale / scale, slope[data:]])
+            inverse = np.linalg.pinv(weighed.T @ weighed, rcond=1e-12, hermitian=True)[-len(moved) :, -len(moved) :]
+            covariance[np.ix_(moved, moved)] = 1.2 * inverse
+        if freedom is not None:
+            mean[-1], covariance[-1, -1] = math.log(scale), 1.0 / freedom
+        return mean, covariance
+
+    def _weighted(
+        self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
+    ) -> tuple[Floats, _Grid, Floats]:
+        """Points of the proposal, their grids, and logarithms of their weights."""
+        from scipy.special import gammaincinv, ndtri
+
+        points = np.zeros((count, len(self.nuisances) + 1))
+        log = np.zeros(count)
+        if active:
+            unit = sobol(len(active) + 1, count, seed=seed)
+            normal = ndtri(unit[:, :-1])
+            stretch = PROPOSAL_FREEDOM / (2 * gammaincinv(PROPOSAL_FREEDOM / 2, unit[:, -1]))
+            normal = normal * np.sqrt(stretch)[:, np.newaxis]
+            points[:, active] = mean + normal @ np.linalg.cholesky(covariance).T
+            power = 0.5 * (PROPOSAL_FREEDOM + len(active))
+            log = power * np.log1p((normal**2).sum(axis=1) / PROPOSAL_FREEDOM)
+        grid = self._grid(points)
+        evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
+        log = log + evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
+        return points, grid, np.where(np.isfinite(log), log, -np.inf)
+
+    def _resampled(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
+        """Draws from the cells of all nuisance points."""
+        random = np.random.default_rng(0)
+        inside = grid.log_probability.reshape(len(points), -1)
+        excess = log_weight - np.logaddexp.reduce(inside, axis=1)
+        log = inside + excess[:, np.newaxis]
+        total = np.cumsum(np.exp(log - log.max()))
+        # Systematic: each nuisance point has its share of the draws, and so have the cells within.
+        wanted = (np.arange(NUM_DRAWS) + random.random()) / NUM_DRAWS * total[-1]
+        place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
+        place = random.permutation(place)
+        point, row, column = np.unravel_index(place, grid.log_probability.shape)
+        low, high = grid.low[point], grid.high[point]
+        tau0 = low + (high - low) * (row + random.random(NUM_DRAWS)) / grid.log_probability.shape[1]
+        start, step = self._coefficients(grid.triangle[point], tau0, grid.depth)
+        mu0 = start + step * (column + random.random(NUM_DRAWS))
+        return mu0, tau0, points[point, : len(self.nuisances)]
+
+    # ---- Advice -----------------------------------------------------------------------------------------------------
+
+    def advice(self) -> tuple[tuple[str, float, float], ...]:
+        """What would tell mu0 and tau0 apart, with the standard errors that are expected."""
+        mu0, tau0 = self.best.mu0, self.best.tau0
+        rub, stick, _ = (each[0] for each in self._columns(self.best.scores[np.newaxis]))
+        predicted = rub * mu0 + stick * tau0
+        relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
+        ratio, count = self.pivot, len(self.error)
+        plans = (
+            ("a smooth ball below yield, two decades of load", ratio * np.geomspace(0.3, 3, count)),
+            ("as many tests on a second finish, elastic, three times as rough", np.full(count, ratio / 3)),
+            ("as many tests with the same film on a body twice as hard", np.full(count, ratio / 2)),
+        )
+        found = []
+        for words, more in plans:
+            ratios = np.concatenate([np.full(count, ratio), more])
+            errors = relative * np.maximum(mu0 + tau0 * ratios, 1e-12)
+            matrix = np.stack([1 / errors, ratios / errors], axis=1)
+            covariance = np.linalg.inv(matrix.T @ matrix)
+            found.append((words, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
+        return tuple(found)
+
+
+def _runs_of(tests: Sequence[FrictionTest]) -> Floats:
+    """(runs, tests) 1 where a test belongs to a run; no rows unless two runs are named, one of them with two tests."""
+    runs = [test.run for test in tests]
+    names = [run for run in dict.fromkeys(runs) if run is not None]
+    if len(names) < 2 or all(runs.count(name) < 2 for name in names):
+        return np.zeros((0, len(runs)))
+    return np.array([[run == name for run in runs] for name in names], float)
+
+
+def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
+    """Most likely mu0 and tau0 (GPa), at least 0, of equations (tests, 3) with weights."""
+    from scipy.optimize import lsq_linear
+
+    free = [value is None for value in known]
+    values = np.array([0.0 if value is None else value for value in known])
+    if any(free):
+        root = np.sqrt(weight)[:, np.newaxis]
+        right = rows[:, 2] - rows[:, :2] @ values
+        columns = rows[:, :2][:, free]
+        scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
+        values[free] = lsq_linear(columns / scale * root, right * root[:, 0], (0.0, np.inf)).x / scale
+    return float(values[0]), float(values[1])
+
+
+def _triangle(rows: Floats) -> Floats:
+    """(points, 3, 3) triangular factors of equations (points, tests, 3), with positive diagonals of mu0 and tau0."""
+    if rows.shape[1] < 3:
+        rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
+    factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
+    factor = factor * np.where(np.einsum("pii->pi", factor) < 0, -1.0, 1.0)[..., np.newaxis]
+    tiny = 1e-12 * np.abs(factor[:, :2, :2]).max(axis=(1, 2))
+    for place in (0, 1):
+        factor[:, place, place] = np.maximum(factor[:, place, place], np.maximum(tiny, 1e-150))
+    return np.asarray(factor)
+
+
+def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
+    """Ends of tau0 where -2 ln(density), at the best mu0 of at least 0, is within a depth of its least value."""
+    one, both = triangle[:, 0], triangle[:, 1]
+    curvature = both[:, 1] ** 2 + one[:, 1] ** 2  # where mu0 is 0
+    centre, at_bound = both[:, 2] / both[:, 1], (both[:, 1] * both[:, 2] + one[:, 1] * one[:, 2]) / curvature
+    corner = one[:, 2] / np.where(one[:, 1] == 0, 1e-300, one[:, 1])
+
+    def of(tau0: Floats) -> Floats:
+        mu0 = one[:, 2] - one[:, 1] * tau0  # over a positive number
+        return np.asarray((both[:, 2] - both[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
+
+    least = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
+    top = least + depth
+    at_least = (both[:, 2] - both[:, 1] * at_bound) ** 2 + (one[:, 2] - one[:, 1] * at_bound) ** 2
+    half, half_bound = np.sqrt(top) / both[:, 1], np.sqrt(np.maximum(top - at_least, 0.0) / curvature)
+    ends = []
+    for sign in (-1.0, 1.0):
+        end = centre + sign * half
+        ends.append(np.where(one[:, 2] - one[:, 1] * end >= 0, end, at_bound + sign * half_bound))
+    low = np.maximum(ends[0], 0.0)
+    return low, np.maximum(ends[1], low + 1e-9 * np.abs(half_bound) + 1e-300)
+
+
+def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
+    """The same at a known mu0."""
+    one, both = triangle[:, 0], triangle[:, 1]
+    curvature = both[:, 1] ** 2 + one[:, 1] ** 2
+    centre = (both[:, 1] * both[:, 2] + one[:, 1] * (one[:, 2] - one[:, 0] * mu0)) / curvature
+    half = np.sqrt(depth / curvature)
+    low = np.maximum(centre - half, 0.0)
+    return low, np.maximum(centre + half, low + half)
+
+
+def _effective(log_weight: Floats) -> float:
+    """Effective sample size of weights."""
+    weight = np.exp(log_weight - log_weight.max())
+    return float(weight.sum() ** 2 / (weight**2).sum())
