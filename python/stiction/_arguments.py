@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -38,12 +39,30 @@ def quantity_of(name: str, value: Any, kind: str) -> Quantity:
 
 
 def quantities_of(name: str, value: Any, kind: str) -> list[Quantity]:
-    """One or several quantities of a kind."""
+    """Return one or several quantities of a kind."""
+    reject_decimal_commas(name, value)
     return [quantity_of(name, each, kind) for each in _several(name, value)]
 
 
-def numbers_of(name: str, value: Any) -> list[float]:
-    """One or several numbers, as such or as text."""
+_DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
+"""A comma between two whole numbers, which may be a decimal comma: "0,2", but not "0, 2" or "0.2,0.3"."""
+
+
+def reject_decimal_commas(name: str, value: Any) -> None:
+    """Raise an error if a text has a comma that may be a decimal comma."""
+    for each in value if isinstance(value, (list, tuple)) else [value]:
+        if isinstance(each, str) and (found := _DECIMAL_COMMA.search(each)):
+            one, two = found[0].replace(",", "."), found[0].replace(",", ", ")
+            raise ArgumentError(
+                f'{{{name}}} has a comma between digits: write "{one}" for one number or "{two}" for two, '
+                "got {got}", got=repr(each),
+            )  # fmt: skip
+
+
+def numbers_of(name: str, value: Any, *, whole: bool = False) -> list[float]:
+    """Return one or several numbers, given as such or as text; a comma in "0,90" separates `whole` numbers."""
+    if not whole:
+        reject_decimal_commas(name, value)
     try:
         return [float(each) if isinstance(each, str) else number("", each) for each in _several(name, value)]
     except ArgumentError:
@@ -63,6 +82,7 @@ def at_least_0(name: str, values: list[Any], given: Any) -> list[Any]:
 
 def load_of(name: str, value: Any) -> tuple[Quantity, bool]:
     """A load above 0, in mN or in GPa of the slider's area, and whether it is that; a number is mN."""
+    reject_decimal_commas(name, value)
     kinds = ("force", "pressure")
     if not isinstance(value, str):
         load, kind = quantity_of(name, value, "force"), "force"

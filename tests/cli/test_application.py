@@ -130,3 +130,14 @@ def test_pages_and_exports_of_any_name(tmp_path):
     for command, option, end in (("report", "--output=", ".html"), ("export", "", ".nc"), ("export", "", ".csv")):
         stiction_done(command, ".", f"{option}{long}{end}", cwd=tmp_path)
         assert (tmp_path / f"{long}{end}").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [
+        (("characterize", "scan.csv"), "did you mean characterise?"),
+        (("pair", "a.csv", "b.csv", "--mu0", 0.2, "--load", "1 mN", "--mechanics", "halfspace"), "half-space?"),
+    ],
+)
+def test_command_names_the_nearest_of_an_unknown_word(arguments, hint, tmp_path):
+    assert_refused(stiction_command(*arguments, cwd=tmp_path), hint)

@@ -84,17 +84,29 @@ def test_at_takes_what_is_not_given_of_the_result_and_says_why_there_is_no_answe
     record = json.loads(said("at", "lines", "--load", "0.1 mN", "--json", cwd=folder))
     assert [(one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = said("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=folder)
-    assert [line.split()[0] for line in text.splitlines()[:5]] == ["D", "1", "1.2", "1.4", "1.6"]
-    text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", cwd=folder)
+    assert text.startswith("Values of the study, unless others are given: τ0 = 0, 100 MPa (--tau0).\nD")
+    assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
+    text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=folder)
     assert text.startswith("μ_s = not-reached")
     assert "! no step of the result carries this load; give less load" in text
+
+
+def test_at_without_options_uses_loads_mu0_and_tau0_of_the_study(folder):
+    record = json.loads(said("at", "maps", "--json", cwd=folder))
+    study = open_stored(folder / "maps").study
+    asked = [(float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0]
+    assert [(one["at"]["load"], one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == asked
+    record = json.loads(said("at", "study", "--load", "1 uN", "--json", cwd=folder))
+    friction = open_stored(folder / "study").study.friction
+    assert {one["at"]["tau0"] for one in record["answers"]} == {0.0, 0.1}
+    assert {one["at"]["mu0"] for one in record["answers"]} == set(friction.mu0)
 
 
 def test_at_in_one_direction_is_not_the_mean_of_all(folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     one = json.loads(said(*arguments, "--direction", "30", "--json", cwd=folder))
     assert "the upper body moves at 30°" in said(*arguments, "--direction", "30", cwd=folder)
-    assert "the mean over 12 directions all round" in said(*arguments, cwd=folder)
+    assert "the mean over 12 directions and 3 positions" in said(*arguments, cwd=folder)
     at = at_load(open_stored(folder / "maps"), [one["answers"][0]["at"]["load"]], tau0=[0.0])
     expected = at["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
     assert one["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
@@ -108,7 +120,9 @@ def test_at_in_one_direction_is_not_the_mean_of_all(folder):
         (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at least 0"]),
         (("study", "--load", "1 um"), ["--load"]),
         (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
-        (("study",), ["--load"]),
+        (("study",), ["give --load: this study does not ask for loads"]),
+        (("study", "--load", "1 mN", "--mu0", "0,2"), ['write "0.2" for one number or "0, 2" for two']),
+        (("study", "--load", "0,5 mN"), ['"0.5"']),
         (("lines", "--load", "1 mN", "--d", "1.3"), ["--d is for studies"]),
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude is for studies"]),
         (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be one of"]),
@@ -134,10 +148,11 @@ def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
     text = said("info", name, cwd=folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name == "study":
-        assert text.count("μ_s [95 %] at μ0 = ") == 2, "a table for each tau0"
-        assert "D = 1.4" in text
+        assert text.count("μ_s [95 %] at ") == 2, "a table for each amplitude"
+        assert "D" in text
+    assert f"\n{record['answers'][0]['verdict']}" in text or " (1 of 2)" in text
+    if name == "study":
         return
-    assert f"\n{record['answers'][0]['verdict']}" in text or "Doubts" in text
     loads = [one["at"]["load"] for one in record["answers"]]
     assert loads == sorted(loads), "those of a pair need not rise"
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]

@@ -122,9 +122,9 @@ def test_the_spread_between_places_is_in_the_interval_and_in_the_budget(spread) 
     if spread:
         assert pieces
         assert budget[list(pieces)].sum() > 0.2
-    assert "4 × 4 scans of both parts" in result.sentence
+    assert "4 × 4 scans of both parts" in result.answers[0].note
     one = pair(*(each[0] for each in scans), shifts=32, **given)
-    assert "one scan of each part, without the spread between places" in one.sentence
+    assert "one scan of each part" in one.answers[0].note
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(one.interval)
     low, high = result.next_test
     assert low <= result.interval[0] < result.interval[1] <= high

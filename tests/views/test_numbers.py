@@ -207,10 +207,10 @@ def verdicts_held_to_the_library(data, loads, material, changes=None):
 
 def test_the_verdict_of_a_page_of_asperities_is_that_of_the_library(result):
     loads = np.geomspace(1e-4, 0.3, 9).tolist()
-    for modulus, wanted in (("10 GPa", "Quote with care"), ("50 MPa", "Quote it")):
+    for modulus in ("10 GPa", "50 MPa"):
         changes = {"contact.effective_modulus": modulus}
         assert verdicts_held_to_the_library(result, loads, [(0.1, 0.0), (0.4, 0.002)], changes) == {
-            wanted,
+            "Quote with care",
             "Do not quote",
         }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import io
 import os
 import re
@@ -225,6 +226,7 @@ def start() -> int:
             said = error.format_message()  # type: ignore[attr-defined]
             # A number out of its range is said in the words of the library that looks at it.
             said = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", said)
+            said = _with_nearest_command(said)
             say(f"{said}\ntry {command} --help")
     except MemoryError:
         say("there is not enough memory for this")
@@ -244,6 +246,14 @@ def start() -> int:
     except SystemExit:  # by the parser, whose help nobody reads to its end
         return 0
     return BAD_INPUT
+
+
+def _with_nearest_command(message: str) -> str:
+    """Return a message of the parser, with the nearest command appended if it is about an unknown one."""
+    unknown = re.match(r"No such command '([^']*)'", message)
+    names = [name for group in COMMANDS.values() for name in group]
+    near = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []
+    return f"no such command '{unknown[1]}'; did you mean {near[0]}?" if unknown and near else message
 
 
 def _interrupt_again(ignored: Any) -> None:

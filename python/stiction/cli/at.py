@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stiction._arguments import at_least_0, load_of, numbers_of, quantities_of, quantity_of
+from stiction._errors import ArgumentError
 from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, option
 from stiction.cli.showing import opened
@@ -19,15 +20,13 @@ if TYPE_CHECKING:
 
 
 Loads = Annotated[
-    list[str], option("--load FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.')
+    list[str] | None,
+    option("--load FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.', "its own"),
 ]
 Dimension = Annotated[float | None, option("--d D", "Of a study: the nearest fractal dimension that it has.", "all")]
 Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
 Mu0 = Annotated[str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
-Tau0 = Annotated[
-    str | None,
-    option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa of a study, its own of a pair"),
-]
+Tau0 = Annotated[str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "its own")]
 OF_MEANS = ("friction_known", "friction_next_test", "friction_if_known", "width_if_known", "friction_waited")
 """What is known of the mean of all directions, and of none alone."""
 
@@ -38,13 +37,14 @@ Direction = Annotated[
 
 @command(
     "at",
-    "stiction at figure6 --load '1 uN' --d 1.1 --mu0 0.4",
+    "stiction at figure6 --load '1 uN' --d 1.1 --mu0 0.4 --tau0 '0 MPa'",
     "stiction at figure6 --load '1 uN' --d 1.1 --mu0 0.4 --tau0 '200 MPa' --json",
+    "stiction at pair                            # at the loads of the pair",
     "stiction at pair --load '10 MPa' --mu0 0.2,0.3",
 )
 def at(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
-    load: Loads,
+    load: Loads = None,
     fractal_dimension: Dimension = None,
     amplitude: Amplitude = None,
     mu0: Mu0 = None,
@@ -55,7 +55,7 @@ def at(
 ) -> None:
     """Coefficient of static friction, true contact area and stiffness of a result at one load, with intervals.
 
-    Any mu0 and tau0 will do: they need not be those of the study, and nothing is pressed again.
+    Loads, mu0 and tau0 that are not given are those of the study. Others need nothing pressed again.
     """
     from stiction.studies.at_load import at_load
     from stiction.studies.budget import with_uncertainty
@@ -64,9 +64,8 @@ def at(
     from stiction.views.inputs import doubts_of_study
 
     stored = opened(directory)
-    measured = stored.study.is_measured
     rubbing = None if mu0 is None else at_least_0("mu0", numbers_of("mu0", mu0), mu0)
-    strengths: list[float] | None = None if measured else [0.0]
+    strengths = None
     if tau0 is not None:
         strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
     length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
@@ -78,10 +77,17 @@ def at(
     if as_json:
         tell(rows.record_text("at", found, stored.study, beside=beside))
     else:
+        if own := text.own_values_text(stored.study, mu0=mu0 is None, tau0=tau0 is None):
+            tell(own)
         tell(text.result_text(found, stored.study, verbose=verbose, beside=beside))
 
 
-def _loads(stored: Stored, texts: list[str]) -> list[float]:
+def _loads(stored: Stored, texts: list[str] | None) -> list[float]:
+    """Return the loads of the options, or those of the study, in mN and in rising order."""
+    if not texts:
+        if not stored.study.friction.load:
+            raise ArgumentError("give {load}: this study does not ask for loads of its own")
+        return [float(load) for load in stored.study.friction.load]
     loads = set()
     for each in texts:
         amount, per_area = load_of("load", each)

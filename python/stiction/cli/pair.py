@@ -86,7 +86,7 @@ PRESSED = {
     ),
     "mechanics": _pressed(
         "--mechanics half-space|asperities", "The exact elastic answer (of lines: of half-planes), or a fast one.",
-        "half-space of areas, asperities of lines",
+        "asperities of lines, but of two profiles of metals",
     ),
     "check": Annotated[
         bool, option("--check", "Press by the other mechanics as well, into DIR/NAME.", panel="What is pressed")

@@ -15,7 +15,7 @@ from stiction.cli.application import announce, interrupted, say, tell
 from stiction.cli.options import option
 from stiction.studies.complete import complete
 from stiction.studies.executors import threads
-from stiction.studies.store import Stored, StoreError, open_stored
+from stiction.studies.store import OtherStudyError, Stored, StoreError, open_stored
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -64,6 +64,19 @@ def check_folder(directory: Path) -> None:
         raise StudyError(f"--output {named(directory)}: is the name of a file; results go into a directory")
 
 
+def _advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
+    """Return which options and commands get around a folder that has another study."""
+    ways = ["--output DIR takes another folder"]
+    if replaceable:
+        ways.append("--replace writes over the stored result")
+    steps, loads = error.stored.contact.steps(), [float(load) for load in study.friction.load]
+    only_loads = all(key == "contact.load" for key, *_ in error.differ)
+    if only_loads and loads and steps[0] <= min(loads) and max(loads) <= steps[-1]:
+        options = " ".join(f"--load '{load.text}'" for load in study.friction.load)
+        ways.append(f"stiction at {named(error.path)} {options} reads these loads off it, and presses nothing")
+    return "; ".join(ways)
+
+
 def fill_folder(
     study: Study, directory: Path, executor: Executor, *, said: Callable[[str], None] = tell, **asked: Any
 ) -> Stored:
@@ -71,6 +84,8 @@ def fill_folder(
     check_folder(directory)
     try:
         return complete(study, directory, executor, progress=True, said=said, say=say, announce=announce, **asked)
+    except OtherStudyError as error:
+        raise error.with_advice(_advice(error, study, replaceable="replace" in asked)) from None
     except KeyboardInterrupt:
         words = ""
         with contextlib.suppress(StoreError):  # nothing is there yet

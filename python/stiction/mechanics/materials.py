@@ -186,6 +186,11 @@ def softer_material(*bodies: Material) -> Material | None:
     return min(known, key=lambda pair: pair[0])[1] if known and len(known) == len(bodies) else None
 
 
+def is_name_of(text: str, name: str) -> bool:
+    """Whether a text is the name of a material itself, in any spelling, and not one of its aliases."""
+    return _bare(text) == _bare(name)
+
+
 def _checked(name: str, body: Any) -> Material:
     if not isinstance(body, Material):
         raise ValueError(f"{name} must be a Material, as material() gives it, got {type(body).__name__}")

@@ -72,13 +72,14 @@ def at_load(
     xarray.Dataset
         Over the cells of the result, sliding and direction where it has several, load, mu0 and tau0:
         friction_coefficient and status; friction_by_axis, the mean over both senses of an axis, and friction_all_round,
-        the mean over all directions, where there are opposite directions; contact_area (µm²), normal_stiffness and
-        figures of validity over cells and load; where a study asks for the onset of sliding also tangential_stiffness
-        (mN/µm), displacement_at_sliding (µm) and fraction_slipped, of an ensemble at its mean load means that weigh
-        pairs by the load they carry, but of the stiffness. Of measured bodies also their statistics of contacts,
-        quantiles of areas and pressures, slopes of the gap and `gentle_friction`. All with a last dimension statistic
-        ("mean", "lower", "upper"). spread_low and spread_high say between which values four of five single members lie,
-        reading_difference by how much, relatively, the three readings differ, ok and members how many have an answer.
+        the mean over all directions, where there are opposite directions; contact_area (µm²), contact_count,
+        normal_stiffness and figures of validity over cells and load; where a study asks for the onset of sliding also
+        tangential_stiffness (mN/µm), displacement_at_sliding (µm) and fraction_slipped, of an ensemble at its mean load
+        means that weigh pairs by the load they carry, but of the stiffness. Of measured bodies also their statistics of
+        contacts, quantiles of areas and pressures, slopes of the gap and `gentle_friction`. All with a last dimension
+        statistic ("mean", "lower", "upper"). spread_low and spread_high say between which values four of five single
+        members lie, reading_difference by how much, relatively, the three readings differ, ok and members how many have
+        an answer.
 
     Raises
     ------
@@ -164,7 +165,8 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
             dims = ["axis" if each == "direction" else each for each in along.dims]
             variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
-    for what in ("contact_area", "normal_stiffness", *(name for name in (*ONSET, "contact_load") if name in head)):
+    others = [name for name in (*ONSET, "contact_load") if name in head]
+    for what in ("contact_area", "contact_count", "normal_stiffness", *others):
         try:
             found = read(what, every)
         except ValueError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 from stiction._arguments import numbers_of, quantities_of, quantity_of
 from stiction._errors import ArgumentError
 from stiction.mechanics.closed_forms import effective_modulus
-from stiction.mechanics.materials import compliance_fraction, material, softer_material
+from stiction.mechanics.materials import compliance_fraction, is_name_of, material, softer_material
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class Elasticity:
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # what the upper and the lower body are made of
     poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
+    renamed: str = ""  # which materials were given by another of their names
 
 
 def elasticity_of(
@@ -112,7 +114,15 @@ def _of_materials(upper: str, lower: str) -> Elasticity:
         source=f"{above.name} on {below.name}: E* {modulus:g} GPa", hardness_source=said,
         materials=(above.name, below.name),
         poisson_ratios=(_rounded(above.poisson_ratio), _rounded(below.poisson_ratio)),
+        renamed=_renamed(dict.fromkeys(((upper, above.name), (lower, below.name)))),
     )  # fmt: skip
+
+
+def _renamed(names: Iterable[tuple[str, str]]) -> str:
+    """Return which materials are meant by names, as given, that are not their own; empty if all are."""
+    others = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
+    words = ", ".join(text.format("" if index else " is taken") for index, text in enumerate(others))
+    return f"{words} (stiction materials lists others)" if len(others) == 1 else words
 
 
 def _material(argument: str, name: str) -> Any:

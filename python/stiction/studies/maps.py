@@ -38,10 +38,11 @@ _NEEDED = {
     "contact_area": (*_LOADS, "contact_area"),
     "normal_stiffness": _LOADS,
     **{name: (*_LOADS, name) for name in (*ONSET, "contact_load")},
+    "contact_count": _LOADS,
 }
 """Sums that a quantity is made of."""
 
-_AS_THEY_ARE = ("tangential_stiffness", "contact_load")  # in the place of the area
+_AS_THEY_ARE = ("tangential_stiffness", "contact_load", "contact_count")  # in the place of the area
 _WEIGHED = ONSET[1:]  # what each member has its own of, so that their mean weighs them by load
 
 

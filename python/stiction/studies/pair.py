@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -11,7 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from stiction._arguments import at_least_0, listed, load_of, numbers_of, quantities_of, quantity_of
+from stiction._arguments import (
+    at_least_0,
+    listed,
+    load_of,
+    numbers_of,
+    quantities_of,
+    quantity_of,
+    reject_decimal_commas,
+)
 from stiction._checks import Floats, whole_number
 from stiction._errors import ArgumentError
 from stiction._units import Quantity, exactly, quantity
@@ -35,8 +44,6 @@ LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decad
 LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 MECHANICS = ("half-space", "asperities")
-SPHERES = "contacts are taken as spheres on a strip 1 µm thick; better add --lay grooves or isotropic"
-HALF_PLANES = "taken as grooved across the scan; if not, add --lay isotropic"
 
 OF_A_GAP = (
     "A gap does not say how its faces lean: contacts were taken to slide on half of its slopes. Closure, stiffness and "
@@ -103,7 +110,9 @@ class Pair:
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{more}")
         for name, allowed in _CHOICES.items():
             if (value := getattr(self, name)) is not None and value not in allowed:
-                raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}", got=repr(value))
+                near = difflib.get_close_matches(str(value), allowed, n=1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}{hint}", got=repr(value))
         for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0)):
             if (value := getattr(self, name)) is not None:
                 try:
@@ -202,10 +211,18 @@ class Pair:
     @property
     def by(self) -> tuple[str, ...]:
         """The mechanics, of which the first is that of the answer."""
-        usual = "asperities" if self.press == "lines" and not self.has_holes else "half-space"
+        usual = "half-space" if self.press != "lines" or self.has_holes or self._yields else "asperities"
         if self.check:
             return usual, MECHANICS[1 - MECHANICS.index(usual)]
         return (self.mechanics or usual,)
+
+    @property
+    def _yields(self) -> bool:
+        """Whether two profiles are of materials with a hardness, and nothing asks for a law of asperities."""
+        of_asperities = (self.law, self.yield_strength, self.detection, self.curvature)
+        if not self.are_profiles or any(each is not None for each in of_asperities):
+            return False
+        return self.elasticity.hardness is not None
 
     @property
     def contact_law(self) -> str:
@@ -297,6 +314,7 @@ class Pair:
         """Loads as they were given, mN or GPa of the slider's area, and whether they are that."""
         if not (loads := listed(self.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.load))
+        reject_decimal_commas("load", self.load)
         return [load_of("load", load) for load in loads]
 
     # ---- Studies -----------------------------------------------------------------------------------------------------
@@ -328,11 +346,7 @@ class Pair:
             remarks.append(f"{known.source}, {known.hardness_source}")
         elif known.source:
             remarks.append(f"{known.source}; the hardness is that of --hardness")
-        if self.are_profiles and self.lay is None and self.press == "lines":
-            if self.by == ("half-space",):
-                remarks.append(HALF_PLANES)
-            elif self.contact_law != "hertz-cylinder":
-                remarks.append(SPHERES)
+        remarks += [known.renamed] if known.renamed else []
         if self.gap is not None:
             remarks.append(OF_A_GAP)
         return remarks
@@ -423,7 +437,7 @@ class Pair:
             if value is not None:
                 table[name] = list(value)
         if self.direction is not None:
-            table["direction"] = numbers_of("direction", self.direction)
+            table["direction"] = numbers_of("direction", self.direction, whole=True)
         if mechanics == "half-space":
             table["compliance_share"] = known.compliance_share
             table |= {} if self.tilt is None else {"tilt": self.tilt}

@@ -395,7 +395,7 @@ def _check(stored: Stored) -> None:
     """That a folder with blocks can be continued as the study says."""
     path, begun, total = stored.path, stored.begun, stored.study.ensemble.repetitions
     if differ := computed_otherwise(begun.study, stored.study):
-        raise _another_study(path, differ)
+        raise OtherStudyError(path, begun.study, differ)
     last = max(block.last for block in stored.blocks)
     if last >= total:
         raise StoreError(
@@ -422,12 +422,12 @@ def _check_replaceable(path: Path, study: Study) -> None:
     try:
         if content(path / STUDY, LONGEST_FILE).startswith(MARK.encode()):
             return
-        differ = differences(_study(path), study)
+        stored = _study(path)
     except OSError as error:
         raise StoreError(f"{named(path / STUDY)}: cannot be read: {reason(error)}") from None
     except NotReadableError as error:
         raise StoreError(f"{named(path / STUDY)}: {error}; choose another place, or remove it") from None
-    raise _another_study(path, differ)
+    raise OtherStudyError(path, stored, differences(stored, study))
 
 
 def _says(path: Path, study: Study) -> bool:
@@ -438,10 +438,17 @@ def _says(path: Path, study: Study) -> bool:
         return False
 
 
-def _another_study(path: Path, differ: list[Difference]) -> StoreError:
-    return StoreError(
-        f"{named(path)}: holds another study; choose another place, or remove it\n{differences_text(differ)}"
-    )
+class OtherStudyError(StoreError):
+    """A folder has the result of another study than the one that was to be computed."""
+
+    def __init__(self, path: Path, stored: Study, differ: list[Difference], advice: str = "") -> None:
+        advice = advice or "give another directory, or replace the stored result"
+        super().__init__(f"{named(path)}: holds another study; {advice}\n{differences_text(differ)}")
+        self.path, self.stored, self.differ = path, stored, differ
+
+    def with_advice(self, advice: str) -> OtherStudyError:
+        """Return the same error with another remedy."""
+        return OtherStudyError(self.path, self.stored, self.differ, advice)
 
 
 def put(path: Path, first: int, written: bytes, count: int) -> None:

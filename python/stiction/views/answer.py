@@ -22,7 +22,7 @@ from stiction.studies.hardness import inputs_of
 from stiction.studies.interfaces import interface_of
 from stiction.surfaces.pairing import SIDES
 from stiction.views.digits import percent, quoted, significant, with_unit
-from stiction.views.doubts import VERDICTS, doubts_of
+from stiction.views.doubts import MORE_CONTACTS, VERDICTS, doubts_of
 from stiction.views.doubts import WIDE as WIDE
 from stiction.views.doubts import Doubt as Doubt
 from stiction.views.point import (
@@ -38,6 +38,7 @@ from stiction.views.point import (
     modulus_of,
     pressure_of,
     rules_of,
+    shape_coordinate,
     value_of,
 )
 from stiction.views.point import RULES as RULES
@@ -86,17 +87,23 @@ class Answer:
 
     rules: tuple[RuleValue, ...]
     status: str  # "ok", or why there is no coefficient
+    load: str  # with its unit, and over the nominal area where there is one
     inputs: str  # load, materials and resolution, in words
     note: str  # what was averaged, and which reading of the load it is
+    assumptions: tuple[str, ...] = ()  # how the scans stand for surfaces, and the contact model
     doubts: tuple[Doubt, ...] = ()  # faults first
     at: dict[str, Any] = field(default_factory=dict)  # the cell, load (mN), mu0 and tau0 (GPa)
     # With a hardness, and a value to quote: between mu0 + tau0/H and the upper end of the interval at this scan, with
     # what few contacts leave open, every finer scan lies where all contacts rub.
     bracket: tuple[float, float] | None = None
+    hardness: float | None = None  # at which the bracket holds, GPa
+    from_roughness: float | None = None  # part of the value that the scans contribute, beyond the inputs
     budget: tuple[Left, ...] = ()  # what would be left of its interval if an input were known, the most important first
     parts: tuple[float, float, float] | None = None  # what holds the bodies: mu0, adhesion on the true area, and slopes
     waited: tuple[Waited, ...] = ()  # after each time that the study waits
     covered: bool = False  # whether it is one of two readings of a scan, and the interval of the other one covers it
+    members: float = math.nan  # how many were averaged, and what they are
+    averaged: str = ""
     scans: tuple[int, int] = (1, 1)  # places of the upper and of the lower part that were scanned
 
     @property
@@ -143,6 +150,15 @@ class Answer:
         return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
     @property
+    def finer(self) -> str:
+        """Between which ends every finer scan lies, and at which hardness; empty without a bracket."""
+        if self.bracket is None or self.hardness is None:
+            return ""
+        low, high = (f"{end:.3f}" for end in self.bracket)
+        ends = f"{low} (μ0 + τ0/H)" + (f" to {high}" if low != high else "")
+        return f"at H = {with_unit(self.hardness, 'GPa')} a finer scan would give {ends}"
+
+    @property
     def sentence(self) -> str:
         """One sentence with its inputs: to quote, or why there is none to quote."""
         if self.verdict == "Do not quote":
@@ -151,8 +167,25 @@ class Answer:
         first, *others = self.rules
         words = f"μ_s = {quoted(first.value, first.lower, first.upper)} {RULES[first.rule]}"
         words += "".join(f", {quoted(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
-        finer = f"; {bracket_text(self.bracket)}" if self.bracket is not None else ""
-        return f"{words}, at {self.inputs}; {self.note}{finer}."
+        parts = [f"{words}, at {self.inputs}", self.note]
+        parts += [f"assuming {', '.join(self.assumptions)}"] if self.assumptions else []
+        parts += filter(None, [self.covers, self.roughness, self.finer])
+        return "; ".join(parts) + "."
+
+    @property
+    def covers(self) -> str:
+        """What the 95 % interval of the first rule covers; empty without an interval."""
+        if not math.isfinite(self.upper - self.lower) or self.members < 2:
+            return ""
+        inputs = dict.fromkeys(left.words for left in self.budget) or [f"the mean over {self.averaged}"]
+        return f"95 % interval of {', '.join(inputs)}"
+
+    @property
+    def roughness(self) -> str:
+        """How much of the coefficient the scans contribute; empty where that is not known."""
+        if self.from_roughness is None or not math.isfinite(self.value):
+            return ""
+        return f"roughness contributes {round(self.from_roughness, 3) + 0.0:.3f} of {self.value:.3f}"
 
 
 def answers(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> list[Answer]:
@@ -215,13 +248,17 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
     doubts = [*(each for each in beside if cut_off < each.cut_off), *doubts_of(point, study, mean, status)]
     return Answer(
-        rules=rules, status=status, inputs=_inputs(point, study), note=_note(point, study),
+        rules=rules, status=status, load=load_text(point, study), inputs=_inputs(point, study),
+        note=_note(point, study),
         doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
         at={name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords},
-        bracket=None if any(doubt.severity == "fault" for doubt in doubts) else _bracket(point, study, mean),
+        bracket=None if any(_spoils_bracket(doubt) for doubt in doubts) else _bracket(point, study, mean),
+        hardness=None if study.contact.hardness is None else float(study.contact.hardness),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
+        from_roughness=_from_roughness(point, study, rules[0]),
         waited=_waited(point, rules[0].rule),
-        scans=study.surfaces.scan_counts,
+        scans=study.surfaces.scan_counts, members=value_of(point, "members"), averaged=_averaged(point, study),
+        assumptions=assumptions_of(study),
     )  # fmt: skip
 
 
@@ -274,6 +311,23 @@ def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float]
     return mu0, adhesion, rule.value - mu0 - adhesion
 
 
+def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
+    """Return what the scans contribute to the coefficient where friction acts at all contacts; None elsewhere.
+
+    Inputs alone give mu0 on the load of the contacts and, of a hardness H, tau0/H: contacts that have all yielded.
+    """
+    parts = _parts(point, rule)
+    if parts is None or not study.is_measured:
+        return None
+    hardness = study.contact.hardness
+    return rule.value - parts[0] - (0.0 if hardness is None else float(point["tau0"]) / float(hardness))
+
+
+def _spoils_bracket(doubt: Doubt) -> bool:
+    """Whether a caveat is a fault of more than the number of contacts, which the bracket allows for."""
+    return doubt.severity == "fault" and doubt.cure != MORE_CONTACTS
+
+
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
     """Between which ends every finer scan lies: to second order in slopes, so that they may meet.
 
@@ -294,17 +348,11 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
 # ---- Words -----------------------------------------------------------------------------------------------------------
 
 
-def bracket_text(bracket: tuple[float, float]) -> str:
-    """Between which ends every finer scan lies, in words."""
-    low, high = (f"{end:.3f}" for end in bracket)
-    where = f"from {low} (μ0 + τ0/H) to {high}" if low != high else f"at {low} (μ0 + τ0/H)"
-    return f"every finer scan lies {where} if all contacts rub"
-
-
 def _inputs(point: xarray.Dataset, study: Study) -> str:
     words = [load_text(point, study)]
     if "fractal_dimension" in point.coords:
-        words.append(f"D = {float(point['fractal_dimension']):.3g}")
+        name, value = shape_coordinate(study, float(point["fractal_dimension"]))
+        words.append(f"{name} = {value:.3g}")
     if "amplitude" in point.coords:
         words.append(f"amplitude {with_unit(float(point['amplitude']), 'um')}")
     words.append(f"μ0 = {float(point['mu0']):g}{_asked(point, study, 'mu0')}")
@@ -358,7 +406,7 @@ def _range(study: Study) -> str:
         return ""
     if study.known.hardness is not None:
         return f" ({study.known.hardness})"
-    return f" (known: {with_unit(found.known.low, 'GPa')} to {with_unit(found.known.high, 'GPa')})"
+    return f" ({with_unit(found.known.low, 'GPa')} to {with_unit(found.known.high, 'GPa')})"
 
 
 _READINGS = {
@@ -371,13 +419,11 @@ _READINGS = {
 def _note(point: xarray.Dataset, study: Study) -> str:
     words = []
     if study.surfaces.press == "lines" and point["direction"].size == 2:
-        words.append("the mean over both directions of the lines")
+        words.append("the mean over both directions")
     elif "direction" in point.coords and (study.is_measured or point["direction"].size > 1):
-        words.append(over_text(np.atleast_1d(point["direction"].values)))
-    members = value_of(point, "members")
-    made = study.surfaces.press == "surrogates"
-    of = "pairs of random surfaces with these spectra" if made else "members"
-    words += [f"95 % intervals over {members:.0f} {of}"] if members > 1 else []
+        words.append(over_text(np.atleast_1d(point["direction"].values)).removesuffix(" all round"))
+    if value_of(point, "members") > 1:
+        words = [f"{words[0]} and {_averaged(point, study)}"] if words else [f"the mean over {_averaged(point, study)}"]
     words += [_scans_text(study)] if study.is_measured else []
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
@@ -386,13 +432,39 @@ def _note(point: xarray.Dataset, study: Study) -> str:
     return "; ".join(words)
 
 
+def _averaged(point: xarray.Dataset, study: Study) -> str:
+    """Return how many members were averaged, and of which kind."""
+    kind = "pairs" if not study.is_measured else "positions"
+    kind = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else kind
+    return f"{value_of(point, 'members'):.0f} {kind}"
+
+
+STRIP = "a strip 1 µm wide"  # of the paper, which profiles stand for
+
+
+def assumptions_of(study: Study) -> tuple[str, ...]:
+    """Return what the result of a study takes for granted: lay and width of profiles, contact model, adhesion."""
+    if not study.is_measured:
+        return ()
+    surfaces, contact, words = study.surfaces, study.contact, []
+    if surfaces.press == "lines":
+        is_plane = study.by_half_space or "cylinder" in law_of(study)
+        words.append(f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP}")
+    elif surfaces.press == "surrogates":
+        words.append("surfaces alike in all directions")
+    words += [] if study.by_half_space else ["contacts that do not interact"]
+    words += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
+    words += ["no adhesion"] if contact.work_of_adhesion is None else []
+    return tuple(words)
+
+
 def _scans_text(study: Study) -> str:
     """How many scans of each part there are, and which spread between places is not in an interval."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
-        return "one gap at its one position, without the spread between places"
+        return "one gap at its one position"
     if counts == (1, 1):
-        return "one scan of each part, without the spread between places"
+        return "one scan of each part"
     words = f"{counts[0]} × {counts[1]} scans of both parts"
     single = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
     return words + "".join(f", and one of the {side}: the spread between its places is not in it" for side in single)

@@ -18,8 +18,8 @@ from stiction.studies.store import Stored
 if TYPE_CHECKING:
     import xarray
 
-DIMENSIONS = 4  # fractal dimensions that an overview shows, at most
-LOADS = 3  # loads that it shows of generated bodies
+DIMENSIONS = 4  # fractal dimensions of an overview if the study has a range of them
+LOADS = 3  # loads of an overview if the study does not ask for any
 SMALL = 2**28  # bytes
 
 
@@ -51,7 +51,7 @@ def over_and_onset(result: xarray.Dataset | Stored) -> dict[str, Any]:
 
 
 def at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
-    """A result at `asked_loads`, of a stored one read once; of generated bodies the middle mu0 and the ends of tau0."""
+    """Return a result at `asked_loads`, mu0 and tau0 of its study; a stored one is read once."""
     return once(result, _at_asked_loads)  # type: ignore[no-any-return]
 
 
@@ -60,8 +60,11 @@ def _at_asked_loads(result: xarray.Dataset | Stored) -> xarray.Dataset:
     loads = asked_loads(result)
     if study.is_measured:
         return with_uncertainty(at_load(result, loads.tolist()), stored)
-    mu0, tau0 = study.friction.mu0, np.unique([float(study.friction.tau0[i]) for i in (0, -1)])
-    at = at_load(result, loads, mu0=[mu0[len(mu0) // 2]], tau0=tau0)
+    at = at_load(result, loads)
+    surfaces: Any = study.surfaces
+    if isinstance(surfaces.fractal_dimension, tuple):
+        return at
+    # A range is a curve, of which a few values are shown; a list has the values that were asked for.
     number = at.sizes["fractal_dimension"]
     shown = np.unique(np.linspace(0, number - 1, min(DIMENSIONS, number)).round().astype(int))
-    return at.isel(fractal_dimension=shown, amplitude=[(at.sizes["amplitude"] - 1) // 2])
+    return at.isel(fractal_dimension=shown)

@@ -29,8 +29,12 @@ HIGHEST_PRESSURE, HIGH_PRESSURE = 1 / 20, 1 / 100
 
 SOFT = 0.1  # effective modulus (GPa) below which bodies are taken to be rubber or gels, which do not yield
 
-FEWEST_CONTACTS, FEW_CONTACTS = 10, 10
-"""Contacts of all members together below which there is no mean, and of one below which μ_s is that of single ones."""
+FEWEST_CONTACTS = 10  # contacts of all members together below which there is no mean
+MIN_CONTACTS, FEW_CONTACTS = 5, 10
+"""Contacts of a member, on average, below which the mean is that of single contacts, and below which it is close to."""
+
+MAX_LOAD_ON_ONE = 0.5  # fraction of the load on one contact above which it is the friction of this contact
+LARGE_LOAD_ON_ONE = 0.4  # fraction above which one contact still weighs much
 
 MERGED = 0.3  # true over nominal area from which on contacts are few because they have merged
 HALF = 0.5  # fraction of the load, of members or of the length of a scan from which a value is doubted or marked
@@ -45,6 +49,7 @@ ADDED = 0.05  # part of the load that adhesion adds to that of the contacts, fro
 TYPICAL_WORK = 5e-5  # mN/µm, 50 mJ/m²: what most solids have in air
 RIM = 4.3  # least squares over 395 solved pairs, lines and areas, E* 2 MPa to 200 GPa; see docs/adhesion.md
 ONLY_MU0 = 0.02  # relative difference of a coefficient from mu0 below which it is that
+ROUND_UP = 1 + 1e-12  # factor by which a number in the middle of two, as 2.25 is, is rounded up as on a page
 WIDE = 0.5  # half the width of an interval over its value above which a coefficient says too little
 
 
@@ -60,19 +65,21 @@ class Doubt:
 
 
 class Check(NamedTuple):
-    """A number of a point with the limit above which it is doubted, and what is said then; {} stands for the number."""
+    """A number of a point with the limit above which it is doubted, and the text; {} stands for the number `about`."""
 
     name: str
     limit: float
     text: str
     cure: str
     severity: Severity = "fault"
-    shown: str = "digits"  # or "percent", or a unit
+    shown: str = "digits"  # "digit" (a single one), "percent", or a unit
+    about: str = ""  # number that the text shows; `name` unless given
 
-    def doubt(self, value: float) -> Doubt:
-        """What is said of a value above the limit."""
-        if self.shown == "digits":
-            words = significant(value)
+    def doubt(self, numbers: Mapping[str, float]) -> Doubt:
+        """Return the caveat of a point whose number is above the limit."""
+        value = numbers[self.about or self.name]
+        if self.shown in ("digits", "digit"):
+            words = significant(value * ROUND_UP, 2 if self.shown == "digits" else 1).replace("-", "\N{MINUS SIGN}")
         else:
             words = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
         return Doubt(self.text.replace("{}", words), self.cure, self.severity)
@@ -130,7 +137,27 @@ OF_ASPERITIES: Checks = (
 _OVERLAPPING = _share(
     "share_overlapping", "{} of the load is on ellipses that overlap, where contacts merge", "press by the half-space"
 )
+ON_ONE = "one contact carries {} of the load"
+MORE_CONTACTS = "larger surfaces or a higher load have more contacts"
 _FINER = "scan more finely, filter the scan, or give a hardness"
+
+IS_MU0 = Check(
+    "share_of_mu0", 1 - ONLY_MU0, "τ0 is 0, so this is the μ0 that was given; these surfaces add {}",
+    "give --tau0, or measure both by stiction calibrate", "caution", "digit", "beyond_mu0",
+)  # fmt: skip
+
+OF_COUNTS = (
+    Check("contacts_missing_of_all", 0.0,
+          f"all members together have fewer than {FEWEST_CONTACTS} contacts, on average {{}}",
+          "a higher load, larger surfaces or more members have more", about="contact_count"),
+    Check("contacts_missing", 0.0, "{} contacts on average are too few for a mean: μ_s is that of single contacts",
+          MORE_CONTACTS, about="contact_count"),
+    _share("share_on_separate", ON_ONE, MORE_CONTACTS, "fault", MAX_LOAD_ON_ONE),
+    Check("contacts_wanting", 0.0, "{} contacts on average are few: μ_s is that of single contacts",
+          MORE_CONTACTS, "caution", about="contact_count"),
+    _share("share_on_largest", ON_ONE, MORE_CONTACTS, "caution", LARGE_LOAD_ON_ONE),
+)  # fmt: skip
+"""Too few contacts for a mean, of which the first check that fails is reported."""
 
 OF_CONTACTS: Checks = (
     [_share(
@@ -147,9 +174,6 @@ OF_CONTACTS: Checks = (
             "caution",
         ),
     ],
-    [_share(
-        "share_on_largest", "one contact carries {} of the load", "larger maps or more load say more", "caution", 0.4
-    )],
     *OF_ASPERITIES,
     [_OVERLAPPING, _OVERLAPPING._replace(limit=0.1, severity="caution")],
 )  # fmt: skip
@@ -172,20 +196,22 @@ def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str
     yield from _of_the_strength(point, study, value)
     yield from _of_the_adhesion(point, study)
     yield from _of_the_scans(point, study)
-    yield from _of_the_contacts(point, ok)
-    yield from doubted(OF_CONTACTS, numbers)
+    yield from _of_the_area(point)
+    yield from doubted((OF_COUNTS, *OF_CONTACTS), numbers)
 
 
 def limit_of(name: str) -> float | None:
     """The least value from which on a number is doubted whatever the bodies are; None if it is not."""
-    return min((check.limit for group in OF_CONTACTS for check in group if check.name == name), default=None)
+    return min(
+        (check.limit for group in (OF_COUNTS, *OF_CONTACTS) for check in group if check.name == name), default=None
+    )
 
 
 def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
     """The first check of each group that the numbers of a point do not pass; a number that is not there passes."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
-        yield from (check.doubt(numbers[check.name]) for check in itertools.islice(failed, 1))
+        yield from (check.doubt(numbers) for check in itertools.islice(failed, 1))
 
 
 def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
@@ -193,12 +219,23 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     cell = float(np.prod(steps)) if steps.size == 2 and study.by_half_space else math.nan  # of maps
-    own = {check.name: value_of(point, check.name) for group in ([STEEP], *OF_CONTACTS) for check in group}
+    own = {check.name: value_of(point, check.name) for group in ([STEEP], OF_COUNTS, *OF_CONTACTS) for check in group}
+    merged = _area_fraction(point, study) > MERGED
+    mu0, members = float(point["mu0"]), float(point["ok"].min() if "ok" in point else value_of(point, "members"))
+    relative = value.value / mu0 if mu0 > 0 and float(point["tau0"]) == 0 else math.nan
     return own | {
         "deficit": -value.value,
         "missing_interval": float(not (math.isfinite(value.lower) and math.isfinite(value.upper))),
         "half_width": width / (2 * value.value) if value.value else math.inf * width,
         "mean_pressure": pressure_of(point),
+        # Contacts that have merged into one over much of the area average over it.
+        "contact_count": count,
+        "contacts_missing_of_all": FEWEST_CONTACTS - count * members,
+        "contacts_missing": math.nan if merged else MIN_CONTACTS - count,
+        "contacts_wanting": math.nan if merged else FEW_CONTACTS - count,
+        "share_of_mu0": 1 - abs(relative - 1),
+        "beyond_mu0": value.value - mu0,
+        "share_on_separate": math.nan if merged else own["share_on_largest"],
         "single_cells": float(count > 0 and area / count <= cell),
     }
 
@@ -233,9 +270,16 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
     return ((check(highest, text, "take lower heights or D, or a hardness", "caution"),),)
 
 
+LIMITS_OF_CONTACTS = {
+    "of_all": FEWEST_CONTACTS, "least": MIN_CONTACTS, "few": FEW_CONTACTS, "merged": MERGED,
+}  # fmt: skip
+"""Limits that a page needs to count contacts as `_numbers` does."""
+
+
 def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
     """The checks of a point of generated bodies, as a page has them: it does what `doubted` does."""
-    groups = (OF_VALUE, *pressure_checks(study, float(study.contact.effective_modulus)), *OF_ASPERITIES)
+    pressures = pressure_checks(study, float(study.contact.effective_modulus))
+    groups = (OF_VALUE, *pressures, [IS_MU0], OF_COUNTS, *OF_ASPERITIES)
     return [[check._asdict() for check in group] for group in groups]
 
 
@@ -250,9 +294,7 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
                 f"{with_unit(body, 'GPa')}"
             )
             yield Doubt(text, "there the body gives way first, and friction is less", "caution")
-    if study.is_measured and tau0 == 0 and mu0 > 0 and abs(value.value / mu0 - 1) < ONLY_MU0:
-        text = f"τ0 is 0, so this is the μ0 that was given; these surfaces add {significant(value.value - mu0, 1)}"
-        yield Doubt(text, "give --tau0, or measure both by stiction calibrate", "caution")
+    yield from doubted(([IS_MU0],), _numbers(point, study, value))
 
 
 def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
@@ -322,13 +364,14 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
             yield Doubt(f"{text} on {with_unit(whole, 'um')}", "lines, without --lay isotropic, have them", "caution")
 
 
-def _of_the_contacts(point: xarray.Dataset, ok: float) -> Iterator[Doubt]:
-    count, fraction = value_of(point, "contact_count"), value_of(point, "contact_area_fraction")
-    if fraction > 1:
+def _of_the_area(point: xarray.Dataset) -> Iterator[Doubt]:
+    if (fraction := value_of(point, "contact_area_fraction")) > 1:
         yield Doubt(f"a true area of {percent(fraction)} cannot be", "give less load", "fault")
-    if count * (ok if math.isfinite(ok) else 1) < FEWEST_CONTACTS:
-        text = f"all members together have fewer than ten contacts, on average {significant(count)}"
-        yield Doubt(text, "more load, larger bodies or more members have more", "fault")
-    elif count < FEW_CONTACTS and not fraction > MERGED:
-        text = f"{significant(count)} contacts on average are few, so μ_s is that of single contacts"
-        yield Doubt(text, "larger bodies or more load have more", "caution")
+
+
+def _area_fraction(point: xarray.Dataset, study: Study) -> float:
+    """Return the true area over the nominal area; NaN of generated profiles, which have none."""
+    if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
+        return value_of(point, "contact_area_fraction")
+    surfaces: Any = study.surfaces
+    return value_of(point, "contact_area") / float(np.prod(surfaces.extents()))

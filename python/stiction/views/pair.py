@@ -115,7 +115,7 @@ def pair(
     adhesion_range : str or float, µm
         Gap over which the attraction falls off by 1/e; by default "0.5 nm", one to two distances of atoms.
     mechanics : {"half-space", "asperities"}
-        By default the half-space of maps and asperities of lines.
+        By default the half-space of maps, and of two profiles whose materials have a hardness; else asperities.
     law, yield_strength, cutoff, level, lay, shifts, rotate, tilt, direction, lines, along, offsets, travel, \
     detection, curvature, surrogates, seed, unit, spacing, missing, outliers, crop, channel, columns, \
     tip

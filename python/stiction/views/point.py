@@ -48,6 +48,12 @@ CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of cells of 
 STATISTICS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % interval
 
 
+def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
+    """Return what the roughness exponent of a study is called and its value: H of self-affine surfaces, else D."""
+    has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
+    return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
+
+
 def by_rule(table: Any, rule: str) -> Any:
     """A table of results by one sliding rule, which may be the only one."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table

@@ -185,6 +185,10 @@ def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
             "mu_s of all that is known: lower": [rule.lower for _, rule, _ in rules],
             "mu_s of all that is known: upper": [rule.upper for _, rule, _ in rules],
             **waited,
+            "mu_s from roughness": [
+                math.nan if one.from_roughness is None or not first else one.from_roughness for one, _, first in rules
+            ],
+            "assumptions": ["; ".join(one.assumptions) for one, *_ in rules],
             "verdict": [one.verdict for one, *_ in rules],
             "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one, *_ in rules],
         }
@@ -265,6 +269,9 @@ def answer_record(one: Answer) -> dict[str, Any]:
         "scans": dict(zip(("upper", "lower"), one.scans, strict=True)),
         "verdict": one.verdict,
         "sentence": one.sentence,
-        "finer_scans": None if one.bracket is None else {"from": one.bracket[0], "to": one.bracket[1], "rule": "all"},
+        "from_roughness": one.from_roughness, "assumptions": list(one.assumptions), "interval_covers": one.covers,
+        "finer_scans": None if one.bracket is None else {
+            "from": one.bracket[0], "to": one.bracket[1], "rule": "all", "hardness": one.hardness,
+        },
         "doubts": [{"text": each.text, "cure": each.cure, "severity": each.severity} for each in one.doubts],
     }  # fmt: skip

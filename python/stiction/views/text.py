@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import shutil
@@ -17,9 +18,9 @@ from stiction.studies.at_load import PER_AREA
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
-from stiction.views.answer import ORIGIN, Answer, Doubt, answers, bracket_text, headlines, slopes_text
+from stiction.views.answer import ORIGIN, Answer, Doubt, answers, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
-from stiction.views.doubts import OF_ASPERITIES, WIDE_INTERVAL, doubted
+from stiction.views.doubts import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, doubted
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import (
     CELLS,
@@ -31,6 +32,7 @@ from stiction.views.point import (
     load_text,
     points,
     rules_of,
+    shape_coordinate,
     value_of,
     way_text,
 )  # fmt: skip
@@ -128,6 +130,17 @@ def result_text(
     return whole + beside_text(at, study, verbose=verbose, over=over, onset=onset)
 
 
+def own_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
+    """Return a line with the mu0 and tau0 of a study of which several are used; empty if each is a single value."""
+    friction = study.friction
+    words = []
+    if mu0 and len(friction.mu0) > 1:
+        words.append(f"μ0 = {', '.join(f'{each:g}' for each in friction.mu0)} (--mu0)")
+    if tau0 and len(friction.tau0) > 1:
+        words.append(f"τ0 = {', '.join(_coordinate('tau0', float(each)) for each in friction.tau0)} (--tau0)")
+    return fitted(f"Values of the study, unless others are given: {'; '.join(words)}.") if words else ""
+
+
 def answer_text(
     at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (), most: int | None = None
 ) -> str:
@@ -172,17 +185,20 @@ def answers_text(found: Sequence[Answer]) -> str:
     """The coefficients: a line for each rule of one answer, and a table of several with their inputs."""
     if len(found) == 1:
         words = (f"{_coefficient(found[0], index)}  {RULES[rule.rule]}" for index, rule in enumerate(found[0].rules))
-        return "\n".join(fitted(f"{'      ' if i else 'μ_s = '}{each}", hang=" " * 8) for i, each in enumerate(words))
+        lines = [fitted(f"{'      ' if i else 'μ_s = '}{each}", hang=" " * 8) for i, each in enumerate(words)]
+        return "\n".join(filter(None, [*lines, fitted(roughness_text(found[0]))]))
     varying = [name for name in found[0].at if len({one.at[name] for one in found}) > 1]
     titles = (f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules)
-    rows = [[*(_TITLES.get(name, name) for name in varying), *titles, ""]]
+    rows = [[*(_TITLES.get(name, name) for name in varying), *titles, "assessment"]]
     for one in found:
         values = [_coefficient(one, index) for index in range(len(one.rules))]
-        rows.append([*(_coordinate(name, one.at[name]) for name in varying), *values, one.verdict])
+        places = [one.load if name == "load" else _coordinate(name, one.at[name]) for name in varying]
+        rows.append([*places, *values, one.verdict])
     inputs = [one.inputs.split(", ") for one in found]
     same = [word for word in inputs[0] if all(word in each for each in inputs)]
     shared = f"with {', '.join(same)}; " if same else ""
-    return aligned(rows) + "\n" + fitted(f"{shared}{found[0].note}", indent="  ")
+    assumed = f"; assuming {', '.join(found[0].assumptions)}" if found[0].assumptions else ""
+    return aligned(rows) + "\n" + fitted(f"{shared}{found[0].note}{assumed}", indent="  ")
 
 
 def _coefficient(one: Answer, index: int) -> str:
@@ -204,10 +220,23 @@ def _coordinate(name: str, value: float) -> str:
 
 def _details(one: Answer) -> str:
     lines = [parts_text(one), test_text(one), waited_text(one)]
-    if one.bracket is not None:
-        words = bracket_text(one.bracket)
-        lines.append(f"{words[0].upper()}{words[1:]}.")
-    return "\n".join(map(fitted, [*filter(None, lines), f"At {one.inputs}; {one.note}."]))
+    if one.finer:
+        lines.append(f"{one.finer[0].upper()}{one.finer[1:]}.")
+    assumed = f" Assumes {', '.join(one.assumptions)}." if one.assumptions else ""
+    return "\n".join(map(fitted, [*filter(None, lines), f"At {one.inputs}; {one.note}.{assumed}"]))
+
+
+NEGLIGIBLE = 0.05  # fraction of the coefficient below which the roughness does not decide it
+
+
+def roughness_text(one: Answer) -> str:
+    """How much of the coefficient the scans contribute, and what decides it; empty where that is not known."""
+    if one.from_roughness is None:
+        return ""
+    inputs = "the hardness, μ0 and τ0" if one.hardness is not None and one.at["tau0"] > 0 else "μ0"
+    decides = abs(one.from_roughness) <= NEGLIGIBLE * one.value
+    rest = f"{inputs} decide{'s' * (inputs == 'μ0')}" if decides else f"the rest is from {inputs}"
+    return f"R{one.roughness[1:]}; {rest}."
 
 
 def parts_text(one: Answer) -> str:
@@ -268,17 +297,22 @@ def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
         what = f"; {words}" if len(found) == 1 and (words := budget_text(one)) else ""
         rest = [f"  {len(doubts) - len(said)} more: see the page, at or --json"] if len(doubts) > len(said) else []
         return "\n".join([fitted(f"{one.verdict}{what}", hang="  "), *said, *rest])
-    # Doubts of one kind have one cure, and differ in their numbers.
     kinds: dict[tuple[str, str], list[Doubt]] = {}
     for doubt in (doubt for one in found for doubt in one.doubts):
-        kinds.setdefault((doubt.severity, doubt.cure), []).append(doubt)
+        kinds.setdefault((doubt.severity, _AMOUNT.sub("", doubt.text)), []).append(doubt)
     lines = [
         _doubt(same[0], f" ({len(same)} of {len(found)})")
         for same in sorted(kinds.values(), key=lambda same: same[0].severity != "fault")
     ]
     shown = MOST_DOUBTS if most is None else max(_within(lines, most), 1)
     rest = [f"  {len(lines) - shown} more: see the page, at or --json"] if len(lines) > shown else []
-    return "\n".join(["Doubts, in the first answer that has each:", *lines[:shown], *rest])
+    counts = [(verdict, sum(one.verdict == verdict for one in found)) for verdict in VERDICTS.values()]
+    assessed = ", ".join(f"{verdict} ({count} of {len(found)})" for verdict, count in counts if count)
+    return "\n".join([fitted(f"{assessed}."), *lines[:shown], *rest])
+
+
+_AMOUNT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
+"""A number and its unit, in which caveats of one kind differ."""
 
 
 def _within(texts: Sequence[str], lines: int) -> int:
@@ -340,8 +374,25 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     if in_words:
         words = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return fitted(f"{words[:1].upper()}{words[1:]}.")
-    heads = ["mean [95 %]", *(load_text(point, study) for point in loads)]
-    return aligned([heads, *([f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows)])
+    names = ["mean [95 %]", *(load_text(point, study) for point in loads)]
+    columns = [[f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows]
+    if len(loads) == 1:
+        return aligned([names, *columns])
+    return aligned(
+        [
+            *_stacked([each[0] for each in (names, *columns)]),
+            *zip(names[1:], *(each[1:] for each in columns), strict=True),
+        ]
+    )
+
+
+def _stacked(heads: Sequence[str]) -> Rows:
+    """Return the rows of a head whose words go on in further lines, so that columns are as narrow as their cells."""
+    lines = [textwrap.wrap(head, HEAD_WIDTH, break_long_words=False) for head in heads]
+    return list(itertools.zip_longest(*lines, fillvalue=""))
+
+
+HEAD_WIDTH = 20  # columns of the words above a column of numbers
 
 
 def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list[str]]:
@@ -454,34 +505,69 @@ def history_text(at: xarray.Dataset, study: Study) -> str:
 
 
 def overview_text(at: xarray.Dataset, study: Study) -> str:
-    """A table of mu_s over load and the cells of a study, one for each mu0, tau0 and sliding rule of `at`."""
-    across = next(name for name in ("fractal_dimension", "cut_off") if name in at.dims)
-    rest = [name for name in (*CELLS, "mu0", "tau0", "sliding") if name in at.dims and name != across]
-    is_study = across == "fractal_dimension"
-    columns = [f"D = {each:.3g}" if is_study else _coordinate(across, each) for each in at[across].values.tolist()]
+    """Tables of mu_s of generated surfaces, one for each sliding rule and amplitude: a row for each cell of the study.
+
+    Columns are loads; mu0 and tau0 are columns too where the study has several. Caveats follow.
+    """
+    found = headlines(answers(at, study))
+    chosen = at if _num_rows(at) <= MAX_OVERVIEW_ROWS else _ends_and_middle(at)
+    whole, at = at, chosen
+    rest = [name for name in ("amplitude", "sliding") if name in at.dims]
+    varying = [name for name in ("mu0", "tau0") if at.sizes[name] > 1]
     tables, marked = [], False
     for place in np.ndindex(*(at.sizes[name] for name in rest)):
         part = at.isel(dict(zip(rest, place, strict=True)))
-        rows = [["", *columns]]
-        for load in at["load"].values:
-            own = part.sel(load=load)
-            cells = [_overview_cell(own.isel({across: i})) for i in range(at.sizes[across])]
-            marked = marked or any(cell.endswith("*") for cell in cells)
-            rows.append([f"  {with_unit(float(load), 'mN')}", *cells])
-        tables.append(f"{fitted(_overview_title(part))}\n{aligned(rows)}")
+        labels = [[*(_TITLES[name] for name in varying), shape_coordinate(study, 1.0)[0]]]
+        rows = [[with_unit(load, "mN") for load in at["load"].values.tolist()]]
+        for mu0, tau0, cell in np.ndindex(*(at.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))):
+            own = part.isel(mu0=mu0, tau0=tau0, fractal_dimension=cell)
+            values = [_coordinate(name, float(own[name])) for name in varying]
+            labels.append([*values, f"{shape_coordinate(study, float(own['fractal_dimension']))[1]:.4g}"])
+            rows.append([_overview_cell(own.isel(load=index)) for index in range(at.sizes["load"])])
+        marked = marked or any(cell.endswith("*") for row in rows for cell in row)
+        sizes = [max(map(len, column)) for column in zip(*labels, strict=True)]
+        names = ["  ".join(text.ljust(size) for text, size in zip(row, sizes, strict=True)) for row in labels]
+        table = aligned([[name, *cells] for name, cells in zip(names, rows, strict=True)])
+        tables.append(f"{fitted(_overview_title(part, varying))}\n{table}")
     if marked:
         note = "* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing"
         tables.append(fitted(note))
-    return "\n".join(tables)
+    if left_out := _left_out(at, whole, study):
+        tables.append(fitted(left_out))
+    return "\n".join(tables) + f"\n\n{doubts_text(found)}"
 
 
-def _overview_title(part: xarray.Dataset) -> str:
-    words = [f"μ_s [95 %] at μ0 = {float(part['mu0']):g}, τ0 = {_coordinate('tau0', float(part['tau0']))}"]
+MAX_OVERVIEW_ROWS = 40  # rows of an overview, of all mu0, tau0 and cells, above which it shows a few mu0 and tau0
+
+
+def _num_rows(at: xarray.Dataset) -> int:
+    return math.prod(at.sizes.get(name, 1) for name in ("mu0", "tau0", *CELLS))
+
+
+def _ends_and_middle(at: xarray.Dataset) -> xarray.Dataset:
+    """Select the middle mu0 and the first and last tau0."""
+    return at.isel(mu0=[at.sizes["mu0"] // 2], tau0=sorted({0, at.sizes["tau0"] - 1}))
+
+
+def _left_out(at: xarray.Dataset, whole: xarray.Dataset, study: Study) -> str:
+    """Return how many values of a study an overview leaves out, and the command that shows them; empty if none."""
+    every = study.surfaces.cells()["fractal_dimension"].size
+    sizes = {
+        shape_coordinate(study, 1.0)[0]: (at.sizes["fractal_dimension"], every),
+        "μ0": (at.sizes["mu0"], whole.sizes["mu0"]), "τ0": (at.sizes["tau0"], whole.sizes["tau0"]),
+    }  # fmt: skip
+    words = [f"{shown} of {number} values of {name}" for name, (shown, number) in sizes.items() if shown < number]
+    return f"Shown are {', '.join(words)}; stiction at shows all." if words else ""
+
+
+def _overview_title(part: xarray.Dataset, varying: Sequence[str]) -> str:
+    given = {"mu0": f"μ0 = {float(part['mu0'][0]):g}", "tau0": f"τ0 = {_coordinate('tau0', float(part['tau0'][0]))}"}
+    words = [text for name, text in given.items() if name not in varying]
     if "amplitude" in part.coords and part["amplitude"].ndim == 0:
         words.append(f"amplitude {with_unit(float(part['amplitude']), 'um')}")
     if "sliding" in part.coords and part["sliding"].ndim == 0:
         words.append(RULES[str(part["sliding"].values)])
-    return ", ".join(words)
+    return f"μ_s [95 %] at {', '.join(words)}" if words else "μ_s [95 %]"
 
 
 def _overview_cell(point: xarray.Dataset) -> str:
@@ -492,4 +578,5 @@ def _overview_cell(point: xarray.Dataset) -> str:
     name = "friction_all_round" if "friction_all_round" in point else "friction_coefficient"
     numbers = {name: value_of(point, name) for name in ("share_beyond_hertz", "share_below_grid")}
     beyond = doubted(OF_ASPERITIES, numbers)
-    return _cell(point[name], 1.0) + "*" * any(beyond)
+    mean, lower, upper = (float(point[name].sel(statistic=each)) for each in STATISTICS)
+    return quoted(mean, lower, upper) + "*" * any(beyond)

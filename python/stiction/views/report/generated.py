@@ -20,7 +20,7 @@ from stiction.studies.maps import MOTIONS, head_of, solved_pieces
 from stiction.studies.store import Stored
 from stiction.studies.study import Study, study_names
 from stiction.views.digits import with_unit
-from stiction.views.doubts import HALF, checks_of_ensemble
+from stiction.views.doubts import HALF, LIMITS_OF_CONTACTS, checks_of_ensemble
 from stiction.views.point import rules_of, way_text
 from stiction.views.report.page import AXES, BYTES, PageResult, ReportError, counted, motions_of, packed
 from stiction.views.report.pictures import dimension_panel, profiles_panel
@@ -159,7 +159,8 @@ def _facts_of(
         "steps": head[study.step].values.tolist(),
         "ways": [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)],
         "validity": _validity(means),
-        "checks": checks_of_ensemble(study),
+        "checks": checks_of_ensemble(study), "limits": LIMITS_OF_CONTACTS,
+        "nominalArea": float(np.prod(surfaces.extents())) if study.is_areal else None,
         "quotedRule": rules_of(study)[0],
         "touched": counts.any(axis=2).tolist(),
         "touchedAtLast": counts[:, :, -1].tolist(),

@@ -272,7 +272,8 @@ function readOff(result, quantity, d, a, loads, mu0, tau0, hasInterval = true) {
     const divisor = quantity === "friction" ? load : 1;
     const validity = validityAt(result, curves, index, fraction);
     return {
-      load, status, value: value / divisor, lower: lower / divisor, upper: upper / divisor, validity,
+      load, status, value: value / divisor, lower: lower / divisor, upper: upper / divisor, validity, mu0, tau0,
+      contacts: valueAt(result.means.contact_count, curves.from, index, fraction),
       trusted: isTrusted(result.facts, validity),
     };
   });
@@ -290,22 +291,28 @@ function overDimensions(result, quantity, a, load, mu0, tau0) {
 /** The first check of each group that the numbers of a point do not pass; as `doubts.doubted`. */
 function doubted(checks, numbers) {
   return checks.map((group) => group.find(({name, limit}) => numbers[name] > limit)).filter(Boolean)
-    .map(({name, text, cure, severity, shown: by}) => {
-      const words = {percent, digits: significant}[by] ?? ((value) => withUnit(value, by));
-      return {text: text.replace("{}", words(numbers[name])), cure, severity};
+    .map(({name, text, cure, severity, shown: by, about}) => {
+      const words = {percent, digits: (value) => significant(value), digit: (value) => significant(value, 1)}[by]
+        ?? ((value) => withUnit(value, by));
+      return {text: text.replace("{}", words(numbers[about || name])), cure, severity};
     });
 }
 
 /** Why the friction coefficient of an ensemble at a load, with this mean contact area, is not to be quoted or with care:
  * the checks and words are the library's. */
-function doubtsOfEnsemble({checks, advice}, {status, value, lower, upper, load, validity}, area) {
+function doubtsOfEnsemble({checks, advice, repetitions, nominalArea, limits}, point, area) {
+  const {status, value, lower, upper, load, validity, contacts, mu0, tau0} = point;
   if (status !== "ok" || Number.isNaN(value)) {
     const [text, cure] = advice[status] ?? advice[""];
     return [{text, cure, severity: "fault"}];
   }
+  const isMerged = nominalArea !== null && area / nominalArea > limits.merged;
   return doubted(checks, {
     ...validity, deficit: -value, missing_interval: Number(!(Number.isFinite(lower) && Number.isFinite(upper))),
     half_width: (upper - lower) / (2 * value), mean_pressure: area > 0 ? load / area : NaN,
+    contact_count: contacts, contacts_missing_of_all: limits.of_all - contacts * repetitions,
+    contacts_missing: isMerged ? NaN : limits.least - contacts, contacts_wanting: isMerged ? NaN : limits.few - contacts,
+    share_of_mu0: mu0 > 0 && tau0 === 0 ? 1 - Math.abs(value / mu0 - 1) : NaN, beyond_mu0: value - mu0,
   });
 }
 
