@@ -617,7 +617,7 @@ def test_a_pair_says_how_it_begins_to_slide(beside):
     assert "plastic limit" in done.stdout
 
 
-def test_a_scan_of_waves_that_are_not_its_own_is_pressed_with_and_without_them(tmp_path):
+def test_scan_with_a_hump_is_quoted_as_measured_and_pressed_filtered_as_well(tmp_path):
     clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
@@ -637,3 +637,47 @@ def test_a_scan_of_waves_that_are_not_its_own_is_pressed_with_and_without_them(t
     assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
     (fault,) = [each for each in doubts_of_inputs(noisy, noisy, studies["cut"]) if each.severity == "fault"]
     assert fault.cut_off < 0.3  # so that the answer with this cut-off has no such doubt
+
+
+def noisy_and_clean():
+    clean = self_affine(4, hurst_exponent=0.8, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.3)
+    noise = np.random.default_rng(1).normal(size=1500)
+    return stiction.Profile(clean.heights + 5e-5 * noise, spacing=0.0167), clean
+
+
+def test_noise_floor_is_filtered_out_of_the_scan_that_has_it_and_quoted_so():
+    noisy, clean = noisy_and_clean()
+    limit = stiction.instrument_limit(noisy)
+    assert (limit.origin, limit.matters) == ("instrument", True)
+    asked = {"load": "10 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "offsets": 8}
+    study = Pair(upper=noisy, lower=clean, **asked).study
+    assert [float(each) for each in study.surfaces.cut_off] == [limit.cut_off, 0.0]
+    assert study.surfaces.both_readings
+    assert [float(each.max_cut_off) for each in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
+    slider, track = bodies_of(study).member(0, limit.cut_off).pair
+    raw_slider, raw_track = bodies_of(study).member(0, 0.0).pair
+    assert np.array_equal(track.heights, raw_track.heights)
+    assert not np.array_equal(slider.heights, raw_slider.heights)
+    result = stiction.pair(noisy, clean, onset=0, **asked)
+    filtered = result.answers[0]
+    assert filtered.at["cut_off"] == limit.cut_off
+    assert filtered.verdict != "Quote it"
+    other = next(each for each in result.answers if each.at["cut_off"] == 0)
+    assert other.covered
+    assert filtered.lower <= other.lower <= other.upper <= filtered.upper
+    assert result.table()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
+
+
+def test_named_texture_keeps_a_line_and_is_rejected_if_unknown():
+    _, clean = noisy_and_clean()
+    humming = stiction.Profile(clean.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167)
+    asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
+    study = Pair(upper=humming, lower=clean, **asked).study
+    assert float(study.surfaces.cut_off[0]) == 0.0
+    assert study.surfaces.both_readings
+    ground = Pair(upper=humming, lower=clean, texture="ground", **asked).study
+    assert [float(each) for each in ground.surfaces.cut_off] == [0.0]
+    assert [ground.surfaces.upper.texture, ground.surfaces.lower.texture] == ["ground", "ground"]
+    assert not any(each.severity == "fault" for each in doubts_of_inputs(humming, clean, ground))
+    with pytest.raises(ValueError, match="must be turned, milled"):
+        stiction.pair(humming, clean, texture="shiny", **asked)

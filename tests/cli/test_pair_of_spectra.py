@@ -81,7 +81,7 @@ def test_members_have_both_spectra_and_stay_the_same_over_cut_offs(spectra):
     ]
     wanted = [float(each.roughness().gradient_at(0.3)) for each in spectra]
     assert np.mean(slopes, axis=0) == pytest.approx(wanted, rel=0.1)
-    coarser = SpectrumPairs(*spectra, cut_off=0.4)
+    coarser = SpectrumPairs(*spectra, cut_off=(0.4, 0.4))
     assert coarser.spacing == pairs.spacing
     size = round(pairs.side / pairs.spacing[0])
     made = spectra[1].surface(2016, shape=(size, size), spacing=pairs.spacing, repetition=3)
@@ -89,7 +89,7 @@ def test_members_have_both_spectra_and_stay_the_same_over_cut_offs(spectra):
     piece = Surface(cut_off(made, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(coarser.surrogates(3)[1].heights, levelled(piece, "plane").heights)
     # With a cut-off that is the finest, points are further apart and the surface is larger.
-    assert SpectrumPairs(*spectra, cut_off=0.4, finest=0.4).spacing[0] == pytest.approx(0.1)
+    assert SpectrumPairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
 
 
 def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces):

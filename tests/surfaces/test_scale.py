@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from machined import CLEAN, filtered_noise, turned, unit
 from rough_bodies import rough, self_affine_map, wave
 from stiction import (
     Profile,
@@ -173,9 +174,9 @@ class TestInstrument:
         found = instrument_limit(surface)
         assert found.reason == "noise floor"
         assert math.isnan(found.noise_x)  # the fast axis
-        assert found.noise_y == pytest.approx(5.8 * surface.spacing[0], rel=0.01)
-        assert found.noise == found.wavelength == 0.114
-        assert found.slope_share == pytest.approx(0.218, abs=0.001)
+        assert found.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
+        assert found.noise == found.wavelength == 0.125
+        assert found.slope_share == pytest.approx(0.227, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
     def test_noise_of_any_colour_but_pink_is_found_and_what_is_left_has_the_slope_of_the_surface(self):
@@ -221,6 +222,57 @@ class TestInstrument:
             5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
         )
         assert instrument_limit(Profile(np.round(smooth.heights, 3), spacing=0.01)).reason == "quantisation"
+
+
+def body_of(heights, spacing=0.1):
+    return (Profile if heights.ndim == 1 else Surface)(0.02 * unit(heights), spacing=spacing)
+
+
+class TestTexture:
+    @pytest.mark.parametrize("dimensions", [1, 2])
+    @pytest.mark.parametrize("kind", CLEAN)
+    def test_clean_surface_has_no_wavelengths_of_the_instrument(self, kind, dimensions):
+        limits = [
+            instrument_limit(body_of(CLEAN[kind](np.random.default_rng([seed, dimensions]), dimensions)))
+            for seed in range(8)
+        ]
+        assert not any(limit.matters and limit.origin == "instrument" for limit in limits)
+        assert sum(limit.matters for limit in limits) <= 1
+
+    @pytest.mark.parametrize("feed", [10, 25, 60])
+    def test_feed_of_a_turned_profile_is_found(self, feed):
+        heights = turned(np.random.default_rng(1), 1, feed=(feed, feed))
+        assert instrument_limit(body_of(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
+
+    @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
+    def test_random_profile_has_no_feed(self, hurst):
+        for seed in range(10):
+            heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
+            assert math.isnan(instrument_limit(body_of(heights)).period)
+
+    def test_noise_on_a_turned_profile_is_the_instruments_if_the_texture_is_known(self):
+        rng = np.random.default_rng(3)
+        heights = turned(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
+        noisy = body_of(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
+        found = instrument_limit(noisy)
+        assert (found.reason, found.origin, found.matters) == ("noise floor", "unknown", True)
+        assert instrument_limit(noisy, texture=True).origin == "instrument"
+
+    def test_line_is_of_unknown_origin_unless_the_texture_is_known(self):
+        rng = np.random.default_rng(1)
+        smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
+        humming = body_of(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
+        found = instrument_limit(humming)
+        assert (found.reason, found.origin, found.matters) == ("line", "unknown", True)
+        assert instrument_limit(humming, texture=True).reason == "pixels"
+
+    def test_white_noise_of_a_map_is_the_instruments_though_the_texture_is_known(self):
+        rng = np.random.default_rng(2)
+        smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
+        noisy = body_of(smooth + 0.05 * rng.normal(size=smooth.shape))
+        for texture in (False, True):
+            found = instrument_limit(noisy, texture=texture)
+            assert (found.reason, found.origin, found.matters) == ("noise floor", "instrument", True)
 
 
 @pytest.mark.parametrize(

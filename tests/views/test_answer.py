@@ -8,7 +8,7 @@ from points import generated, generated_study, measured, measured_study
 from stiction.views.answer import KAPPA, ORIGIN, READINGS_DIFFER, answer, answers, headlines, slopes_text
 from stiction.views.doubts import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
 from stiction.views.point import over_text, points
-from stiction.views.text import answer_text, answers_text
+from stiction.views.text import answers_text
 
 
 def one(at, study):
@@ -229,34 +229,44 @@ def test_the_slopes_alone_say_what_they_leave_out():
     assert "no check" not in slopes_text(one(without, measured_study()), next(points(without)), measured_study())
 
 
-def test_while_the_origin_of_waves_is_not_known_the_interval_covers_both_readings():
-    at = measured(cut_offs=(0.0, 0.5), loads=(1.0, 10.0), half=0.02, all_rub=0.25)
+@pytest.mark.parametrize("is_floor", [True, False])
+def test_first_of_two_readings_is_quoted_with_an_interval_over_both(is_floor):
+    cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
+    at = measured(cut_offs=cut_offs, loads=(1.0, 10.0), half=0.02, all_rub=0.25)
     for name in ("friction_all_round", "friction_coefficient"):
-        at[name][{"cut_off": 0}] *= 0.84
+        at[name][{"cut_off": 1}] *= 0.84
     known = at["friction_all_round"].isel(cut_off=[0, 1])  # a budget in which the hardness decides
     at["friction_known"] = known
     at["friction_if_known"] = known.expand_dims(input=["hardness"])
     at["width_if_known"] = known.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
     at = at.assign_coords(input_words=("input", ["the hardness"]))
-    doubt = Doubt("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", "fault", 0.4)
-    found = answers(at, measured_study(hardness=2.0), beside=[doubt])
-    assert [one.covered for one in found] == [True, True, False, False]
-    assert [one.verdict for one in found] == ["Do not quote"] * 2 + ["Quote with care"] * 2
-    shown = headlines(found)
-    assert [one.at["cut_off"] for one in shown] == [0.5, 0.5]
-    for one in shown:
+    severity = "caution" if is_floor else "fault"
+    doubt = Doubt("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
+    study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
+    found = answers(at, study, beside=[doubt])
+    assert [one.covered for one in found] == [False, False, True, True]
+    assert [one.at["cut_off"] for one in found] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
+    for one in headlines(found):
+        assert one.verdict == ("Quote with care" if is_floor else "Do not quote")
         assert (one.value, one.lower, one.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
-        assert one.doubts[0].text.startswith(f"{doubt.text}; with them μ_s is 0.210 [0.206, 0.214]")
+        words = "with" if is_floor else "without"
+        assert one.doubts[0].text.startswith(f"{doubt.text}; {words} them μ_s is 0.210 [0.206, 0.214]")
         assert [(left.words, left.lower) for left in one.budget] == [
             (ORIGIN, pytest.approx(0.245)), ("the hardness", pytest.approx(0.2058)),
         ]  # fmt: skip
         assert one.most.words == ORIGIN
-    assert all(one.bracket is None for one in found[:2])
+        assert (one.bracket is None) == (not is_floor)
     alone = answers(at, measured_study(hardness=2.0))
     assert headlines(alone) == alone
-    text = answer_text(at, measured_study(hardness=2.0), beside=[doubt])
-    assert "none" not in text.splitlines()[1]
-    assert "Do not quote" not in text
+
+
+def test_filtered_reading_keeps_the_faults_of_the_scan_as_measured():
+    at = measured(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
+    at["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0  # an interval too wide to quote
+    study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
+    quoted, other = answers(at, study)
+    assert other.verdict == quoted.verdict == "Do not quote"
+    assert any(each.text.startswith("as measured: ") for each in quoted.faults)
 
 
 # ---- Materials and finer scans --------------------------------------------------------------------------------------

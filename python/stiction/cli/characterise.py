@@ -15,6 +15,7 @@ from stiction._files import check_replaceable
 from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import FILE, Json, given, measurement, option, with_options
+from stiction.studies.measured_surfaces import TEXTURES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -84,7 +85,9 @@ def characterise(
     outputs = [] if as_json and output is None else _outputs(files, output, together=together, repeated=repeated)
     fitted = _band(band)
     shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
-    tip = reading.pop("tip")
+    tip, texture = reading.pop("tip"), reading.pop("texture")
+    if texture is not None and texture not in TEXTURES:
+        raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
     radius = None if tip is None else quantity_of("tip", tip, "length")
     found = []
     for file in files:
@@ -94,7 +97,7 @@ def characterise(
             body = body if shortest is None else cut_off(body, shortest)
         except ValueError as error:
             raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
-        found.append(views.Characterisation(body, band=fitted, tip_radius=radius))
+        found.append(views.Characterisation(body, band=fitted, tip_radius=radius, textured=texture is not None))
     if together or repeated:
         (_together if together else _repeated)(files, found, outputs, as_json=as_json)
         return

@@ -112,6 +112,10 @@ _READING = {
     "columns": _reading(
         "--columns X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
     ),
+    "texture": _reading(
+        "--texture PROCESS",
+        "How it was machined (turned, milled, ground, ...): lines and humps of its spectrum are then its own.", False,
+    ),
     "tip": _reading("--tip RADIUS", 'Of the stylus or the probe, "10 nm": what is sharper is its own.', False),
 }  # fmt: skip
 

@@ -57,6 +57,7 @@ class FractalParameters(Table):
     level: ClassVar[None] = None
     cut_off: ClassVar[tuple[float, ...]] = ()
     vouched: ClassVar[None] = None
+    both_readings: ClassVar[None] = None
     first_scanned: ClassVar[int] = 0
     scan_counts: ClassVar[tuple[int, int]] = (1, 1)
 

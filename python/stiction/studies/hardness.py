@@ -179,7 +179,8 @@ def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]
     """True areas (µm²) of a member of a relative E*, and a hardness over it; NaN of a load that it does not bear."""
     index, modulus, ratio = task
     bodies, contact, hardness = bodies_of(study), study.contact, modulus * ratio
-    upper, lower = bodies.member(index, float(study.surfaces.cells()["cut_off"][0])).pair
+    surfaces: Any = study.surfaces
+    upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
     assert isinstance(contact, HalfSpace), "they are pressed as half-spaces"
     modulus *= float(contact.effective_modulus)
     solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}

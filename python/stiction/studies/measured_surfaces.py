@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, get_args
 
 import numpy as np
 from pydantic import ConfigDict, Field, PlainValidator, model_validator
@@ -52,13 +52,15 @@ from stiction.surfaces.pairing import (
 )
 from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, levelled, rotated, turned_over
 from stiction.surfaces.profile import Along, Profile, part
-from stiction.surfaces.scale import unknown_below
 from stiction.surfaces.surface import Surface, lengths
 
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # what a file may hold
 LONGEST_PATH = 4096  # characters
+Texture = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
+TEXTURES: tuple[str, ...] = get_args(Texture)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
+CutOffPair = tuple[float, float]  # of the upper and of the lower scan, µm
 
 
 def _unit(value: object) -> str:
@@ -137,6 +139,12 @@ class MeasuredFile(Table):
     tip: Length | None = Field(
         default=None, description="Radius of the stylus or probe; it says which waves are its own."
     )
+    texture: Texture | None = Field(
+        default=None, description="How it was machined: lines and humps in its spectrum are then the surface's."
+    )
+    max_cut_off: LengthOrZero | None = Field(
+        default=None, description="Longest cutoff at which this scan is filtered, 0 for none; by default any."
+    )
     body: InMemory | None = Field(default=None, repr=False, description="The body itself, in Python.")
     others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
         default=None, description="Scans of other places on the same part; a list of files is the first and these."
@@ -201,7 +209,8 @@ class MeasuredFile(Table):
             )
             write(body, path)
         holes = not isinstance(body, JoinedSpectrum) and body.missing is not None
-        return MeasuredFile(file=str(path), missing="mask" if holes else "error", tip=self.tip).known()
+        own = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off")}
+        return MeasuredFile(file=str(path), missing="mask" if holes else "error", **own).known()
 
     def read(self) -> Body:
         """The profile, surface or spectrum of the file, µm; a `ValueError` if its checksum is another."""
@@ -218,6 +227,10 @@ class MeasuredFile(Table):
     def bodies(self) -> list[Profile | Surface]:
         """All scans of the part as they were read, without spectra."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
+
+    def cut_off_at(self, wavelength: float) -> float:
+        """Return the cutoff (µm) of this scan where that of the pair is so much."""
+        return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def filled(self) -> Floats:
         """Share of the points that are interpolated, and area (length, of a profile) of the largest such hole, µm."""
@@ -341,7 +354,7 @@ class MeasuredBodies(Table):
     cut_off: CutOffs = Field(
         default=(quantity("0 um", "length"),),
         description="Waves shorter than this are taken off both bodies (Gaussian); 0 keeps all. "
-        "A list is a dimension of the result.",
+        "A list is a dimension of the result, whose first value is quoted.",
     )
     prepared: Literal[True] | None = Field(
         default=None, description="Said of bodies that are as they are pressed: level, the upper one turned over."
@@ -351,17 +364,19 @@ class MeasuredBodies(Table):
         default=None, description="Said of bodies whose waves are all the surface's, whatever the spectrum looks like."
     )
 
+    both_readings: Literal[True] | None = Field(
+        default=None,
+        description="Set where `pair` added a second cutoff because of doubtful waves: the interval at the first one "
+        "then covers that at the second.",
+    )
+
     def cells(self) -> dict[str, Floats]:
         """The dimensions of a result that come before its members, and their values."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """The cut-off (µm) of the reading to quote: the first without waves of unknown origin, or else the first."""
-        asked: list[float] = self.cells()["cut_off"].tolist()
-        if len(asked) == 1:
-            return asked[0]
-        unknown = unknown_below([*self.upper.bodies, *self.lower.bodies])
-        return next((each for each in asked if each >= unknown), asked[0])
+        """Return the cutoff (µm) of the reading to quote, which is the first one."""
+        return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
         """The same with what a function makes of the file of each side."""
@@ -383,13 +398,13 @@ class MeasuredBodies(Table):
         cell = members % (upper * lower)
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
-    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Members:
-        """What makes the members of scans without waves below so many µm; a `ValueError` if none can be made."""
+    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Members:
+        """Make the members of two scans at cutoffs of each (µm, 0 for none); a `ValueError` if none can be made."""
         raise NotImplementedError
 
-    def filtered(self, scans: tuple[Body, Body], wavelength: float) -> Iterator[Profile | Surface]:
-        """Both scans without waves shorter than this (µm, 0 for none)."""
-        for scan in scans:
+    def filtered(self, scans: tuple[Body, Body], cut_offs: CutOffPair) -> Iterator[Profile | Surface]:
+        """Yield both scans, each filtered at its cutoff (µm, 0 for none)."""
+        for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
                 raise ValueError(f'surfaces.press: of a spectrum there are "surrogates" alone, got "{press}"')
@@ -432,12 +447,12 @@ class MeasuredLines(MeasuredBodies):
         default=None, description="Points of the lower of two prepared profiles before the slider, one position each."
     )
 
-    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Lines | LinesAt:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Lines | LinesAt:
         """Lines of both scans, or of what replaces them, at positions on each other."""
         if self.positions is not None:
             uppers, lowers = (scan if isinstance(scan, tuple) else (scan,) for scan in scans)
             return LinesAt(uppers, lowers, self.positions)
-        upper, lower = self.filtered(scans, wavelength)
+        upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         travel = None if self.travel is None else float(self.travel)
         several = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
@@ -538,9 +553,9 @@ class MeasuredAreas(MeasuredBodies):
         """Number of the first member that is a pair of pieces of the maps."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas | AreasAt:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Areas | AreasAt:
         """Pieces of two maps at relative positions, the first ones of their surrogates."""
-        upper, lower = self.filtered(scans, wavelength)
+        upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
         if self.gap:
@@ -571,15 +586,13 @@ class MeasuredSurrogates(MeasuredBodies):
         default="plane", description="What is taken off each file; a plane of a profile is a line."
     )
 
-    def members(self, scans: tuple[Body, Body], wavelength: float, seed: int) -> Areas:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Areas:
         """Pairs of random surfaces with given spectra."""
         one, other = scans
         if isinstance(one, JoinedSpectrum) or isinstance(other, JoinedSpectrum):
-            finest = float(self.cells()["cut_off"][0])
-            return Areas(
-                SpectrumPairs(spectrum_of(one), spectrum_of(other), self.level, seed, wavelength, finest), scans
-            )
-        upper, lower = self.filtered(scans, wavelength)
+            finest = float(self.cells()["cut_off"].min())
+            return Areas(SpectrumPairs(spectrum_of(one), spectrum_of(other), self.level, seed, cut_offs, finest), scans)
+        upper, lower = self.filtered(scans, cut_offs)
         if isinstance(upper, Surface) and isinstance(lower, Surface):
             return Areas(pairs_of_maps(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):

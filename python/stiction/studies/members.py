@@ -174,7 +174,11 @@ class Bodies:
 
     def _prepared(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
         """What makes the members of two scans at a cut-off (µm, 0 for none); a `ValueError` if none can be made."""
-        return self._surfaces.members((self._parts[0][upper], self._parts[1][lower]), wavelength, self._seed)
+        surfaces, places = self._surfaces, (upper, lower)
+        scans = self._parts[0][upper], self._parts[1][lower]
+        files = (getattr(surfaces, side).scans[place] for side, place in zip(SIDES, places, strict=True))
+        above, below = (file.cut_off_at(wavelength) for file in files)
+        return surfaces.members(scans, (above, below), self._seed)
 
     def member(self, index: int, wavelength: float) -> Member:
         """One member at a cut-off (µm, 0 for the scans themselves)."""
@@ -186,7 +190,7 @@ class Bodies:
 
     def about(self) -> About:
         """What a result says of the bodies."""
-        facts = self.members(float(self._surfaces.cells()["cut_off"][0])).facts()
+        facts = self.members(self._surfaces.quoted_cut_off()).facts()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history) for side, body in zip(SIDES, (facts.upper, facts.lower), strict=True)
         }
@@ -209,7 +213,7 @@ class Bodies:
         found = []
         with contextlib.suppress(ValueError, IndexError):  # of fewer members
             for index in range(_AVERAGED):
-                missing = missing_of(*self.member(index, float(self._surfaces.cells()["cut_off"][0])).pair)
+                missing = missing_of(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 found.append(1.0 if missing is None else 1 - float(missing.mean()))
         return float(np.mean(found)) if found else 1.0
 

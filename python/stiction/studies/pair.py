@@ -29,14 +29,14 @@ from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.interfaces import Interface, credible_interval, interface, interfaces, medians
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
-from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, Body, MeasuredFile
+from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, Body, MeasuredFile
 from stiction.studies.members import about
 from stiction.studies.study import SEED, Study
 from stiction.studies.values import validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES, SIDES
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import unknown_below
+from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface
 
 OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
@@ -101,6 +101,7 @@ class Pair:
     channel: Several = None
     columns: Several = None
     tip: Several = None
+    texture: Several = None
 
     def __post_init__(self) -> None:
         bodies = (self.upper is not None) + (self.lower is not None)
@@ -152,13 +153,16 @@ class Pair:
         if self.tip is not None and np.size(self.tip):  # of the command none is an empty list
             radii = quantities_of("tip", self.tip, "length")
             table["tip"] = radii[index % len(radii)]
+        if processes := listed(self.texture or ()):
+            table["texture"] = self._process(processes[index % len(processes)])
         if not isinstance(body, (str, Path)):
             for name in (*names, "missing", "outliers", "crop"):
                 if np.size(getattr(self, name) or ()) and getattr(self, name) not in ("error", "keep"):
                     raise ArgumentError(
                         f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
                     )
-            return MeasuredFile.holding(body, side).model_copy(update={"tip": table.get("tip")})
+            own: dict[str, Any] = {name: table[name] for name in ("tip", "texture") if name in table}
+            return MeasuredFile.holding(body, side).model_copy(update=own)
         for name in names:
             values = getattr(self, name)
             several = list(values) if isinstance(values, (list, tuple)) else [values]
@@ -172,6 +176,13 @@ class Pair:
             text = value if isinstance(value, str) else exactly(value, "um") if name == "spacing" else str(value)
             table[name] = listed(text) if "," in text and name != "channel" else text
         return validated(MeasuredFile, table, f"pair: {side}")
+
+    def _process(self, name: Any) -> Any:
+        if name not in TEXTURES:
+            raise ArgumentError(
+                f"{{texture}} must be {', '.join(TEXTURES)} or two of these, got {{got}}", got=repr(name)
+            )
+        return name
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -388,12 +399,30 @@ class Pair:
 
     @cached_property
     def _both_readings(self) -> dict[str, Any]:
-        """The scans as they are and without waves of unknown origin, where these have much of the slope."""
-        bodies = [body for file in self.files for body in file.bodies]
-        longest = unknown_below(bodies)
-        if not 0 < longest < min(float(np.min(body.extent)) for body in bodies) / 4:
+        """Scans as measured and filtered, where waves that may not be the surface's have much of the slope.
+
+        Each scan is filtered at its own cutoff, or not at all. Filtered scans come first, and are quoted, if all of
+        these waves are noise floors.
+        """
+        limits = [[_limit_of(scan) for scan in file.scans] for file in self.files]
+        doubtful = [each for limits_of_part in limits for each in limits_of_part if each is not None]
+        sides = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
+        longest = max((limit.cut_off for limit in doubtful), default=0.0)
+        if not 0 < longest < min(sides, default=0.0) / 4:
             return {}
-        return {"cut_off": ["0 um", exactly(longest, "um")]}
+        parts = []
+        for file, own in zip(self.files, limits, strict=True):
+            first, *others = (
+                scan.model_copy(update={"max_cut_off": _length(0.0 if limit is None else limit.cut_off)})
+                for scan, limit in zip(file.scans, own, strict=True)
+            )
+            parts.append(first.model_copy(update={"others": tuple(others) or None}))
+        floors = all(limit.origin == "instrument" for limit in doubtful)
+        cut_offs = ["0 um", exactly(longest, "um")]
+        return {
+            "cut_off": cut_offs[::-1] if floors else cut_offs, "both_readings": True,
+            **dict(zip(SIDES, parts, strict=True)),
+        }  # fmt: skip
 
     def _ensemble(self) -> dict[str, Any]:
         if self.press == "lines":
@@ -542,6 +571,19 @@ def _scans_of(side: str, given: Any) -> list[Any]:
     if not found:
         raise ArgumentError(f"{{{side}}} must have at least one scan, got {{got}}", got=str(given) or repr(given))
     return found
+
+
+def _limit_of(scan: MeasuredFile) -> InstrumentLimit | None:
+    """Limit of a scan below which waves have much of the slope and may not be the surface's, or None."""
+    body = scan.read()
+    if isinstance(body, JoinedSpectrum) or body.is_flat:
+        return None
+    limit = instrument_limit(body, texture=scan.texture is not None)
+    return limit if limit.matters else None
+
+
+def _length(wavelength: float) -> Quantity:
+    return quantity(exactly(wavelength, "um"), "length")
 
 
 def _rising(values: list[Quantity]) -> list[Quantity]:

@@ -41,10 +41,12 @@ def resolution_study(study: Study) -> Study | None:
     facts = about(study).attributes
     step = max(float(np.max(facts[f"{side}_spacing_um"])) for side in ("upper", "lower"))
     side = min(float(np.min(facts[f"{side}_extent_um"])) for side in ("upper", "lower"))
+    if len(own) > 1:
+        return None
     doubles = 2 * step * 2.0 ** np.arange(DOUBLES) if own[0] == 0 else own[0] * 2.0 ** np.arange(1, DOUBLES)
     # Rounded up, because less than two points is no wave.
     lengths = [own[0], *(float(f"{each * (1 + ROUNDED):.4g}") for each in doubles if each <= LONGEST * side)]
-    if len(own) > 1 or len(lengths) < 2:
+    if len(lengths) < 2:
         return None
     changes: dict[str, Any] = {
         "surfaces.cut_off": [exactly(each, "um") for each in lengths],
@@ -123,8 +125,9 @@ def seen(study: Study) -> Seen | None:
 
 @functools.lru_cache(maxsize=4)
 def _seen(study: Study) -> Seen:
-    surfaces, bodies = study.surfaces, bodies_of(study)
-    wavelength = float(surfaces.cells()["cut_off"][0])
+    surfaces: Any = study.surfaces
+    bodies = bodies_of(study)
+    wavelength = surfaces.quoted_cut_off()
     # Two maps themselves, where there are such members.
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0

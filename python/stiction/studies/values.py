@@ -78,6 +78,13 @@ Side = Annotated[int, Field(ge=FEWEST_POINTS, le=MOST_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
 Coefficient = Annotated[float, Field(ge=0)]
 
+
+def _different(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len(set(values)) < len(values):
+        raise ValueError("must differ from each other, but two are equal")
+    return values
+
+
 # TOML has lists; a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
 _values = (as_tuple, Field(min_length=1, max_length=MOST_VALUES), AfterValidator(_increasing))
@@ -88,7 +95,9 @@ Approaches = Annotated[tuple[LengthOrZero, ...], *_values]
 Loads = Annotated[tuple[Force, ...], *_values]
 Strengths = Annotated[tuple[Strength, ...], *_few_values]
 Coefficients = Annotated[tuple[Coefficient, ...], *_few_values]
-CutOffs = Annotated[tuple[LengthOrZero, ...], *_few_values]
+CutOffs = Annotated[
+    tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MOST_MATERIALS), AfterValidator(_different)
+]
 _none_or_few = (as_tuple, Field(max_length=MOST_MATERIALS), AfterValidator(_increasing))
 LoadsOfInterest = Annotated[tuple[Force, ...], *_none_or_few]
 Times = Annotated[tuple[Time, ...], *_none_or_few]

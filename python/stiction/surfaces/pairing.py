@@ -412,7 +412,7 @@ class SpectrumPairs(SquarePairs):
     lower: JoinedSpectrum
     level: SurfaceTrend = "plane"  # what is taken off each piece
     seed: int = 2016
-    cut_off: float = 0.0  # µm, waves shorter than this are taken off; 0 for none
+    cut_off: tuple[float, float] = (0.0, 0.0)  # µm, cutoff wavelengths of the upper and the lower body; 0 for none
     finest: float = 0.0  # µm, shortest of several cut-offs, which decides the grid: members are the same at each
 
     @cached_property
@@ -442,8 +442,8 @@ class SpectrumPairs(SquarePairs):
     def _piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
         shape = (self._whole, self._whole)
         whole = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
-        if self.cut_off > 0:
-            whole = cut_off(whole, self.cut_off, periodic=True)
+        if (wavelength := self.cut_off[SIDES.index(side)]) > 0:
+            whole = cut_off(whole, wavelength, periodic=True)
         rows, columns = self.shape
         piece = Surface(whole.heights[:rows, :columns], spacing=self.spacing, history=whole.history)
         return levelled(piece, self.level)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number, read_only, truth
 from stiction._shown import Readable, Tabled
 from stiction.surfaces.filters import transmission
+from stiction.surfaces.harmonics import MIN_RESOLVED, between_harmonics, find_period
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -31,9 +33,14 @@ CLEAR = 1.9  # cut-off over the wavelength of what must be taken off: a Gaussian
 _LEAST_SHARE = 1e-4  # smallest share of the mean square slope that is of an instrument and not of round-off
 _FOLDED = 0.6  # exponent of the last octave of a rough surface, with what is folded back at the Nyquist wave number
 _ROUNDED = 0.3  # share of the mean square second difference from which on rounding explains a noise floor
-_FLAT = 0.35  # exponent of the last octave below which it is flat
+_FLAT = 0.35  # exponent of a flat spectrum, and rms of the logarithm of its density, at most
+_HARDLY_FALLING = 0.7  # exponent over all wavelengths of a floor, some of which are partly the surface's
+_CLEAR_OF_SURFACE = 0.7  # wavelength over the limit below which a spectrum is that of the noise alone
+FLOORS = ("noise floor", "quantisation")  # reasons that are the instrument's whatever the surface is
 _FINEST = 1e-6  # fraction of the shortest wave of the scan, as far as a power law is followed
 _HALVINGS = 60
+
+Origin = Literal["instrument", "unknown"]
 
 Spectrum = tuple[Floats, Floats, Floats, float]
 """Wave numbers, densities, and numbers of independent values of a spectrum, and the spacing of its points."""
@@ -235,6 +242,11 @@ class InstrumentLimit(Tabled):
     cut_off : float, µm
         The wavelength at which `cut_off` leaves the mean square slope of the waves that are to be trusted, of which it
         takes a part; at least two points.
+    origin : {"instrument", "unknown"}
+        Origin of the waves below `wavelength`: "unknown" of a line, a roll-up or a hump, and of a floor below the
+        harmonics of a texture.
+    period : float, µm
+        Period of a texture whose harmonics stand in the spectrum, of a surface along x or y; NaN without one.
 
     Examples
     --------
@@ -255,10 +267,17 @@ class InstrumentLimit(Tabled):
     slope_share: float = 0.0
     curvature_share: float = 0.0
     cut_off: float = field(default=math.nan, metadata={"unit": "µm"})
+    origin: Origin = "instrument"
+    period: float = field(default=math.nan, metadata={"unit": "µm"})
+
+    @property
+    def matters(self) -> bool:
+        """Whether the waves below the limit have more than a tenth of the mean square slope."""
+        return self.slope_share > UNKNOWN
 
 
 def instrument_limit(
-    body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False
+    body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False, texture: bool = False
 ) -> InstrumentLimit:
     """Find below which wavelength a scan is not to be trusted: by its pixels, its noise and its tip.
 
@@ -269,17 +288,29 @@ def instrument_limit(
         Of the stylus or the probe.
     periodic : bool
         As for `power_spectrum`.
+    texture : bool
+        Whether lines and humps in the spectrum are known to be the surface's, as of a turned or milled one. A flat end
+        of the spectrum is the instrument's all the same.
 
     Notes
     -----
     The spectrum of a self-affine surface falls along a line as q^-(1+2H), with an exponent of -1 to -3, and steeper
     where it is smooth. One that has fallen and is then shallower than -1 over one or two octaves, by three standard
-    deviations, or that rises to three times its lowest, is of something else: noise, a line, ringing, quantisation. It
-    is taken for the instrument's if it begins at 24 points or less, or does not fall behind; further up, a hump is
-    texture. The limit is where the density is four times its lowest, so that h' of the waves that are kept is right
-    within 5 %. Noise whose spectrum falls like a surface's, as pink noise, cannot be told from one; two scans of one
-    place tell it. The optics of an instrument, which cut waves off well above its pixels, are not seen: then the
-    spectrum falls faster, and H above 1 is found.
+    deviations, or that rises to three times its lowest, is of something else: noise, a line, ringing, quantisation, or
+    the texture of a machined surface. A flat end of the spectrum is noise of the instrument. The limit is where the
+    density is four times its lowest, so that h' of the waves that are kept is right within 5 %. Lines, humps and
+    spectra that rise at their end are of unknown origin, but these are texture:
+
+    - Harmonics of one period, all of them or the odd ones, as feeds leave them. The spectrum is then judged between
+      the harmonics, and not at all if these are less than 10 bins apart.
+    - A hump further up than 24 points, if the spectrum falls behind it.
+    - A hump in one line. Lines of a map along straight grooves are copies of each other and count as one: the number
+      of independent lines is estimated from the spectrum across them.
+
+    A line that two surfaces share is no mark of texture, because one instrument may have left it in both. Noise whose
+    spectrum falls like a surface's, as pink noise, cannot be told from one; two scans of one place tell it. The optics
+    of an instrument, which cut waves off well above its pixels, are not seen: then the spectrum falls faster, and H
+    above 1 is found.
 
     A tip of radius R cannot follow curvatures above 1/R; h''_rms(λ) must be below c/R (Jacobs, Junge &
     Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001; Sanner et al., Applied Surface Science
@@ -298,11 +329,17 @@ def instrument_limit(
     radius = None if tip_radius is None else number("tip_radius", tip_radius, unit="µm", above=0)
     roughness = scale_dependent_roughness(body, periodic=periodic)
     spacing = max(body.spacings)
-    found = [_foreign_waves(*each, periodic=periodic) for each in _line_spectra(body, periodic)]
-    along = [wave for wave, _ in found]
-    noise, kind = max(found, key=lambda each: -1.0 if math.isnan(each[0]) else each[0])
+    spectra = _line_spectra(body, periodic)
+    found = [_foreign_waves(*each, periodic=periodic, textured=texture) for each in spectra]
+    whole = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
+    # An axis along which a surface is straight has nothing but round-off.
+    along = [each.wave if each.slope > _LEAST_SHARE * whole else math.nan for each in found]
+    first = int(np.nanargmax(along)) if np.isfinite(along).any() else 0
+    noise, kind = along[first], found[first].kind
+    period = next((each.period for each in found if each.period > 0), math.nan)
     if not float(roughness.fraction_below(noise if noise > 0 else 2 * spacing)) > _LEAST_SHARE:
         noise = math.nan
+    origin: Origin = "unknown" if kind not in FLOORS or (found[first].period > 0 and not texture) else "instrument"
     if kind == "noise floor" and noise > 0 and _is_quantised(body):
         kind = "quantisation"
     noise = in_three_digits(noise) if noise > 0 else noise
@@ -313,16 +350,16 @@ def instrument_limit(
     wave, shares, cut = limits[reason], (0.0, 0.0), 2 * spacing
     if reason != "pixels":
         bent = float(roughness.curvature_at(wave) / roughness.curvature[-1])
-        shares = float(roughness.fraction_below(wave)), 1 - bent**2
+        share = float(roughness.fraction_below(wave))
+        if reason == kind and period > 0:  # shorter waves are harmonics of the texture as well
+            share = min(share, sum(each.slope for each in found) / whole)
+        shares = share, 1 - bent**2
         cut = _slope_kept(roughness, shares[0], wave, cut)
     along_x, along_y = along if len(along) == 2 else (math.nan, math.nan)
-    return InstrumentLimit(wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares, cut)
-
-
-def unknown_below(bodies: Sequence[Profile | Surface]) -> float:
-    """The cut-off (µm) that takes waves of unknown origin off scans where they have much of the slope, or 0."""
-    limits = [instrument_limit(body) for body in bodies if not body.is_flat]
-    return max((limit.cut_off for limit in limits if limit.slope_share > UNKNOWN), default=0.0)
+    return InstrumentLimit(
+        wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares, cut,
+        origin if reason == kind else "instrument", period,
+    )  # fmt: skip
 
 
 def in_three_digits(wavelength: float) -> float:
@@ -353,16 +390,57 @@ def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
         along = heights if axis else heights.T
         points, step = along.shape[1], body.spacing[axis]
         window = 1.0 if periodic else (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
-        power = np.square(np.abs(np.fft.rfft((along - along.mean(axis=1, keepdims=True)) * window))).mean(axis=0)
-        q = 2 * math.pi * np.arange(1, power.size) / (points * step)
-        # Lines that are a wavelength apart are independent.
-        lines = np.clip(body.extent[1 - axis] * q / (2 * math.pi), 1, along.shape[0])
-        spectra.append((q, power[1:] * (step / points), lines, step))
+        transform = np.fft.rfft((along - along.mean(axis=1, keepdims=True)) * window)[:, 1:]
+        power = np.square(np.abs(transform)).mean(axis=0)
+        q = 2 * math.pi * np.arange(1, power.size + 1) / (points * step)
+        spectra.append((q, power * (step / points), _independent_lines(transform), step))
     return spectra
 
 
-def _foreign_waves(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Wavelength (µm) below which a spectrum is no surface's, NaN if it is, and what it looks like there."""
+def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
+    """Estimate how many lines of a surface are independent, at each wave number along them.
+
+    The mean over lines of a spectrum has the relative variance sum(P²)/sum(P)² of the powers P across the lines. Lines
+    along straight grooves are copies of each other and count as one. P itself is exponentially distributed, hence the
+    factor 2.
+    """
+    power = np.square(np.abs(np.fft.fft(transform, axis=0)))
+    squares = np.square(power).sum(axis=0)
+    whole = np.square(power.sum(axis=0))
+    return np.asarray(np.maximum(2 * whole / np.where(squares > 0, squares, 1.0) - 1, 1.0))
+
+
+class _Foreign(NamedTuple):
+    """What the spectrum of lines has that no surface's has."""
+
+    wave: float  # µm, below which it is no surface's; NaN if it is
+    kind: str
+    slope: float  # mean square slope of lines in these waves, harmonics of a texture left out
+    period: float  # µm, of a texture; NaN without one
+
+
+def _foreign_waves(
+    q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
+) -> _Foreign:
+    """Find the waves of a spectrum that are no surface's, after the harmonics of a texture are taken out."""
+    first, distance = find_period(density)
+    period = 2 * math.pi / (float(q[0]) * first)
+    if first > 0:
+        if distance < MIN_RESOLVED:
+            return _Foreign(math.nan, "noise floor", 0.0, period)
+        # Cusps of uneven depth have a hump about the first harmonic.
+        finer = slice(int(first), None)
+        density, q, count = between_harmonics(density, count, distance)[finer], q[finer], count[finer]
+    wave, kind = _noise_of(q, density, count, spacing, periodic=periodic)
+    if not wave > 0 or (textured and kind not in FLOORS):
+        return _Foreign(math.nan, kind, 0.0, period)
+    below = q * wave > 2 * math.pi
+    slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
+    return _Foreign(wave, kind, slope, period)
+
+
+def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
+    """Wavelength (µm) below which a spectrum without harmonics is no surface's, NaN if it is, and its kind."""
     nothing = math.nan, "noise floor"
     if not periodic:  # the window's own
         q, density, count = q[2:], density[2:], count[2:]
@@ -394,9 +472,9 @@ def _foreign_waves(q: Floats, density: Floats, count: Floats, spacing: float, *,
         limit = max(limit, CLEAR * float(wave[behind[0]]))
     if behind.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
         return limit, "line"
-    if abs(end) < _FLAT or not behind.size:
+    if _is_floor(wave, density, chance, limit):
         return limit, "noise floor"
-    if wave[behind[0]] < 1.4 * wave[-1]:
+    if behind.size and wave[behind[0]] < 1.4 * wave[-1]:
         return limit, "roll-up"
     return limit, "hump"
 
@@ -407,6 +485,21 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     about = x - np.average(x, weights=weight)
     square = float(weight @ about**2)
     return float(weight @ (about * y)) / square, 1 / math.sqrt(square)
+
+
+def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
+    """Return whether a spectrum ends flat, and hardly falls on the way from a limiting wavelength (µm) to the end."""
+    for longest, steepest in ((_CLEAR_OF_SURFACE * limit, _HARDLY_FALLING), (2.01 * float(wave[-1]), _FLAT)):
+        here = wave < longest
+        if here.sum() < _PER_OCTAVE // 2:
+            return False
+        x, y, variance = -np.log(wave[here]), np.log(density[here]), chance[here]
+        slope, deviation = _slope(x, y, variance)
+        weight = 1 / (variance + 0.01)
+        scatter = np.square(y - np.average(y, weights=weight)) - variance
+        if not abs(slope) < max(steepest, 2 * deviation) or np.average(scatter, weights=weight) > _FLAT**2:
+            return False
+    return True
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:

@@ -139,11 +139,6 @@ class Answer:
         return tuple(doubt for doubt in self.doubts if doubt.severity == "fault")
 
     @property
-    def unknown(self) -> tuple[Doubt, ...]:
-        """Faults that a cut-off takes away: waves of which it is not known whose they are."""
-        return tuple(doubt for doubt in self.faults if math.isfinite(doubt.cut_off))
-
-    @property
     def verdict(self) -> str:
         """Whether the value is to be quoted: "Quote it", "Quote with care" or "Do not quote"."""
         severities = {doubt.severity for doubt in self.doubts}
@@ -189,12 +184,12 @@ class Answer:
 
 
 def answers(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> list[Answer]:
-    """The answers of every cell, load, mu0 and tau0 of what `at_load` gives of a study, in this order.
+    """The answers of every cell, load, mu0 and tau0 of what `at_load` gives of a study, those to quote first.
 
     Doubts `beside` come from the bodies and not from the result, as `doubts_of_inputs` gives them.
     """
     found = [answer(point, study, beside=beside) for point in points(at)]
-    return [_with_both_readings(one, found) for one in found] if any(one.unknown for one in found) else found
+    return _with_both_readings(found) if study.surfaces.both_readings else found
 
 
 def headlines(found: Sequence[Answer]) -> list[Answer]:
@@ -202,17 +197,25 @@ def headlines(found: Sequence[Answer]) -> list[Answer]:
     return [one for one in found if not one.covered]
 
 
-def _with_both_readings(one: Answer, found: Sequence[Answer]) -> Answer:
-    """An answer without waves of unknown origin whose interval covers that with them; or that one, covered."""
+def _with_both_readings(found: Sequence[Answer]) -> list[Answer]:
+    """Answers at the cutoff to quote, whose intervals cover those at the other one, and then the others."""
+    cut_off = found[0].at["cut_off"]  # the first one is that to quote
+    others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
+    own = [one for one in found if one.at["cut_off"] == cut_off]
+    first = [_covering(one, others[_place(one)]) if _place(one) in others else one for one in own]
+    return [*first, *(replace(one, covered=True) for one in others.values())]
 
-    def like(others: Sequence[Answer]) -> list[Answer]:
-        return [each for each in others if {**each.at, "cut_off": 0.0} == {**one.at, "cut_off": 0.0}]
 
-    if one.unknown:
-        return replace(one, covered=any(not each.unknown for each in like(found)))
-    other = next((each for each in like(found) if each.unknown), None)
-    if other is None or not math.isfinite(other.value):
-        return one
+def _place(one: Answer) -> tuple[tuple[str, float], ...]:
+    """Load, mu0 and tau0 of an answer, and its cell without the cutoff."""
+    return tuple(item for item in one.at.items() if item[0] != "cut_off")
+
+
+def _covering(one: Answer, other: Answer) -> Answer:
+    """An answer to quote whose intervals cover those of the other reading, with the doubts about both.
+
+    Filtering does not improve an assessment: what forbids quoting the other reading forbids quoting this one.
+    """
     rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
     both = {left.words: left for left in other.budget}
     known = math.isfinite(one.upper - one.lower)  # which one or two positions leave open
@@ -222,11 +225,20 @@ def _with_both_readings(one: Answer, found: Sequence[Answer]) -> Answer:
         low, high = min(left.lower, same.lower), max(left.upper, same.upper)
         budget.append(Left(left.words, low, high, high - low))
     value = other.rules[0]
-    words = f"with them μ_s is {quoted(value.value, value.lower, value.upper)}, which the interval covers"
-    cure = "scan the place twice, or give a --cutoff"
-    doubts = [Doubt(f"{each.text}; {words}", cure, "caution") for each in other.unknown]
+    is_measured = one.at["cut_off"] == 0
+    words = f"; {'without' if is_measured else 'with'} them μ_s is {quoted(value.value, value.lower, value.upper)}"
+    words = words if math.isfinite(value.value) else ""
+    own = [replace(each, text=each.text + words) if each.has_readings else each for each in one.doubts]
+    texts = {each.text for each in one.doubts}
+    beyond = [
+        replace(each, text=f"as measured: {each.text}")
+        for each in other.faults
+        if not (is_measured or each.has_readings or each.text in texts)
+    ]
+    doubts = sorted([*own, *beyond], key=lambda doubt: doubt.severity != "fault")
     order = tuple(sorted(budget, key=lambda left: left.width))
-    return replace(one, rules=rules, budget=order, doubts=(*one.faults, *doubts, *one.doubts[len(one.faults) :]))
+    bracket = None if any(each.severity == "fault" for each in doubts) else one.bracket
+    return replace(one, rules=rules, budget=order, doubts=tuple(doubts), bracket=bracket)
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
@@ -246,7 +258,9 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
-    doubts = [*(each for each in beside if cut_off < each.cut_off), *doubts_of(point, study, mean, status)]
+    # Only a cutoff that was asked for takes doubts away.
+    kept = [each for each in beside if study.surfaces.both_readings or cut_off < each.cut_off]
+    doubts = [*kept, *doubts_of(point, study, mean, status)]
     return Answer(
         rules=rules, status=status, load=load_text(point, study), inputs=_inputs(point, study),
         note=_note(point, study),

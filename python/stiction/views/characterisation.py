@@ -42,6 +42,8 @@ from stiction.surfaces.spectrum import (
 )
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import percent, with_unit
+from stiction.views.doubts import Doubt
+from stiction.views.inputs import REASONS, doubts_of_scan
 from stiction.views.rows import entry, record
 from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.text import fitted
@@ -55,16 +57,6 @@ _FEWEST = 4  # fewest longer waves that such a peak is compared with
 _PEAK_SHARE = 0.1  # share of m4 from which a peak is reported
 _SCATTERED = 2.0  # dispersion from which the scatter of a spectrum about its fit is reported
 _HANN_CHANCE = 2.0  # variance of the logarithm of a bin of a windowed spectrum, times its harmonics
-
-REASONS = {
-    "noise floor": "the spectrum ends flat, like noise",
-    "quantisation": "the spectrum ends flat, by the steps of the heights",
-    "line": "a line stands in the spectrum",
-    "roll-up": "the spectrum rises at its end",
-    "hump": "the spectrum has a hump that no surface has",
-    "tip": "sharper than the tip follows",
-}
-"""Words for what ends the waves to be trusted."""
 
 _SYMBOLS = {"1": "", "um2": " µm²", "1/um2": " 1/µm²", "degrees": "°"}  # units of JSON as text
 _UNITS = {"": "1", "µm": "um", "degrees": "degrees"}  # units of parameters as JSON has them
@@ -104,6 +96,8 @@ class Characterisation:
     band: tuple[float, float] | None = None
     tip_radius: float | None = None
     periodic: bool = False
+    textured: bool = False
+    """Whether the body was machined, so that lines and humps in its spectrum are its own."""
 
     @cached_property
     def parameters(self) -> RoughnessParameters | SurfaceParameters:
@@ -121,11 +115,12 @@ class Characterisation:
         return power_spectrum(self.body, periodic=self.periodic) if isinstance(self.body, Profile) else None
 
     @cached_property
-    def _area(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...]]:
-        """Radial spectrum of a surface, and moments along x and y."""
+    def _area(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
+        """Radial spectrum of a surface, moments along x and y, and the direction of its steepest lines."""
         assert isinstance(self.body, Surface)
         spectrum = surface_spectrum(self.body)
-        return spectrum.radial(RADIAL_BINS), tuple(spectrum.moments(direction) for direction in (0, 90))
+        moments = tuple(spectrum.moments(direction) for direction in (0, 90))
+        return spectrum.radial(RADIAL_BINS), moments, spectrum.steepest_direction()
 
     @cached_property
     def binned(self) -> PowerSpectrum | RadialSpectrum:
@@ -169,7 +164,9 @@ class Characterisation:
     @cached_property
     def limit(self) -> InstrumentLimit:
         """Shortest wave that is to be trusted."""
-        return instrument_limit(self.body, tip_radius=self.tip_radius, periodic=self.periodic)
+        return instrument_limit(
+            self.body, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
+        )  # fmt: skip
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
@@ -211,7 +208,13 @@ class Characterisation:
         if self.spectrum is not None:
             window = "as it is, periodic" if self.periodic else "after a Hann window"
             rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",)))
+        rows += [Row("" if at else "caveats", (f"{each.text}; {each.cure}",)) for at, each in enumerate(self.doubts)]
         return rows
+
+    @cached_property
+    def doubts(self) -> list[Doubt]:
+        """Caveats about the scan: heights, form, spikes, and wavelengths that may not be the surface's."""
+        return doubts_of_scan(self.body, tip_radius=self.tip_radius, textured=self.textured)
 
     def _parameter_rows(self) -> list[Row]:
         found, neighbours = self.parameters, self._parameters("neighbours")
@@ -224,8 +227,12 @@ class Characterisation:
                 text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
                 row = Row(name, (text,), (*row.values, other))
             elif name == "Std":
-                text = f"{value:.0f}° from +x towards +y, of the strongest waves; a lay runs across"
-                row = row._replace(texts=(text,))
+                steepest = self._area[2]
+                text = f"{value:.0f}° from +x towards +y, of the strongest wavelengths; a lay runs across"
+                also = f"{steepest:.1f}°, along which lines are steepest on the mean"
+                row = Row(name, (text,), (*row.values, entry("steepest_direction", steepest, "degrees")))
+                rows += [row, Row("", (also,))]
+                continue
             elif name in _SHARES:
                 row = row._replace(texts=(f"{100 * value:.4g} %",))
             elif name in ("Sal", "Str") and math.isnan(value):
@@ -246,9 +253,14 @@ class Characterisation:
     def _friction_text(self) -> str:
         if not self.friction:
             return "none, without slopes"
+        if not all(map(math.isfinite, self.friction)):
+            return "none: slopes so steep that contacts on them hold at any tangential load"
         axes = (" along x,", " along y,") if len(self.friction) == 2 else (",",)
         values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction, axes, strict=True))
-        return f"{values} against its like, where mu0 is {PAPERS_MU0:g} (gentle_friction)"
+        return (
+            f"{values} of two such bodies, estimated from slopes alone; friction only at contacts whose slope opposes "
+            f"the motion (the rule of the paper), μ0 = {PAPERS_MU0:g} (gentle_friction)"
+        )
 
     def _scale_rows(self) -> list[Row]:
         found, limit = self.roughness, self.limit
@@ -268,13 +280,23 @@ class Characterisation:
         elif limit.slope_share < HARMLESS:
             words = f"below {wave} {REASONS[limit.reason]}: harmless, {part}"
         else:
-            words = f"not to be trusted below {wave}: {REASONS[limit.reason]}, {part}; --cutoff '{off}' takes that off"
+            whose = "not to be trusted" if limit.origin == "instrument" else "perhaps not the surface's"
+            words = f"{whose} below {wave}: {REASONS[limit.reason]}, {part}; --cutoff '{off}' takes that off"
         below = f"those below {with_unit(2 * limit.pixels, 'um')} make {percent(share)} of the mean square slope"
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [
             Row("waves", (f"{with_unit(limit.pixels, 'um')} (two points) to {with_unit(longest, 'um')}",), (shortest,)),
-            Row("", (below,), (octave,)), Row("slope of waves", (slopes,)), Row("instrument", (words,), limits),
+            Row("", (below,), (octave,)), Row("slope of waves", (slopes,)), *self._period_rows(),
+            Row("instrument", (words,), limits),
         ]  # fmt: skip
+
+    def _period_rows(self) -> list[Row]:
+        period = self.limit.period
+        if not period > 0:
+            return []
+        along = "" if isinstance(self.body, Profile) else ", along x or y"
+        text = f"period {length_text(period)}{along}, with its harmonics: the surface's, as of a feed"
+        return [Row("texture", (text,), (entry("texture_period", period, "um"),))]
 
     def _hurst_rows(self) -> list[Row]:
         names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
@@ -441,6 +463,7 @@ def _about(file: str, found: Characterisation) -> dict[str, Any]:
         "file": file, "holds": "profile" if isinstance(body, Profile) else "surface",
         "points": list(np.shape(body.heights)), "spacing_um": np.atleast_1d(body.spacing).tolist(),
         "extent_um": np.atleast_1d(body.extent).tolist(), "history": list(body.history),
+        "caveats": [{"text": each.text, "cure": each.cure, "severity": each.severity} for each in found.doubts],
     }  # fmt: skip
 
 

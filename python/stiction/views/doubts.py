@@ -62,6 +62,8 @@ class Doubt:
     severity: Severity
     cut_off: float = math.inf
     """Cut-off (µm) from which on it is none."""
+    has_readings: bool = False
+    """Whether a reading without its waves is in the interval."""
 
 
 class Check(NamedTuple):

@@ -13,17 +13,26 @@ from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import CLEAR, UNKNOWN, InstrumentLimit, instrument_limit
+from stiction.surfaces.scale import CLEAR, InstrumentLimit, instrument_limit
 from stiction.surfaces.spectrum import peak_of, power_spectrum
 from stiction.surfaces.surface import Surface
-from stiction.views.characterisation import REASONS
 from stiction.views.digits import percent, with_unit
-from stiction.views.doubts import Doubt
+from stiction.views.doubts import Doubt, Severity
 from stiction.views.scans import spectra_differ
 
 if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import Body, MeasuredFile
     from stiction.studies.study import Study
+
+REASONS = {
+    "noise floor": "the spectrum ends flat, like noise",
+    "quantisation": "the spectrum ends flat, by the steps of the heights",
+    "line": "a line stands in the spectrum",
+    "roll-up": "the spectrum rises at its end",
+    "hump": "the spectrum has a hump that no surface has",
+    "tip": "sharper than the tip follows",
+}
+"""Words for what ends the waves to be trusted."""
 
 IMPOSSIBLE = 10.0  # height over extent from which on no scan has it
 HIGHEST_MU0 = 2.0  # above it a molecular friction coefficient is a slip: clean metals in vacuum come near
@@ -36,6 +45,10 @@ SPIKE = 12.0
 
 NOISE = 0.01  # fraction of the mean square slope in waves of an instrument, from which on it is said
 PEAK = 0.1  # fraction of the fourth spectral moment in one peak, from which on it is said
+CURE = (
+    " if they are the instrument's; --texture turned, milled, ground, ... or --cutoff none if they are the surface's; "
+    "two scans of one place tell (stiction characterise --repeated)"
+)
 WHOLE_PART = 0.1  # nominal pressure over E* from which on a load is that of a larger body
 
 
@@ -51,7 +64,10 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
             if isinstance(scan, JoinedSpectrum):
                 found = list(_of_scans(scan))
             else:
-                found = doubts_of_scan(scan, form=not bowed, instrument=not vouched, tip_radius=file.tip)
+                found = doubts_of_scan(
+                    scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
+                    textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
+                )  # fmt: skip
             for each in found:
                 kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda doubt: doubt.cut_off)
         return list(kinds.values())
@@ -99,10 +115,17 @@ def _joined(upper: Doubt, lower: Doubt) -> str:
 
 
 def doubts_of_scan(
-    body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None
-) -> list[Doubt]:
-    """Doubts about one scan: heights, form unless it is taken off, spikes, and waves that are not the surface's."""
-    return [*_of_body(body, form=form), *(_of_instrument(body, tip_radius) if instrument else ())]
+    body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None,
+    textured: bool = False, has_readings: bool = False,
+) -> list[Doubt]:  # fmt: skip
+    """Return doubts about a scan: heights, form unless it is taken off, spikes, and waves that are not the surface's.
+
+    `textured` scans have lines and humps of their own; `has_readings` if the scan is pressed filtered as well.
+    """
+    return [
+        *_of_body(body, form=form),
+        *(_of_instrument(body, tip_radius, textured, has_readings) if instrument else ()),
+    ]
 
 
 def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
@@ -133,20 +156,24 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
         yield Doubt("some of its waves are in no scan", "scan the wavelengths between", "caution")
 
 
-def _of_instrument(body: Profile | Surface, tip_radius: float | None) -> Iterator[Doubt]:
-    """Waves that are the instrument's and not the surface's, which a cut-off takes off, and those that a tip blurs."""
+def _of_instrument(
+    body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool
+) -> Iterator[Doubt]:
+    """Yield doubts about waves that may be the instrument's, and those that a tip blurs."""
     try:
-        limit = instrument_limit(body)
-        blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius)
+        limit = instrument_limit(body, texture=textured)
+        blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
     except ValueError:  # flat
         return
     shortest = limit.wavelength if limit.slope_share > NOISE else 0.0
     if shortest:
-        text = f"{_waves(limit)} and are hardly the surface's: {REASONS[limit.reason]}"
+        is_known = limit.origin == "instrument"
+        text = f"{_waves(limit)} and are {'not' if is_known else 'perhaps not'} the surface's: {REASONS[limit.reason]}"
         cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' takes their slope off"
-        if limit.slope_share > UNKNOWN:
-            cure += ", --cutoff none vouches for them"
-        yield Doubt(text, cure, "fault" if limit.slope_share > UNKNOWN else "caution", limit.cut_off)
+        if limit.matters:
+            cure += ", --cutoff none keeps them" if is_known else CURE
+        severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
+        yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_share > NOISE:
         text = f"{_waves(blunt)} and are sharper than the tip follows: the surface is steeper"
         yield Doubt(text, "a sharper tip shows how much", "caution", blunt.cut_off)

@@ -73,6 +73,7 @@ def pair(
     channel: str | Sequence[str] | None = None,
     columns: str | Sequence[str] | None = None,
     tip: Quantity | Sequence[Quantity] | None = None,
+    texture: str | Sequence[str] | None = None,
     directory: str | Path | None = None,
     replace: bool = False,
     onset: int | None = None,
@@ -118,7 +119,7 @@ def pair(
         By default the half-space of maps, and of two profiles whose materials have a hardness; else asperities.
     law, yield_strength, cutoff, level, lay, shifts, rotate, tilt, direction, lines, along, offsets, travel, \
     detection, curvature, surrogates, seed, unit, spacing, missing, outliers, crop, channel, columns, \
-    tip
+    tip, texture
         As the options of `stiction pair`.
     directory : path, optional
         Where the result is kept, as by ``--output``; by default as long as Python runs.

@@ -11,7 +11,6 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import HARMLESS, PAPERS_MU0, Characterisation, Row, characterisation_of
 from stiction.views.digits import percent, with_unit
 from stiction.views.figures.roughness import characterisation_figure
-from stiction.views.inputs import doubts_of_scan
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
 
@@ -31,8 +30,7 @@ def surface_page(body: Profile | Surface | Characterisation, *, name: str, comma
 def _meaning(found: Characterisation) -> str:
     """What is doubtful, what the slopes say of friction, and what a finer scan would change, as markup."""
     doubts = "".join(
-        f"<li>{escaped(f'{each.text[0].upper()}{each.text[1:]}; {each.cure}.')}</li>"
-        for each in doubts_of_scan(found.body)
+        f"<li>{escaped(f'{each.text[0].upper()}{each.text[1:]}; {each.cure}.')}</li>" for each in found.doubts
     )
     values = [f"{value:.2f}" for value in found.friction]
     axes = " along x and y" if len(values) == 2 else ""
