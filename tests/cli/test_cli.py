@@ -30,7 +30,7 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
     assert {path.name for path in (where / "quick").iterdir()} == {"study.toml", "blocks", *figures}
     wrote = [line.removeprefix("wrote ") for line in done.stdout.splitlines() if line.startswith("wrote")]
     assert set(wrote) == {"quick", *(str(Path("quick") / name) for name in figures)}
-    assert "μ_s [95 %] at μ0 = " in done.stdout
+    assert "μ_s [95 %] at amplitude " in done.stdout
     dataset = store.read(where / "quick")
     assert dataset.sizes == {"fractal_dimension": 2, "amplitude": 1, "repetition": 3, "approach": 5}
     assert float(dataset["contact_count"].sum()) > 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stiction import HertzCylinder, JacksonGreen, Study, study_names
+from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
 from stiction._units import exactly, quantity
 from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
 from stiction.studies.study import differences, study_from_text
@@ -366,3 +366,36 @@ def test_figure5_has_the_papers_friction():
     friction = Study.named("figure5").friction
     assert friction.mu0 == (0.4,)
     assert [float(tau0) for tau0 in friction.tau0] == [0.01]
+
+
+class TestLoadsAskedFor:
+    """Loads that a study of generated half-spaces is asked for, and the curve around them."""
+
+    LISTED = SELF_AFFINE.with_changes({"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]})
+
+    def test_listed_loads_are_inside_the_curve_of_the_study(self):
+        assert [float(load) for load in self.LISTED.friction.load] == [0.04, 4.0]
+        assert self.LISTED.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
+        asked = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
+        study = SELF_AFFINE.with_changes(asked | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}})
+        assert study.contact.steps()[0] == 0.05, "a curve that is given stays"
+
+    def test_curve_around_loads_stays_below_the_hardness(self):
+        hard = self.LISTED.with_changes({"contact.hardness": "60 MPa", "contact.load": ["4 mN"]})
+        assert 4.0 < hard.contact.steps()[-1] < 0.06 * 100
+        with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
+            self.LISTED.with_changes({"contact.hardness": "10 MPa"})
+
+    def test_other_loads_and_mechanics_take_the_loads_asked_for_away(self):
+        assert [float(load) for load in self.LISTED.with_changes({"contact.load": ["1 mN"]}).friction.load] == [1.0]
+        assert [float(load) for load in self.LISTED.with_changes({"friction.load": ["9 mN"]}).friction.load] == [9.0]
+        assert self.LISTED.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
+        assert study_from_text(self.LISTED.to_toml(), "text") == self.LISTED == self.LISTED.with_changes({})
+
+    def test_every_load_asked_for_has_an_answer(self):
+        few = {"surfaces.shape": [32, 32], "ensemble.repetitions": 4, "surfaces.fractal_dimension": [1.2, 1.5]}
+        study = self.LISTED.with_changes(few | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"})
+        data = run(study)
+        assert data.sizes["load"] == 4
+        at = friction_map(data, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
+        assert set(at["status"].values.ravel().tolist()) == {"ok"}

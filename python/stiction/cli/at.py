@@ -24,6 +24,7 @@ Loads = Annotated[
     option("--load FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.', "its own"),
 ]
 Dimension = Annotated[float | None, option("--d D", "Of a study: the nearest fractal dimension that it has.", "all")]
+Hurst = Annotated[float | None, option("--hurst H", "Of self-affine surfaces: the nearest Hurst exponent.", "all")]
 Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
 Mu0 = Annotated[str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
 Tau0 = Annotated[str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "its own")]
@@ -46,6 +47,7 @@ def at(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
     load: Loads = None,
     fractal_dimension: Dimension = None,
+    hurst: Hurst = None,
     amplitude: Amplitude = None,
     mu0: Mu0 = None,
     tau0: Tau0 = None,
@@ -70,6 +72,10 @@ def at(
         strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
     length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
     found = with_uncertainty(at_load(in_memory(stored), _loads(stored, load), mu0=rubbing, tau0=strengths), stored)
+    if hurst is not None:
+        if fractal_dimension is not None or getattr(stored.study.surfaces, "generator", "") != "self-affine":
+            raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=f"{hurst:g}")
+        fractal_dimension = 2 - hurst
     found = _cells(found, fractal_dimension, length)
     if direction is not None:
         found = _towards(found, direction)

@@ -150,12 +150,17 @@ def friction_table(
         raise ValueError("dataset must be of a study of surfaces by the half-space, with loads")
     material = material_of(dataset, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
-    pressure = dataset["load"].values / area
+    steps = dataset["load"].values / area
     approach, touching = (dataset[name].transpose(*_ORDER).values for name in ("approach", "contact_area"))
     stiffness = np.full(approach.shape, np.nan)
-    if pressure.size >= FEWEST_PRESSURES:
+    if steps.size >= FEWEST_PRESSURES:
         # The approach is nearly straight over the logarithm of the load.
-        stiffness = pressure / np.gradient(approach, np.log(pressure), axis=-1, edge_order=2)
+        stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
+    # Loads around those that are asked for are steps of the curve alone.
+    asked = [float(load) for load in study.friction.load] or dataset["load"].values
+    kept = np.flatnonzero(np.isin(dataset["load"].values, asked))
+    dataset, pressure = dataset.isel(load=kept), steps[kept]
+    approach, touching, stiffness = (each[..., kept] for each in (approach, touching, stiffness))
     pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
     means = {name: np.stack(intervals.of_sample(each), axis=-1) for name, each in pairs.items()}
     light = means["contact_area_fraction"][..., 0] <= LIGHT

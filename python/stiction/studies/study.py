@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -15,8 +16,9 @@ from stiction._checks import Floats
 from stiction._files import NotReadableError, content, reason
 from stiction._text import LONGEST_NAME, named, printable
 from stiction._units import exact, exactly, quantity, shortened
+from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
-from stiction.studies.contact_tables import KEYS, Contact, contact_case, ladder, read_contact
+from stiction.studies.contact_tables import AROUND_AREAS, KEYS, Contact, contact_case, ladder, read_contact
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.known import KnownTable
 from stiction.studies.measured_surfaces import Measured, MeasuredFile
@@ -100,7 +102,7 @@ FRICTION_KEYS: Keys = {
         "generated surfaces": tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200")),
         "measured surfaces": (quantity("0 MPa", "pressure"),),
     },
-    "load": {"measured surfaces": REQUIRED},
+    "load": {"measured surfaces": REQUIRED, "the half-space of generated surfaces": ()},
     "wait": {"measured surfaces": ()},
 }
 """Where the keys of a table `[friction]` may stand, with their defaults."""
@@ -137,6 +139,34 @@ class Figures(Table):
     )
 
 
+def _bracketed(surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a study of generated half-spaces with a load below and one above those asked for.
+
+    Empty where no loads are asked for, where a curve is given beside them, or where a table is wrong.
+    """
+    asked = friction.get("load") or (contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None)
+    is_curve = bool(friction.get("load")) and "load" in contact
+    if contact.get("mechanics") != "half-space" or not isinstance(asked, (list, tuple)) or not asked or is_curve:
+        return {}
+    try:
+        loads = [float(quantity(load, "force")) for load in asked]
+        upper = max(loads) * AROUND_AREAS
+        if contact.get("hardness") is not None:
+            most = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
+            # Above the largest load, also where this is too large itself, which is reported of the curve.
+            upper = min(upper, max(loads) * max(math.sqrt(most / max(loads)), 1.001))
+    except (ValueError, TypeError, AttributeError):  # reported of the key that is wrong
+        return {}
+    around = [exactly(float(f"{load:.6g}"), "mN") for load in (min(loads) / AROUND_AREAS, upper)]
+    return {"contact": {**contact, "load": [around[0], *asked, around[1]]}, "friction": {**friction, "load": [*asked]}}
+
+
+def _nominal_area(surfaces: Mapping[str, Any]) -> float:
+    """Area of a table of generated surfaces, µm²."""
+    found: Any = surfaces_case(surfaces).model_validate(surfaces)
+    return math.prod(found.extents()) if found.is_areal else float(found.extent) * THICKNESS
+
+
 def _empty() -> Any:
     """A table that says nothing, from which the case that goes with the surfaces is made."""
     return {}
@@ -167,12 +197,18 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _with_loads_around_those_asked_for(cls, given: Any) -> Any:
-        """A study of measured surfaces that says no `contact.load` is pressed to loads around `friction.load`."""
+        """Press to loads around those that are asked for, so that each of them lies inside the curve of the study.
+
+        Measured surfaces, and generated ones by the half-space, are asked for `friction.load`; of the latter a list as
+        `contact.load` is taken for it.
+        """
         if not isinstance(given, Mapping):
             return given
         surfaces, contact, friction = (given.get(name, {}) for name in ("surfaces", "contact", "friction"))
         tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
-        if not tables or surfaces.get("kind") != "measured" or "load" in contact or "load" not in friction:
+        if tables and surfaces.get("kind") != "measured":
+            return {**given, **_bracketed(surfaces, contact, friction)}
+        if not tables or "load" in contact or "load" not in friction:
             return given
         try:
             mechanics = contact_case(surfaces_case(surfaces), contact)[0].model_fields["mechanics"].default
@@ -208,13 +244,20 @@ class Study(Table):
             raise ValueError(f"must be a table, got {shortened(value)}")
         if info.field_name == "contact":
             return read_contact(value, surfaces)
-        if value.get("load") == []:
+        if value.get("load") == [] and isinstance(surfaces, Measured):
             raise fault_at("load", "must have at least one load, got []")
-        return completed(FRICTION_KEYS, surfaces.bodies, value)
+        contact = info.data.get("contact")  # None where it is wrong, of which alone is reported
+        mechanics = "half-space" if contact is None else contact.mechanics
+        return completed(FRICTION_KEYS, contact_case(type(surfaces), {"mechanics": mechanics})[1], value)
 
     @model_validator(mode="after")
     def _goes_together(self) -> Study:
         draw, friction, steps = self.figures.draw, self.friction, self.contact.steps()
+        if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
+            raise ValueError(
+                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; without "
+                "contact.load there are loads around those that are asked for"
+            )
         if not self.is_measured:
             if self.is_areal and (drawn := [name for name in draw if name in ("profiles", "length-scales")]):
                 raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')
@@ -223,11 +266,6 @@ class Study(Table):
             return self
         if self.figures != Figures():
             raise ValueError("figures.draw: belongs to generated surfaces; of measured ones all figures are drawn")
-        if not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
-            raise ValueError(
-                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; without "
-                "contact.load there are loads around those that are asked for"
-            )
         if friction.wait and (self.contact.hardness is None or self.known.creep is None):
             missing = "known.creep, by which it falls" if self.contact.hardness else "contact.hardness"
             raise ValueError(f"friction.wait: what waits is pressed into a hardness that falls: give {missing}")
@@ -376,7 +414,16 @@ class Study(Table):
         own = {key: value for key, value in self.contact if value != usual[key]}
         own = {key: value for key, value in (defaults(KEYS, place) | own).items() if value is not REQUIRED}
         data["contact"] = written_table(contact.model_construct(**own), KEYS, place)
+        if not issubclass(surfaces, get_args(Measured)):
+            self._ask_again(data, changes, is_allowed="load" in defaults(FRICTION_KEYS, place))
         return data
+
+    def _ask_again(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
+        """Remove from the tables of generated surfaces loads that changes make invalid, or that follow from others."""
+        if "contact.load" in changes or not is_allowed:
+            data["friction"].pop("load", None)
+        elif len(asked := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(asked) + 2:
+            data["contact"].pop("load")
 
     @property
     def _place(self) -> str:

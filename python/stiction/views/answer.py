@@ -92,7 +92,7 @@ class Answer:
     note: str  # what was averaged, and which reading of the load it is
     assumptions: tuple[str, ...] = ()  # how the scans stand for surfaces, and the contact model
     doubts: tuple[Doubt, ...] = ()  # faults first
-    at: dict[str, Any] = field(default_factory=dict)  # the cell, load (mN), mu0 and tau0 (GPa)
+    at: dict[str, Any] = field(default_factory=dict)  # the cell, Hurst exponent, load (mN), mu0 and tau0 (GPa)
     # With a hardness, and a value to quote: between mu0 + tau0/H and the upper end of the interval at this scan, with
     # what few contacts leave open, every finer scan lies where all contacts rub.
     bracket: tuple[float, float] | None = None
@@ -265,7 +265,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         rules=rules, status=status, load=load_text(point, study), inputs=_inputs(point, study),
         note=_note(point, study),
         doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
-        at={name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords},
+        at=_place_of(point, study),
         bracket=None if any(_spoils_bracket(doubt) for doubt in doubts) else _bracket(point, study, mean),
         hardness=None if study.contact.hardness is None else float(study.contact.hardness),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
@@ -323,6 +323,14 @@ def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float]
     if "contact_load" in point:
         mu0 *= value_of(point, "contact_load") / load
     return mu0, adhesion, rule.value - mu0 - adhesion
+
+
+def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
+    """Return the coordinates of a point; of self-affine surfaces the Hurst exponent too."""
+    place = {name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords}
+    if "fractal_dimension" in place and (shape := shape_coordinate(study, place["fractal_dimension"]))[0] == "H":
+        place["hurst_exponent"] = shape[1]
+    return place
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:

@@ -187,7 +187,9 @@ def answers_text(found: Sequence[Answer]) -> str:
         words = (f"{_coefficient(found[0], index)}  {RULES[rule.rule]}" for index, rule in enumerate(found[0].rules))
         lines = [fitted(f"{'      ' if i else 'μ_s = '}{each}", hang=" " * 8) for i, each in enumerate(words)]
         return "\n".join(filter(None, [*lines, fitted(roughness_text(found[0]))]))
-    varying = [name for name in found[0].at if len({one.at[name] for one in found}) > 1]
+    names = [name for name in found[0].at if name != "fractal_dimension" or "hurst_exponent" not in found[0].at]
+    names.sort(key=lambda name: name != "hurst_exponent")
+    varying = [name for name in names if len({one.at[name] for one in found}) > 1]
     titles = (f"μ_s {RULE_TITLES[rule.rule]}" for rule in found[0].rules)
     rows = [[*(_TITLES.get(name, name) for name in varying), *titles, "assessment"]]
     for one in found:
@@ -208,7 +210,7 @@ def _coefficient(one: Answer, index: int) -> str:
     return "none" if one.status == friction.STATUS_OK else one.status
 
 
-_TITLES = {"fractal_dimension": "D", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}
+_TITLES = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}
 _UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
