@@ -126,6 +126,10 @@ def test_paths_are_no_files(app, path):
         {"command": "open", "name": {}},
         {"command": "pair", "options": [3], "upper": {}, "lower": []},
         {"command": "run", "options": [["set", "x" * 300]]},
+        {"command": "run", "options": [["set", 'surfaces={kind="measured",upper={file="/etc/passwd"}}']]},
+        {"command": "run", "options": [["set", "surfaces.kind=measured"]]},
+        {"command": "run", "options": [["set", "known.interface=/etc/passwd"]]},
+        {"command": "run", "options": [["set", "ensemble.seed=1\n[known]"]]},
         [],
     ],
     ids=str,
@@ -277,6 +281,46 @@ def test_first_answers_that_are_stopped_keep_nobody_waiting(app, tmp_path):
         until(lambda: {each["state"] for each in app.jobs()[-6:]}, lambda states: states == {"stopped"})
 
 
+def test_sketch_of_measured_surfaces_is_rejected(app):
+    changes = quote(json.dumps({"surfaces": {"kind": "measured", "upper": {"file": "/etc/passwd"}}}))
+    assert app.ask("GET", f"/profiles?set={changes}")[0] == 400
+
+
+def test_idle_connections_leave_files_for_the_owner(tmp_path):
+    with served(tmp_path, "--keep") as server, ExitStack() as stack:
+        server.enter()
+        resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (256, 256))
+        for _ in range(400):
+            idle = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=5))
+            idle.sendall(b"GET / HTTP/1.1\r\n")
+        assert [server.ask("GET", "/jobs")[0] for _ in range(3)] == [200, 200, 200]
+        server.process.send_signal(signal.SIGTERM)
+        assert server.process.wait(30) == 0
+        assert server.process.stderr.read() == ""
+
+
+def test_server_ends_without_traceback_while_requests_and_jobs_wait(tmp_path):
+    with served(tmp_path, "--keep") as server, server.held(0):
+        server.enter()
+        upper, lower = (server.take(path) for path in write_maps(tmp_path))
+        options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"]]
+        for seed in range(3):
+            asked = {
+                "command": "pair",
+                "upper": upper,
+                "lower": lower,
+                "options": [*options, ["shifts", f"{seed + 2}"]],
+            }
+            server.post("/jobs", asked)
+        until(server.jobs, lambda jobs: jobs[0]["total"])
+        with ThreadPoolExecutor(8) as pool:
+            answers = [pool.submit(server.ask, "GET", f"/scans/{upper}") for _ in range(8)]
+            server.process.send_signal(signal.SIGTERM)
+            assert server.process.wait(30) == 0
+            assert all(each.exception() or each.result()[0] in (200, 503) for each in answers)
+        assert server.process.stderr.read() == ""
+
+
 def test_a_command_that_the_system_ends_is_said(tmp_path):
     with served(tmp_path, "--keep") as server:
         server.enter()
@@ -286,6 +330,8 @@ def test_a_command_that_the_system_ends_is_said(tmp_path):
             server.post("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
             until(server.jobs, lambda jobs: jobs[0]["total"])
             for child in _children(server.process.pid):
+                total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+                assert resource.prlimit(child, resource.RLIMIT_DATA)[0] <= 0.5 * total
                 os.kill(child, signal.SIGKILL)
             (job,) = until(server.jobs, lambda jobs: jobs[0]["state"] == "failed")
         assert job["error"] == "the system has ended the command (SIGKILL); perhaps memory is short"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import json
+import os
 import re
 import shlex
 import shutil
@@ -26,6 +27,8 @@ LOOK = 0.4  # seconds between two looks at how far a command has come
 PATIENCE = 5.0  # seconds that a command has to write what it has computed, once it is to end
 MOST_WAITING = 8  # jobs in the queue
 MOST_OUTPUT = 2**25  # bytes that a command may print
+MEMORY_OF_JOB = 0.5  # largest fraction of the memory of the machine for a job; one is computed at a time
+MEMORY_OF_READER = 0.25  # the same for a process that reads a scan or a result, of which there are two at a time
 TOO = ", here and in the pictures"
 END_OF_RECORD = b"\n}\n"  # what the JSON of a command ends with; all that it does after that is to draw
 
@@ -83,6 +86,7 @@ class Jobs:
         self.root = root
         self.all: dict[int, Job] = {}
         self._folders = 0
+        self._is_ending = False
         self._one = asyncio.Lock()
         self._few = asyncio.Semaphore(2)
 
@@ -96,6 +100,13 @@ class Jobs:
         job.task = asyncio.create_task(self._end(job))
         return job
 
+    async def end(self) -> None:
+        """Stop all jobs and wait for them; what is computed of them by then is not shown any more."""
+        self._is_ending = True
+        for job in self.all.values():
+            job.stop()
+        await asyncio.gather(*(job.task for job in self.all.values() if job.task), return_exceptions=True)
+
     async def _end(self, job: Job) -> None:
         """A job from its beginning to one of its ends, which it has come to when its last answer is there."""
         try:
@@ -104,9 +115,10 @@ class Jobs:
                 await self._do(job)
             end = "done"
         except asyncio.CancelledError:
-            end = "stopped"
+            end, has_begun = "stopped", job.state == "running"
             with suppress(*FAULTS):  # nothing is there, or nothing touches
-                await self._tell(job)
+                if has_begun and not self._is_ending:
+                    await self._tell(job)
         except FAULTS as error:
             end, job.error = "failed", without_paths(str(error) or "there is not enough memory for this", self.root)
         job.state, job.words = end, ""
@@ -123,7 +135,8 @@ class Jobs:
             watch = asyncio.create_task(self._watch(job))
             try:
                 end = "--json" if job.arguments[0] == "pair" else "--part=1/1"
-                await command(["stiction", *job.arguments, end, f"--output={job.folder}"], patience=PATIENCE)
+                line = ["stiction", *job.arguments, end, f"--output={job.folder}"]
+                await command(line, patience=PATIENCE, memory=MEMORY_OF_JOB)
             finally:
                 watch.cancel()
                 await asyncio.wait([watch])
@@ -150,7 +163,7 @@ class Jobs:
         files = self.root / "shared" / f"{self._folders}"
         asked = {"folder": str(job.folder), "name": job.folder.name,
                  "command": "" if by else job.arguments[0], "files": str(files), "root": str(self.root)}  # fmt: skip
-        told = json.loads(await command(["stiction.app.told", json.dumps(asked | of)]))
+        told = json.loads(await command(["stiction.app.told", json.dumps(asked | of)], memory=MEMORY_OF_JOB))
         if told is None:
             return
         job.answer, job.files, job.versions = told["answer"], files, job.versions + 1
@@ -168,19 +181,30 @@ class Jobs:
     async def said(self, arguments: list[str]) -> str:
         """What a module prints that soon ends; a few at a time."""
         async with self._few:
-            return without_paths(await command(arguments), self.root)
+            return without_paths(await command(arguments, memory=MEMORY_OF_READER), self.root)
 
 
-async def command(arguments: list[str], *, patience: float = 0.0) -> str:
+def limited(memory: float) -> list[str]:
+    """Return the beginning of a command line that limits memory to a fraction, and ends with its parent (Linux)."""
+    if not (shutil.which("setpriv") and shutil.which("prlimit")):
+        return []
+    import resource
+
+    total = int(memory * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    allowed = resource.getrlimit(resource.RLIMIT_DATA)
+    limit = min([total, *(each for each in allowed if each != resource.RLIM_INFINITY)])
+    return ["setpriv", "--pdeathsig=KILL", "prlimit", f"--data={limit}"]
+
+
+async def command(arguments: list[str], *, memory: float, patience: float = 0.0) -> str:
     """What a module prints to its end or that of a record, in a process that ends with the server, however that ends.
 
-    Where nobody waits for it any more it has `patience` seconds to write what it has. A `RefusedError` has the sentence
-    that the process has said.
+    The process may take a fraction `memory` of that of the machine. Where nobody waits for it any more it has
+    `patience` seconds to write what it has. A `RefusedError` has the sentence that the process has said.
     """
-    alone = ["setpriv", "--pdeathsig=KILL"] if shutil.which("setpriv") else []  # Linux has it
     process = await asyncio.create_subprocess_exec(
-        *alone, sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL, stdout=PIPE, stderr=PIPE,
-        limit=MOST_OUTPUT,
+        *limited(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
+        stdout=PIPE, stderr=PIPE, limit=MOST_OUTPUT,
     )  # fmt: skip
     printed, said = process.stdout, process.stderr
     assert printed is not None and said is not None  # noqa: PT018

@@ -10,8 +10,10 @@ import webbrowser
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, ClassVar
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from stiction.app.server import Server
 
@@ -22,6 +24,42 @@ ALONE = 90.0
 
 FIRST = 600.0  # seconds that it waits for the first one
 
+MAX_IDLE = 20.0  # seconds that a connection may take to send the head of its request
+MAX_IDLE_CONNECTIONS = 64
+"""Connections without a complete head of a request; of more, the oldest is closed, so that files remain for others."""
+
+
+class Connection(H11Protocol):
+    """A connection that is closed if its request does not arrive in time."""
+
+    idle: ClassVar[dict[Connection, asyncio.TimerHandle]] = {}
+
+    def connection_made(self, transport: Any) -> None:
+        """Start the timer of a new connection."""
+        super().connection_made(transport)
+        self.idle[self] = self.loop.call_later(MAX_IDLE, self._abort)
+        if len(self.idle) > MAX_IDLE_CONNECTIONS:
+            next(iter(self.idle))._abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Stop the timer when the head of the request is complete."""
+        super().data_received(data)
+        if self.cycle is not None:
+            self._leave_idle()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Stop the timer of a connection that the client has closed."""
+        self._leave_idle()
+        super().connection_lost(exc)
+
+    def _leave_idle(self) -> None:
+        if (timer := self.idle.pop(self, None)) is not None:
+            timer.cancel()
+
+    def _abort(self) -> None:
+        self._leave_idle()
+        self.transport.abort()
+
 
 def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
     """Serve the page until its last window has been closed for a while, unless it is kept, or somebody interrupts."""
@@ -29,8 +67,9 @@ def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -
         server = Server(Path(folder).resolve(), Path.cwd(), listening.getsockname()[1], has_demo=demo)
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
-            server, http="h11", ws="none", lifespan="on", log_config=None, access_log=False,
-            proxy_headers=False, server_header=False, timeout_graceful_shutdown=2, h11_max_incomplete_event_size=2**14,
+            server, http=Connection, ws="none", backlog=MAX_IDLE_CONNECTIONS, lifespan="on", log_config=None,
+            access_log=False, proxy_headers=False, server_header=False, timeout_graceful_shutdown=2,
+            h11_max_incomplete_event_size=2**14,
         )  # fmt: skip
         serving = uvicorn.Server(config)
         say(f"{address}\nopens in one browser, once; Ctrl-C ends it")
@@ -42,6 +81,7 @@ async def _serve(serving: uvicorn.Server, server: Server, listening: socket.sock
     loop = asyncio.get_running_loop()
 
     def end() -> None:
+        server.end()
         serving.should_exit = True
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):

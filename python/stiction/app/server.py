@@ -24,6 +24,7 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from stiction._files import replaced_file
+from stiction._units import shortened
 from stiction.app import made
 from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
@@ -47,6 +48,11 @@ OPTIONS = {
 }  # fmt: skip
 """What the page may ask of each command."""
 
+CHANGES = re.compile(
+    r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
+)
+"""Values of a study that the page may set: those of generated surfaces, of which none names a file."""
+
 PAGE = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "frame-ancestors 'self'"
@@ -58,6 +64,7 @@ HEADERS = {
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
     "connection": "close",  # what else somebody sends is not read
 }  # fmt: skip
+ENDED = PlainTextResponse("The server has ended.\n", 503)
 FOREIGN = PlainTextResponse("Pages of others have nothing to ask for here.\n", 403)
 
 
@@ -81,6 +88,7 @@ class Server:
         self.points: dict[str, int] = {}
         self.arriving = 0
         self.asked, self.has_window = 0.0, False
+        self._requests: set[asyncio.Task[Any]] = set()
         routes: list[tuple[str, str, Any]] = [
             ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part),
             ("PUT", "/scans", self.take), ("GET", "/scans/{scan}", self.look), ("POST", "/demo", self.demo),
@@ -98,9 +106,12 @@ class Server:
     @asynccontextmanager
     async def _life(self, _: Starlette) -> AsyncIterator[None]:
         yield
-        for job in self.jobs.all.values():
-            job.stop()
-        await asyncio.gather(*(job.task for job in self.jobs.all.values() if job.task), return_exceptions=True)
+        await self.jobs.end()
+
+    def end(self) -> None:
+        """Cancel all requests that have no answer yet; each is answered that the server has ended."""
+        for task in self._requests:
+            task.cancel()
 
     # ---- Who may ask ------------------------------------------------------------------------------------------------
 
@@ -116,9 +127,18 @@ class Server:
 
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        with suppress(TimeoutError):
+        task: Any = asyncio.current_task()
+        self._requests.add(task)
+        try:
             async with asyncio.timeout(SLOWEST):
                 await (self._refused(Request(scope)) or self._app)(scope, receive, sent)
+        except TimeoutError:
+            pass
+        except asyncio.CancelledError:
+            with suppress(RuntimeError):  # an answer has begun already
+                await ENDED(scope, receive, sent)
+        finally:
+            self._requests.discard(task)
 
     def _refused(self, request: Request) -> Response | None:
         headers = request.headers
@@ -255,6 +275,8 @@ class Server:
         for name, value in options:
             if name not in OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
+            if name == "set" and not CHANGES.fullmatch(value):
+                raise HTTPException(400, f"the page cannot set {shortened(value)}")
         chosen = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *chosen]).number})
@@ -301,6 +323,8 @@ class Server:
     async def profiles(self, request: Request) -> Response:
         """A picture of two generated profiles around where they first touch."""
         changes = dict(json.loads(request.query_params.get("set", "")))
+        if not all(CHANGES.fullmatch(f"{key}=") for key in changes):
+            raise HTTPException(400)
         return Response(await asyncio.to_thread(made.profiles, changes), media_type="image/svg+xml")
 
 
