@@ -10,6 +10,8 @@ from typing import Any, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stiction._units import shortened
+
 Floats = NDArray[np.float64]
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
@@ -45,7 +47,8 @@ def read_only(array: _Array) -> _Array:
 
 
 def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
-    """A finite float strictly between `above` and `below`."""
+    """A finite float strictly between `above` and `below`; an array without dimensions counts as a number."""
+    given, value = value, scalar(value)
     try:
         result = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     except OverflowError:
@@ -53,8 +56,13 @@ def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, b
     if not (math.isfinite(result) and above < result < below):
         bounds = [f"above {above:g}"] * (above > -math.inf) + [f"below {below:g}"] * (below < math.inf)
         allowed = " ".join(["a finite number", " and ".join(bounds)]).strip()
-        raise ValueError(f"{name} must be {allowed}{f' {unit}' if unit else ''}, got {value!r}")
+        raise ValueError(f"{name} must be {allowed}{f' {unit}' if unit else ''}, got {shortened(given)}")
     return result
+
+
+def scalar(value: Any) -> Any:
+    """Return the number or text in an array without dimensions, and any other value unchanged."""
+    return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
 def part_of_one(name: str, value: Any) -> float:
@@ -68,24 +76,25 @@ def part_of_one(name: str, value: Any) -> float:
 def whole_number(name: str, value: Any, *, least: int, most: int = 2**63 - 1) -> int:
     """An integer from `least` to `most`."""
     try:
-        result = operator.index(value) if not isinstance(value, bool) else least - 1
+        result = operator.index(scalar(value)) if not isinstance(scalar(value), bool) else least - 1
     except TypeError:
         result = least - 1
     if not least <= result <= most:
         limit = f" and at most {most}" if result > most else ""
-        raise ValueError(f"{name} must be a whole number of at least {least}{limit}, got {value!r}")
+        raise ValueError(f"{name} must be a whole number of at least {least}{limit}, got {shortened(value)}")
     return result
 
 
 def choice(name: str, value: Any, literal: Any) -> None:
     """One of the strings of a `Literal`."""
     allowed = get_args(literal)
-    if value not in allowed:
+    value = scalar(value)
+    if not (isinstance(value, str) and value in allowed):
         names = ", ".join(repr(item) for item in allowed)
-        raise ValueError(f"{name} must be one of {names}, got {value!r}")
+        raise ValueError(f"{name} must be one of {names}, got {shortened(value)}")
 
 
 def truth(name: str, value: Any) -> None:
     """True or False, and nothing that may be taken for one of them."""
-    if not isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{name} must be True or False, got {value!r}")
+    if not isinstance(scalar(value), bool):
+        raise ValueError(f"{name} must be True or False, got {shortened(value)}")

@@ -126,18 +126,26 @@ class NotReadableError(Exception):
     """A file that is not of the expected kind."""
 
 
-def content(path: Path, most: int) -> bytes:
-    """What a regular file holds; devices and pipes are not waited for.
+def content(path: Path, most: int, start: bytes = b"") -> bytes:
+    """Return the bytes of a regular file; devices and pipes are not waited for.
 
-    Raises a `NotReadableError` if it is another kind of file, or longer than `most` bytes, an `OSError` if it cannot be
-    read.
+    Raises a `NotReadableError` if it is another kind of file, is longer than `most` bytes or does not begin with
+    `start`, and an `OSError` if it cannot be read.
     """
     status = path.stat()
     if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
         raise NotReadableError("is no regular file")
     if stat.S_ISREG(status.st_mode) and status.st_size > most:
         raise NotReadableError(f"is longer than {most} bytes")
-    return path.read_bytes()
+    with open(path, "rb", opener=_without_waiting) as file:
+        head = file.read(len(start))
+        if head != start:
+            raise NotReadableError(f"does not begin with {start.decode()!r}")
+        return head + file.read()
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def reason(error: OSError) -> str:

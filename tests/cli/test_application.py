@@ -141,3 +141,35 @@ def test_pages_and_exports_of_any_name(tmp_path):
 )
 def test_command_names_the_nearest_of_an_unknown_word(arguments, hint, tmp_path):
     assert_refused(stiction_command(*arguments, cwd=tmp_path), hint)
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_command_with_closed_streams_computes_and_writes(tmp_path, closed):
+    done = shell(f'"$@" {closed}', "run", "quick", *TINY, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "" if "2" in closed else done.stderr)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "quick" / "area.png").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
+@pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
+def test_too_little_address_space_is_one_message(tmp_path, limit):
+    done = shell(f'ulimit -v {limit}; "$@"', "run", "quick", *TINY, cwd=tmp_path)
+    assert_refused(done, "memory is limited to", "at least 1073 MB")
+
+
+EMPTY = [
+    (["pair", "", "lower.csv"], "UPPER"), (["pair", "upper.csv", ""], "LOWER"),
+    (["pair", "a.csv,,b.csv", "c"], "UPPER"), (["pair", "--gap", ""], "--gap"),
+    (["pair", "a.csv", "b.csv", "-o", ""], "--output"),
+    (["run", "quick", "--output="], "--output"), (["info", ""], "DIR"), (["characterise", "a.csv", ""], "FILE"),
+    (["calibrate", "--pair", "", "--load", "1 mN", "--measured", "0.2"], "--pair"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "name"), EMPTY, ids=str)
+def test_empty_name_is_not_the_current_folder(tmp_path, arguments, name):
+    (tmp_path / "scan.csv").write_text("0,1\n1,2\n")
+    more = ["--effective-modulus", "1 GPa", "--load", "1 mN", "--mu0", "0.2"] if arguments[0] == "pair" else []
+    assert_refused(stiction_command(*arguments, *more, cwd=tmp_path), name, "empty")
+    assert [path.name for path in tmp_path.iterdir()] == ["scan.csv"]

@@ -17,6 +17,7 @@ from stiction import (
     interface,
     interfaces,
     pair,
+    read_interface,
     self_affine_surface,
     write_interface,
     write_surface,
@@ -139,3 +140,23 @@ def test_what_calibrate_gave_is_taken_and_kept_beside_the_result(film, result) -
     in_memory = pair(*bodies(), interface=interface(film), **QUICK)
     assert in_memory.interval == pytest.approx(result.interval, rel=1e-6)
     assert (in_memory.path / "interface.csv").is_file()
+
+
+DAMAGED = {
+    "a scan": lambda text: "0" * 50_000_001,
+    "another first line": lambda text: text.replace("# stiction interface", "# stiction interfaces", 1),
+    "an unknown rule": lambda text: text.replace("# sliding: ", "# sliding: sideways "),
+    "a long cell": lambda text: text.rstrip("\n") + "\n" + "1" * 200_000 + ",1,nan\n",
+    "a quote": lambda text: text.rstrip("\n") + '\n"1,1,nan\n',
+    "no rows": lambda text: text.partition("mu0,")[0],
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGED)
+def test_damaged_interface_is_rejected_by_name_and_skipped_in_folder(film, tmp_path, kind) -> None:
+    (tmp_path / "bad").write_text(DAMAGED[kind](film.read_text()))
+    with pytest.raises(ValueError, match=r"bad: is (no|a damaged) interface"):
+        read_interface(tmp_path / "bad")
+    shutil.copy(film, tmp_path / "good")
+    done = stiction_done("interfaces", ".", "--json", cwd=tmp_path)
+    assert [each["name"] for each in json.loads(done.stdout)["interfaces"]] == ["good"]

@@ -149,3 +149,16 @@ def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whol
 def test_a_mask_that_is_none_is_refused(mask):
     with pytest.raises(ValueError, match="missing must be a mask"):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
+
+
+def test_pair_rejects_maps_without_common_points(whole):
+    rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
+    scan = Surface(whole.heights, spacing=0.1, missing=rows)
+    with pytest.raises(ValueError, match="measured in both"):
+        pair(scan, scan, shifts=4, **ASKED)  # some of which are an odd number of rows
+
+
+def test_link_without_target_in_folder_of_scans_is_rejected(path):
+    (path.parent / "gone.npy").symlink_to("nowhere.npy")
+    with pytest.raises(ValueError, match=r"gone\.npy: cannot be read"):
+        pair(path.parent, path, missing="mask", shifts=1, **READ, **ASKED)

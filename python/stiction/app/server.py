@@ -89,6 +89,7 @@ class Server:
         self.arriving = 0
         self.asked, self.has_window = 0.0, False
         self._requests: set[asyncio.Task[Any]] = set()
+        self._has_ended = False
         routes: list[tuple[str, str, Any]] = [
             ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part),
             ("PUT", "/scans", self.take), ("GET", "/scans/{scan}", self.look), ("POST", "/demo", self.demo),
@@ -109,7 +110,8 @@ class Server:
         await self.jobs.end()
 
     def end(self) -> None:
-        """Cancel all requests that have no answer yet; each is answered that the server has ended."""
+        """Answer every request that waits, or comes from now on, that the server has ended."""
+        self._has_ended = True
         for task in self._requests:
             task.cancel()
 
@@ -127,6 +129,8 @@ class Server:
 
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
+        if self._has_ended:
+            return await ENDED(scope, receive, sent)
         task: Any = asyncio.current_task()
         self._requests.add(task)
         try:

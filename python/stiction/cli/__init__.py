@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from contextlib import suppress
 
 INTERRUPTED = 130  # exit status, as of a shell's own commands
+BAD_INPUT = 2  # exit status
+
+MIN_ADDRESS_SPACE = 2**30
+"""Bytes of address space (ulimit -v) below which OpenBLAS may wait for memory for ever while SciPy is loaded."""
 
 
 def main() -> None:
     """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
+    _open_closed_streams()
+    if (limit := _address_space()) < MIN_ADDRESS_SPACE:
+        needed = MIN_ADDRESS_SPACE // 10**6
+        print(
+            f"stiction: memory is limited to {limit // 10**6} MB here (ulimit -v); at least {needed} MB are needed",
+            file=sys.stderr,
+        )
+        sys.exit(BAD_INPUT)
     try:
         from stiction.cli.application import start
 
@@ -23,3 +36,23 @@ def main() -> None:
             sys.stderr.flush()
         os._exit(status)
     sys.exit(status)
+
+
+def _open_closed_streams() -> None:
+    """Open standard streams that are closed, to nowhere: the next file to be opened would take their place."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            null = os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
+            setattr(sys, name, os.fdopen(null, "w" if number else "r"))
+
+
+def _address_space() -> float:
+    """Return the limit of address space in bytes, infinite where there is none."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return math.inf
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return math.inf if limit == resource.RLIM_INFINITY else limit

@@ -14,7 +14,8 @@ import warnings
 from _thread import interrupt_main, start_new_thread
 from collections.abc import Callable
 from importlib import import_module
-from typing import Annotated, Any, TypeVar
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, cast
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -23,9 +24,8 @@ from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import reason
 from stiction._text import LONGEST_LINE, named, printable
-from stiction.cli import INTERRUPTED
+from stiction.cli import BAD_INPUT, INTERRUPTED
 
-BAD_INPUT = 2  # exit status
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -130,6 +130,16 @@ _TYPE = re.compile(r" <[\w\[\] ]+>$")  # what typer adds to a help text, and to 
 
 class _Command(TyperCommand):
     """Names arguments and options by what they are called alone, and lists options in their panels."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        texts = [each.partition("=")[2] if each.startswith("--") and "=" in each else each for each in args]
+        rest = super().parse_args(ctx, args)
+        if "" in texts and "." not in texts:  # an empty text is a path, that of the current folder
+            for each in cast("list[Any]", self.params):
+                value = ctx.params.get(each.name)
+                if Path() in (value if isinstance(value, (list, tuple)) else [value]):
+                    raise typer.BadParameter("must not be empty", ctx, each)
+        return rest
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         return [re.sub("[{}]", "", piece) for piece in super().collect_usage_pieces(ctx)]

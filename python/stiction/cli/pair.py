@@ -29,10 +29,10 @@ from stiction.studies.pair import LAW, Pair
 from stiction.studies.store import STUDY, Stored
 from stiction.studies.study import SEED, Study
 
-UpperFile = Annotated[Path | None, typer.Argument(
+UpperFile = Annotated[str | None, typer.Argument(
     metavar="UPPER", help="A measured profile or surface: the slider. Scans of several places: a.csv,b.csv or a folder."
 )]  # fmt: skip
-LowerFile = Annotated[Path | None, typer.Argument(
+LowerFile = Annotated[str | None, typer.Argument(
     metavar="LOWER", help="What it is carried over; the same file may be both."
 )]  # fmt: skip
 _motion = partial(optional, panel="Load and motion")

@@ -34,6 +34,8 @@ def positive(**arguments: ArrayLike) -> list[Floats]:
 @overload
 def effective_modulus(upper: Material, lower: Material, /) -> float: ...
 @overload
+def effective_modulus(young_upper: float, poisson_upper: float, young_lower: float, poisson_lower: float) -> float: ...
+@overload
 def effective_modulus(
     young_upper: ArrayLike, poisson_upper: ArrayLike, young_lower: ArrayLike, poisson_lower: ArrayLike
 ) -> Floats: ...
@@ -51,7 +53,7 @@ def effective_modulus(
     Examples
     --------
     >>> from stiction import effective_modulus, material
-    >>> float(effective_modulus(200.0, 0.0, 200.0, 0.0))
+    >>> effective_modulus(200.0, 0.0, 200.0, 0.0)
     100.0
     >>> round(effective_modulus(material("gold"), material("silicon")), 1)
     59.5
@@ -69,7 +71,8 @@ def effective_modulus(
         if not ((ratio > -1) & (ratio <= 0.5)).all():
             raise ValueError(f"{name} must be above -1 and at most 0.5, got {values!r}")
         ratios.append(ratio)
-    return np.asarray(1 / ((1 - ratios[0] ** 2) / upper + (1 - ratios[1] ** 2) / lower))
+    modulus = 1 / ((1 - ratios[0] ** 2) / upper + (1 - ratios[1] ** 2) / lower)
+    return float(modulus) if np.ndim(modulus) == 0 else np.asarray(modulus)
 
 
 def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike) -> tuple[Floats, Floats]:

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._checks import Floats, number
-from stiction._files import content, reason, replaced_file
+from stiction._checks import Floats, choice, number
+from stiction._files import NotReadableError, content, reason, replaced_file
 from stiction._text import named
 from stiction._units import in_core_units, loads_in_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
@@ -518,21 +518,24 @@ def read_interface(path: str | Path) -> Interface:
     ValueError: no such file: cannot be read as an interface: No such file or directory
     """
     try:
-        lines = content(Path(path), LONGEST_FILE).decode("utf-8").splitlines()
+        lines = content(Path(path), LONGEST_FILE, HEAD.encode()).decode("utf-8").splitlines()
+    except NotReadableError as error:
+        raise ValueError(f"{named(path)}: is no interface: {error}") from None
     except OSError as error:
         raise ValueError(f"{named(path)}: cannot be read as an interface: {reason(error)}") from None
     except UnicodeDecodeError:
         raise ValueError(f"{named(path)}: is not a text file, so it is no interface") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
-    if not lines or lines[0] != HEAD or not rows or tuple(next(csv.reader(rows))) != COLUMNS:
-        raise ValueError(f"{named(path)}: is no interface: its first line is not {HEAD!r}")
     try:
+        if lines[0] != HEAD or tuple(next(csv.reader(rows))) != COLUMNS:
+            raise ValueError
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
         ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
-    except (ValueError, KeyError):
-        said = "an entry of its head is missing, or a row is not of three numbers"
+        choice("sliding", sliding, Sliding)
+    except (ValueError, KeyError, csv.Error, StopIteration):
+        said = "an entry of its head is missing or unknown, or a row is not of three numbers"
         raise ValueError(f"{named(path)}: is a damaged interface: {said}") from None
     if table.ndim != 2 or table.shape[1] != 3 or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
         raise ValueError(f"{named(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")

@@ -137,7 +137,8 @@ class Pair:
         parts = []
         for index, side in enumerate(SIDES):
             given = getattr(self, side) if self.gap is None else self.gap
-            first, *others = (self._file(side, index, scan) for scan in _scans_of(side, given))
+            name = side if self.gap is None else "gap"
+            first, *others = (self._file(side, index, scan) for scan in _scans_of(name, given))
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
         return parts[0], parts[1]
 
@@ -562,14 +563,18 @@ def _scans_of(side: str, given: Any) -> list[Any]:
     """Scans of a part: elements of a list, files in a folder or between commas, or the one that is given."""
     if isinstance(given, (list, tuple)):
         found = list(given)
+    elif isinstance(given, str) and not given.strip():  # which `Path` would take for the current folder
+        found = [given]
     elif isinstance(given, (str, Path)) and Path(given).is_dir():
-        found = sorted(each for each in Path(given).iterdir() if each.is_file() and not each.name.startswith("."))
+        found = sorted(each for each in Path(given).iterdir() if not (each.is_dir() or each.name.startswith(".")))
     elif isinstance(given, (str, Path)) and "," in str(given) and not Path(given).exists():
         found = listed(str(given))
     else:
         return [given]
-    if not found:
-        raise ArgumentError(f"{{{side}}} must have at least one scan, got {{got}}", got=str(given) or repr(given))
+    if not found or any(isinstance(each, str) and not each.strip() for each in found):
+        raise ArgumentError(
+            f"{{{side}}} must be at least one scan, and no empty name, got {{got}}", got=repr(str(given))
+        )
     return found
 
 

@@ -192,9 +192,15 @@ def part(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None
 
 
 def missing_of(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Where one of two bodies on a grid was not measured; None where both are whole."""
+    """Where one of two bodies on a grid was not measured; None where both are whole.
+
+    Raises a `ValueError` if no point was measured in both.
+    """
     masks = [body.missing for body in (upper, lower) if body.missing is not None]
-    return np.logical_or.reduce(masks) if masks else None
+    missing: NDArray[np.bool_] | None = np.logical_or.reduce(masks) if masks else None
+    if missing is not None and missing.all():
+        raise ValueError("upper and lower must have points above each other that were measured in both")
+    return missing
 
 
 def refuse_missing(body: Any, what: str) -> None:

@@ -1,0 +1,55 @@
+"""Checks of arguments that all public functions share."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray
+from stiction import effective_modulus, half_space, hertz_sphere, self_affine_surface
+from stiction._checks import choice, number, truth, whole_number
+from stiction.mechanics.model import Sliding
+
+ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
+
+
+@pytest.mark.parametrize("of", ZEROS, ids=lambda of: of.__name__)
+def test_number_accepts_arrays_without_dimensions(of):
+    result = number("x", of(3), above=0)
+    assert (result, type(result)) == (3.0, float)
+    with pytest.raises(ValueError, match="x must be a finite number above 5"):
+        number("x", of(3), above=5)
+
+
+@pytest.mark.parametrize("value", [np.array(True), np.array([3.0]), np.array("3"), np.bool_(True), "3", None, 1j])
+def test_number_rejects_other_kinds(value):
+    with pytest.raises(ValueError, match="x must be a finite number"):
+        number("x", value)
+
+
+def test_other_checks_accept_arrays_without_dimensions():
+    assert whole_number("n", np.array(3), least=1) == 3
+    truth("t", np.array(True))
+    choice("sliding", np.array("all"), Sliding)
+    for value in ([], {}, np.zeros(3), 1.0, None):
+        with pytest.raises(ValueError, match="sliding must be one of"):
+            choice("sliding", value, Sliding)
+
+
+def test_effective_modulus_of_numbers_is_a_float():
+    assert type(effective_modulus(210, 0.3, 210, 0.3)) is float
+    of_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
+    assert isinstance(of_arrays, np.ndarray)
+    assert of_arrays[0] == effective_modulus(210, 0.3, 210, 0.3)
+
+
+def test_half_space_accepts_arrays_without_dimensions():
+    bodies = [
+        self_affine_surface(1, hurst_exponent=0.8, rms=0.01, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    ]
+    modulus, hardness = np.asarray(10.0), xarray.DataArray(1.0)
+    curve = half_space(*bodies, [np.asarray(1e-3)], effective_modulus=modulus, hardness=hardness)
+    expected = half_space(*bodies, [1e-3], effective_modulus=10.0, hardness=1.0)
+    assert np.array_equal(curve.contact_area, expected.contact_area)
+    assert curve.friction_coefficient(mu0=np.asarray(0.3)) == expected.friction_coefficient(mu0=0.3)
+    assert np.ndim(hertz_sphere(0.1, 1.0, 10.0)[0]) == 0
