@@ -10,9 +10,12 @@ from typing import Any, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._units import shortened
+from stiction._units import quantity, shortened
 
 Floats = NDArray[np.float64]
+_KINDS = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
+"""Kind of a quantity by the unit in which a number of it is."""
+
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
@@ -47,8 +50,16 @@ def read_only(array: _Array) -> _Array:
 
 
 def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
-    """A finite float strictly between `above` and `below`; an array without dimensions counts as a number."""
+    """A finite float strictly between `above` and `below`.
+
+    An array without dimensions counts as a number, and so does a text such as "39 nm" where the number has a unit.
+    """
     given, value = value, scalar(value)
+    if isinstance(value, str) and unit in _KINDS:
+        try:
+            value = float(quantity(value, _KINDS[unit]))
+        except ValueError as error:
+            raise ValueError(f"{name} {error}") from None
     try:
         result = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     except OverflowError:

@@ -22,6 +22,6 @@ def app(
         from stiction.app.run import run
     except ImportError:
         raise ValueError(
-            'app needs the packages starlette and uvicorn: pip install "stiction[app]", or ./dev setup app in a clone'
+            "app needs the packages starlette and uvicorn: pip install starlette uvicorn, or ./dev setup app in a clone"
         ) from None
     run(say=say, keep=keep, demo=demo)

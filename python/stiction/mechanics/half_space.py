@@ -23,7 +23,7 @@ from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_of_one_body
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
 from stiction.surfaces.profile import Profile, refuse_missing
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import BodyLike, bodies_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -340,10 +340,12 @@ class HalfSpaceCurve(Curve):
 
 
 def half_space(
-    upper: Profile | Surface,
-    lower: Profile | Surface,
+    upper: BodyLike,
+    lower: BodyLike,
     loads: ArrayLike | None = None,
     *,
+    spacing: Any = None,
+    unit: str = "um",
     approaches: ArrayLike | None = None,
     effective_modulus: float | None = None,
     boundary: Boundary = "free",
@@ -361,12 +363,16 @@ def half_space(
 
     Parameters
     ----------
-    upper, lower : Profile or Surface
+    upper, lower : Profile, Surface or array_like
         Two of a kind on the same grid. Where points of one are missing nothing touches.
     loads : (k,) array_like of float, mN
         Above 0 and strictly increasing; or text, "10 mN" or on the measured area "10 MPa", or a list of such. A profile
         is 1 µm thick. Of bodies that adhere they are what is pressed from outside, of any sign: increasing as bodies
         come near, or decreasing as they are drawn apart.
+    spacing : float (µm) or str, or a pair (y, x) of either, optional
+        Distance of the points of bodies that are arrays.
+    unit : str
+        Unit of the heights of arrays.
     approaches : (k,) array_like of float, µm
         In place of loads: displacements of the upper body since first touch, of its far points, or of its mean plane
         where periodic. Above 0 and strictly increasing; or text, "5 nm". Each takes some six solutions, in search of
@@ -429,6 +435,7 @@ def half_space(
     """
     from stiction.mechanics.half_space_problem import problem_of, steps_of
 
+    upper, lower = bodies_of(upper, lower, spacing=spacing, unit=unit)
     check_pair(upper, lower, whole=False)
     model = ContactModel(
         effective_modulus=modulus_for(effective_modulus, upper, lower), direction=direction, sliding=sliding

@@ -16,7 +16,7 @@ import stiction._core
 from stiction._checks import Floats, choice, number
 from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
 from stiction.surfaces.profile import MOST_POINTS, Profile, refuse_missing
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, body_of
 
 Detection = Literal["cell", "gap-minimum"]
 Curvature = Literal["convex", "signed"]
@@ -254,8 +254,7 @@ def shows_model(function: _Function) -> _Function:
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
     """Two profiles or two surfaces on one grid, and whole; how many points they have is for the core to see."""
     for name, body in (("upper", upper), ("lower", lower)):
-        if not isinstance(body, (Profile, Surface)):
-            raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+        body_of(name, body)
         if whole:
             refuse_missing(body, "all but half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):

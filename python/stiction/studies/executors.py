@@ -98,7 +98,7 @@ def connected(address: str) -> Iterator[Executor]:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        raise ClusterError("a cluster needs the package distributed: pip install 'stiction[cluster]'") from None
+        raise ClusterError("a cluster needs the package distributed: pip install distributed") from None
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
         raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {shortened(address)}")
     try:

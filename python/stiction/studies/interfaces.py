@@ -486,6 +486,8 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     ...     read_interface(path).about["operator"]
     'A. B.'
     """
+    if not isinstance(interface, Interface):
+        raise ValueError(f"interface must be an Interface, as calibrate() gives it, got {type(interface).__name__}")
     head = {
         "sliding": interface.fits[0].sliding,
         "area_per_load": repr(interface.area_per_load),
@@ -594,6 +596,8 @@ def interface(name_or_path: str | Path) -> Interface:
     >>> interface("MoS2 on bearing steel, dry air").about["motion"]
     'kinetic'
     """
+    if not isinstance(name_or_path, (str, Path)):
+        raise ValueError(f"interface must be a name or a path, got {type(name_or_path).__name__}")
     table = interfaces().get(str(name_or_path))
     if table is None:
         if Path(name_or_path).is_file():

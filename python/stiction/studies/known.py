@@ -136,7 +136,7 @@ def _one(name: str, given: Any, kind: str) -> float:
     kind = "pressure" if kind else ""
     try:
         value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         said = f"{error}{scales}" if kind and isinstance(given, str) else f"must be a number, got {shortened(given)}"
         raise ValueError(f"{name} {said}") from None
     if not (math.isfinite(value) and value >= 0):

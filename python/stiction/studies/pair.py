@@ -21,9 +21,9 @@ from stiction._arguments import (
     quantity_of,
     reject_decimal_commas,
 )
-from stiction._checks import Floats, whole_number
+from stiction._checks import Floats, number, whole_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exactly, quantity
+from stiction._units import Quantity, exactly, quantity, shortened
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
@@ -37,7 +37,7 @@ from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES, SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, body_of
 
 OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
 LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
@@ -114,6 +114,11 @@ class Pair:
                 near = difflib.get_close_matches(str(value), allowed, n=1)
                 hint = f"; did you mean {near[0]}?" if near else ""
                 raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}{hint}", got=repr(value))
+        if self.rotate is not None:
+            number("rotate", self.rotate, unit="degrees")
+        for name in ("hardness", "creep", "work_of_adhesion", "adhesion_range", "yield_strength", "travel"):
+            if isinstance(getattr(self, name), (list, tuple)):
+                raise ArgumentError(f"{{{name}}} must be one value, got {{got}}", got=shortened(getattr(self, name)))
         for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0)):
             if (value := getattr(self, name)) is not None:
                 try:
@@ -148,7 +153,7 @@ class Pair:
         table: dict[str, Any] = {
             "file": str(body), "missing": self.missing or "error", "outliers": self.outliers or "keep",
         }  # fmt: skip
-        crops = [self.crop] if isinstance(self.crop, str) else list(self.crop or ())
+        crops = list(self.crop) if isinstance(self.crop, (list, tuple)) else [self.crop] if self.crop else []
         if crops:
             table["crop"] = crops[index % len(crops)]
         if self.tip is not None and np.size(self.tip):  # of the command none is an empty list
@@ -156,8 +161,10 @@ class Pair:
             table["tip"] = radii[index % len(radii)]
         if processes := listed(self.texture or ()):
             table["texture"] = self._process(processes[index % len(processes)])
+        if is_array := isinstance(body, np.ndarray):
+            body = self._from_array(side, index, body)
         if not isinstance(body, (str, Path)):
-            for name in (*names, "missing", "outliers", "crop"):
+            for name in (*(names[2:] if is_array else names), "missing", "outliers", "crop"):
                 if np.size(getattr(self, name) or ()) and getattr(self, name) not in ("error", "keep"):
                     raise ArgumentError(
                         f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
@@ -184,6 +191,18 @@ class Pair:
                 f"{{texture}} must be {', '.join(TEXTURES)} or two of these, got {{got}}", got=repr(name)
             )
         return name
+
+    def _from_array(self, side: str, index: int, heights: Any) -> Body:
+        """Return an array as a body; its spacing and unit are for both bodies, or for one after the other."""
+        given: list[Any] = []
+        for values in (self.spacing, self.unit):
+            several = list(values) if isinstance(values, (list, tuple)) else [values]
+            value = several[index % len(several)] if several else None
+            given.append(listed(value) if isinstance(value, str) and "," in value else value)
+        try:
+            return body_of(side, heights, spacing=given[0], unit=given[1] or "um")  # type: ignore[no-any-return]
+        except ValueError as error:
+            raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:

@@ -263,10 +263,11 @@ def _on_maps(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, _: Mechan
 
 
 def _profiles(name: str, value: Profile | Sequence[Profile]) -> list[Profile]:
-    profiles = [value] if isinstance(value, Profile) else list(value)
+    several = isinstance(value, Sequence) and not isinstance(value, str)
+    profiles: Any = value if several else [value]
     if not profiles or not all(isinstance(each, Profile) for each in profiles):
         raise ValueError(f"{name} must be a Profile or a list of them, got {type(value).__name__}")
-    return profiles
+    return list(profiles)
 
 
 def _places_on_lines(offsets: ArrayLike, uppers: list[Profile], lowers: list[Profile]) -> NDArray[np.intp]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from stiction._checks import truth
 from stiction.surfaces.filters import checked_cutoff, gaussian_mean
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import AnyBody, Surface
+from stiction.surfaces.surface import AnyBody, body_of
 
 LONGEST = 1 / 3  # longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few
 
@@ -40,8 +39,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     0.5
     """
     truth("periodic", periodic)
-    if not isinstance(body, (Profile, Surface)):
-        raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
+    body = body_of("body", body)
     length = checked_cutoff("wavelength", wavelength, body, longest=LONGEST)
     step = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
     return body.changed(gaussian_mean(body, length, periodic=periodic), step)  # type: ignore[return-value]

@@ -12,7 +12,7 @@ import numpy as np
 from stiction._checks import Floats, choice, number, truth
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import AnyBody, Surface
+from stiction.surfaces.surface import AnyBody, Surface, body_of
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
@@ -83,8 +83,7 @@ def filtered(
     choice("kind", kind, FilterKind)
     truth("robust", robust)
     truth("periodic", periodic)
-    if not isinstance(body, (Profile, Surface)):
-        raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
+    body = body_of("body", body)
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")
     length = checked_cutoff("cutoff", cutoff, body, longest=1.0)

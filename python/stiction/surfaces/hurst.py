@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from stiction._shown import Tabled
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import in_band, spectrum_of, spectrum_of_area
-from stiction.surfaces.surface import Surface, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
 WIDE = 0.5  # width of a 95 % interval of H from which on it says little
@@ -163,13 +164,19 @@ class HurstEstimate(Tabled):
 
 
 def hurst_exponent_of(
-    body: Profile | Surface, *, band: tuple[float, float] | None = None, periodic: bool = False
+    body: BodyLike,
+    *,
+    band: tuple[float, float] | None = None,
+    periodic: bool = False,
+    spacing: Any = None,
+    unit: str = "um",
 ) -> HurstEstimate:
     r"""Hurst exponent of a profile or a surface from its spectrum, by maximum likelihood.
 
     Parameters
     ----------
-    body : Profile or Surface
+    body : Profile, Surface or array_like
+        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
         Levelling does not matter: unless it is periodic, its least-squares line or plane is taken off.
     band : (float, float), µm, optional
         Shortest and longest wavelength to fit. By default the widest self-affine band that is found; see Notes.
@@ -216,6 +223,7 @@ def hurst_exponent_of(
     >>> found.lower < 0.7 < found.upper
     True
     """
+    body = body_of("body", body, spacing=spacing, unit=unit)
     truth("periodic", periodic)
     refuse_flat(body)
     if isinstance(body, Profile):

@@ -14,7 +14,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
 from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import Surface, lengths, rows_and_columns
+from stiction.surfaces.surface import Surface, body_of, lengths, rows_and_columns
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 TRUSTED_POINTS = 8  # points of the shortest wave taken from a scan: a pixel that takes a mean leaves 95 % of its power
@@ -207,7 +207,9 @@ def joined_spectrum(
     >>> [f"{shortest:.2f} to {longest:.2f}" for shortest, longest in joined.bands]
     ['0.32 to 0.85', '0.08 to 0.32']
     """
-    bodies = list(scans)
+    if not isinstance(scans, Sequence) or isinstance(scans, str):
+        raise ValueError(f"scans must be a sequence of profiles or surfaces, got {type(scans).__name__}")
+    bodies = [body_of("scans", scan) for scan in scans]
     if not bodies:
         raise ValueError("scans must be at least one profile or surface, got none")
     per_decade = whole_number("per_decade", per_decade, least=4)

@@ -14,7 +14,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
-from stiction.surfaces.surface import Surface, refuse_flat
+from stiction.surfaces.surface import Surface, body_of, refuse_flat
 
 MOST_FITTED = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
 _BOTH: tuple[Along, Along] = ("x", "y")
@@ -165,6 +165,7 @@ def lines_along_both(
     >>> along_x.lines, along_y.lines
     (24, 32)
     """
+    surface = body_of("surface", surface, Surface)
     along_x, along_y = line_roughness(surface, "x", band=band), line_roughness(surface, "y", band=band)
     if band is not None:
         return along_x, along_y

@@ -26,7 +26,7 @@ from stiction.surfaces.preparation import (
     turned_over,
 )
 from stiction.surfaces.profile import Along, Profile, Side, part
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, body_of
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 LINES = 128  # pairs of lines by default: a second or two of computing, and enough for an interval
@@ -196,8 +196,7 @@ def paired_lines(
         choice("level", level, ProfileTrend)
     count = whole_number("lines", lines, least=1)
     for name, body in (("upper", upper), ("lower", lower)):
-        if not isinstance(body, (Profile, Surface)):
-            raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+        body_of(name, body)
     most = LinePairs(upper, lower, along=along, surrogates=surrogates).most()
     count = count if most is None else min(count, most)
     pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, several=count > 1, count=count)

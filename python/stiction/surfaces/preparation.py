@@ -6,12 +6,12 @@ import math
 from typing import Any, Literal, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, number
 from stiction.surfaces.form import round_form
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, part
-from stiction.surfaces.surface import AnyBody, Surface
+from stiction.surfaces.surface import AnyBody, Surface, body_of
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
@@ -39,13 +39,16 @@ _SIDES = (np.floor, np.ceil)
 def levelled(body: Profile, trend: ProfileForm) -> Profile: ...
 @overload
 def levelled(body: Surface, trend: SurfaceForm) -> Surface: ...
-def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
+@overload
+def levelled(body: ArrayLike, trend: Any, *, spacing: Any, unit: str = ...) -> Profile | Surface: ...
+def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") -> Profile | Surface:
     r"""Subtract the least-squares trend or form from heights (F-operation of ISO 16610).
 
     Parameters
     ----------
-    body : Profile or Surface
-        Missing points have no weight.
+    body : Profile, Surface or array_like
+        Missing points have no weight. Heights in an array need the `spacing` (µm, or text such as "39 nm"), and have
+        the `unit`.
     trend : str
         For a profile "mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic" or "circle"; for a surface
         "plane" instead of "line", and "sphere" or "cylinder" instead of "circle". A line or a plane is the tilt of the
@@ -72,23 +75,22 @@ def levelled(body: Profile | Surface, trend: Any) -> Profile | Surface:
     >>> profile.history
     ('levelled by a line',)
     """
-    if not isinstance(body, (Profile, Surface)):
-        raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
-    choice("trend", trend, ProfileForm if isinstance(body, Profile) else SurfaceForm)
+    scan: Profile | Surface = body_of("body", body, spacing=spacing, unit=unit)
+    choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
     if trend not in _DEGREES:
-        form, words = round_form(body.heights, body.spacings, body.missing, trend)
-        rest = body.heights - form
-        mean = rest.mean() if body.missing is None else rest[~body.missing].mean()
-        return body.changed(rest - mean, f"levelled by a {words}")
+        form, words = round_form(scan.heights, scan.spacings, scan.missing, trend)
+        rest = scan.heights - form
+        mean = rest.mean() if scan.missing is None else rest[~scan.missing].mean()
+        return scan.changed(rest - mean, f"levelled by a {words}")
     degree = _DEGREES[trend]
-    axes = [_orthogonal(points, degree) for points in body.heights.shape]
-    if isinstance(body, Profile):
+    axes = [_orthogonal(points, degree) for points in scan.heights.shape]
+    if isinstance(scan, Profile):
         basis = axes[0]
         words = _LEVELLED.get(trend, f"levelled by a polynomial of {_ORDINALS.get(degree)} degree")
     else:
         basis = [axes[0][j][:, np.newaxis] * axes[1][i] for j in range(degree + 1) for i in range(degree + 1 - j)]
         words = f"levelled by a polynomial of {_ORDINALS[degree]} degree" if degree > 1 else _LEVELLED[trend]
-    return body.changed(_without(body.heights, basis, body.missing), words)
+    return scan.changed(_without(scan.heights, basis, scan.missing), words)
 
 
 def _orthogonal(points: int, degree: int) -> list[Floats]:
@@ -126,6 +128,7 @@ def turned_over(body: AnyBody) -> AnyBody:
     >>> turned_over(Profile([0.5, 1.0, 2.0, 1.0], spacing=0.5)).heights
     array([-0.5, -1. , -2. , -1. ])
     """
+    body = body_of("body", body)
     if isinstance(body, Profile):
         return body.changed(-body.heights, "turned over")
     return body.changed(-body.heights[::-1], "turned over", missing=part(body.missing, slice(None, None, -1)))
@@ -160,6 +163,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     >>> cropped(Profile([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], spacing=0.5), 0.5, 2.5).heights
     array([1., 2., 3., 4.])
     """
+    body = body_of("body", body)
     axes: tuple[str, ...] = ("",)
     starts, stops = [start], [stop]
     if isinstance(body, Surface):
@@ -358,6 +362,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
            [4., 1.],
            [5., 2.]])
     """
+    surface = body_of("surface", surface, Surface)
     angle = number("angle", angle)
     quarters, rest = divmod(angle, 90.0)
     if rest == 0:

@@ -15,7 +15,7 @@ from stiction.surfaces.filters import transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, refuse_missing
 from stiction.surfaces.scale import in_three_digits, variances
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, body_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -138,8 +138,7 @@ def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
 
 def _check(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
-        if not isinstance(body, (Profile, Surface)):
-            raise ValueError(f"{name} must be a Profile or a Surface, got {type(body).__name__}")
+        body_of(name, body)
         refuse_missing(body, "comparing two scans")
         if body.is_flat:
             raise ValueError(f"{name} must not be flat")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from stiction._checks import Floats, choice, float_array
 from stiction._shown import Tabled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import Surface, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
@@ -74,12 +74,15 @@ class RoughnessParameters(Tabled):
     levelled: str = NOT_LEVELLED
 
 
-def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-point") -> RoughnessParameters:
+def roughness_parameters(
+    profile: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
+) -> RoughnessParameters:
     """Roughness parameters of a profile as it is, about its mean: levelling and filtering are the caller's.
 
     Parameters
     ----------
-    profile : Profile
+    profile : Profile or array_like
+        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
         Not flat, and of at least 7 points.
     derivative : {"seven-point", "neighbours"}
         How Pdq takes slopes. "seven-point" is that of ISO 4287 and of instruments, at all points that have three
@@ -98,6 +101,7 @@ def roughness_parameters(profile: Profile, *, derivative: Derivative = "seven-po
     >>> roughness_parameters(Profile([0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0], spacing=2.0)).Pa
     0.5
     """
+    profile = body_of("profile", profile, Profile, spacing=spacing, unit=unit)
     choice("derivative", derivative, Derivative)
     refuse_flat(profile)
     z = profile.heights
@@ -178,12 +182,15 @@ class SurfaceParameters(Tabled):
     levelled: str = NOT_LEVELLED
 
 
-def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-point") -> SurfaceParameters:
+def surface_parameters(
+    surface: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
+) -> SurfaceParameters:
     r"""Roughness parameters of a surface as it is, about its mean: levelling and filtering are the caller's.
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface or array_like
+        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
         Not flat, and of at least 7 by 7 points.
     derivative : {"seven-point", "neighbours"}
         How Sdq takes slopes, as for `roughness_parameters`: along rows and columns one by one, and the mean squares of
@@ -215,6 +222,7 @@ def surface_parameters(surface: Surface, *, derivative: Derivative = "seven-poin
     >>> round(found.Sq, 6), found.Std, round(found.Sku, 6)
     (0.707107, 0.0, 1.5)
     """
+    surface = body_of("surface", surface, Surface, spacing=spacing, unit=unit)
     choice("derivative", derivative, Derivative)
     refuse_flat(surface)
     z = surface.heights
@@ -260,6 +268,7 @@ def bearing_curve(surface: Surface, shares: ArrayLike) -> Floats:
     >>> bearing_curve(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=1.0), [0.0, 0.5, 1.0])
     array([3. , 1.5, 0. ])
     """
+    surface = body_of("surface", surface, Surface)
     wanted = float_array("shares", shares)
     if wanted.size and not (wanted.min() >= 0 and wanted.max() <= 1):
         raise ValueError(f"shares must be from 0 to 1, got {wanted.min():g} to {wanted.max():g}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import power_spectrum, surface_spectrum
-from stiction.surfaces.surface import Surface, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
 
 TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R follows what has an rms curvature below c/R
 _PER_DECADE = 48  # bins of the wave number in which slope and curvature are summed
@@ -151,12 +151,15 @@ def added_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * grown)
 
 
-def scale_dependent_roughness(body: Profile | Surface, *, periodic: bool = False) -> ScaleDependentRoughness:
+def scale_dependent_roughness(
+    body: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
+) -> ScaleDependentRoughness:
     r"""Slope and curvature of a profile or a surface over the shortest wavelength that is counted.
 
     Parameters
     ----------
-    body : Profile or Surface
+    body : Profile, Surface or array_like
+        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
         Unless it is periodic, its least-squares line or plane is taken off.
     periodic : bool
         As for `power_spectrum`.
@@ -179,8 +182,7 @@ def scale_dependent_roughness(body: Profile | Surface, *, periodic: bool = False
     0.26
     """
     truth("periodic", periodic)
-    if not isinstance(body, (Profile, Surface)):
-        raise ValueError(f"body must be a Profile or a Surface, got {type(body).__name__}")
+    body = body_of("body", body, spacing=spacing, unit=unit)
     refuse_flat(body)
     q, weight = variances(body, periodic=periodic)
     dimensions, curved = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)

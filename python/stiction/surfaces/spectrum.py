@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from stiction._checks import Floats, number, read_only, truth, whole_number
 from stiction._drawing import draw_spectrum
 from stiction._shown import Readable, Shown, Tabled, axes_for
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,12 +94,15 @@ def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tupl
     return read_only(middle), read_only(np.bincount(index, count * density) / number), read_only(number)
 
 
-def power_spectrum(profile: Profile, *, periodic: bool = False) -> PowerSpectrum:
+def power_spectrum(
+    profile: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
+) -> PowerSpectrum:
     r"""Power spectral density C1D of a profile about its mean.
 
     Parameters
     ----------
-    profile : Profile
+    profile : Profile or array_like
+        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
     periodic : bool
         True: as it is, and the mean square height is the sum of the spectrum to round-off. False: after a Hann window,
         normalised to a mean square of 1; a level profile keeps its mean square on average, and the first two
@@ -127,6 +130,7 @@ def power_spectrum(profile: Profile, *, periodic: bool = False) -> PowerSpectrum
     >>> round(float(spectrum.density[2]), 12), round(spectrum.moment(0), 12)
     (0.08, 0.005)
     """
+    profile = body_of("profile", profile, Profile, spacing=spacing, unit=unit)
     truth("periodic", periodic)
     return spectrum_of(profile.heights - profile.heights.mean(), profile.spacing, windowed=not periodic)
 
@@ -214,6 +218,7 @@ def spectral_moments(
     >>> round(spectral_moments(wave, periodic=True).slope, 12)
     0.5
     """
+    profile = body_of("profile", profile, Profile)
     refuse_flat(profile)
     shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
     if not longest_wavelength > shortest:
@@ -362,12 +367,15 @@ class SurfaceSpectrum(Readable):
         return RadialSpectrum(*_in_bins(per_decade, q, density, np.ones(q.size)))
 
 
-def surface_spectrum(surface: Surface, *, periodic: bool = False) -> SurfaceSpectrum:
+def surface_spectrum(
+    surface: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
+) -> SurfaceSpectrum:
     r"""Power spectral density C2D of a surface about its mean.
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface or array_like
+        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
         Levelled, unless it is periodic: a tilt is a jump between opposite sides.
     periodic : bool
         True: as it is, and the mean square height is the sum of the spectrum to round-off. False: after a Hann window
@@ -388,6 +396,7 @@ def surface_spectrum(surface: Surface, *, periodic: bool = False) -> SurfaceSpec
     >>> surface_spectrum(surface, periodic=True).density.shape
     (64, 64)
     """
+    surface = body_of("surface", surface, Surface, spacing=spacing, unit=unit)
     truth("periodic", periodic)
     refuse_flat(surface)
     return spectrum_of_area(surface.heights - surface.heights.mean(), surface.spacing, windowed=not periodic)

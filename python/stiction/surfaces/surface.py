@@ -9,10 +9,13 @@ import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, whole_number
+from stiction._units import shortened
+from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.profile import MOST_POINTS, Body, Profile, part
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
+BodyLike = Any  # a Profile, a Surface, or an array of heights
 
 # Each is that of all points, whatever their arrangement, and has the name of the profile's in the core.
 _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
@@ -108,9 +111,59 @@ def lengths(name: str, value: Any) -> tuple[float, float]:
     """A length for y and one for x, both above 0, from a pair or from one number for both."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
-        raise ValueError(f"{name} must be a number or a pair (y, x), got {value!r}")
+        raise ValueError(f"{name} must be a number or a pair (y, x), got {shortened(value)}")
     along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)
     return along_y, along_x
+
+
+def body_of(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
+    """Return a profile or a surface unchanged, and an array as one.
+
+    Parameters
+    ----------
+    name : str
+        The argument, for messages.
+    given : Profile, Surface or array_like
+    kinds : type
+        `Profile`, `Surface`, or by default both.
+    spacing : float (µm), text with a unit, or a pair (y, x) of either
+        Distance between the points of an array, which needs it.
+    unit : str
+        Unit of the heights of an array.
+
+    Raises
+    ------
+    ValueError
+        If it is of another kind, or an array without a spacing.
+    """
+    allowed = kinds or (Profile, Surface)
+    words = " or a ".join(kind.__name__ for kind in allowed)
+    if isinstance(given, allowed):
+        if spacing is not None:
+            raise ValueError(f"spacing is for arrays, and {name} is a {type(given).__name__}, which has its own")
+        return given
+    is_array = isinstance(given, (np.ndarray, list, tuple))
+    if not is_array or spacing is None:
+        hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed)
+        raise ValueError(f"{name} must be a {words}, got {type(given).__name__}{hint if is_array else ''}")
+    if unit not in LENGTH_UNITS:
+        raise ValueError(f"unit must be one of length, such as um or nm, got {shortened(unit)}")
+    heights = float_array(name, given) * float(LENGTH_UNITS[unit])
+    for kind in allowed:
+        if kind._ndim == heights.ndim:
+            return kind(heights, spacing=spacing, history=("given as an array",))
+    raise ValueError(f"{name} must be a {words}, got an array of shape {heights.shape}")
+
+
+def bodies_of(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
+    """Return two bodies, those that are arrays with this spacing and unit, as by `body_of`."""
+    if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
+        raise ValueError("spacing is for arrays, and upper and lower have their own")
+    upper, lower = (
+        body_of(name, given, spacing=None if isinstance(given, Body) else spacing, unit=unit)
+        for name, given in (("upper", upper), ("lower", lower))
+    )
+    return upper, lower
 
 
 def rows_and_columns(shape: Any, *, least: int) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from stiction._checks import Floats, truth
 from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.profile import Profile, Side, refuse_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
-from stiction.surfaces.surface import AnyBody, Surface, refuse_flat, rows_and_columns
+from stiction.surfaces.surface import AnyBody, Surface, body_of, refuse_flat, rows_and_columns
 
 _RINGS = 12  # rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring
 _SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings of one or two follow their neighbours
@@ -67,6 +67,7 @@ def surrogate(
     >>> round(roughness_parameters(ensemble[0]).Pq / roughness_parameters(measured).Pq, 12)
     1.0
     """
+    body = body_of("body", body)
     truth("periodic", periodic)
     refuse_flat(body)
     refuse_missing(body, "a surrogate")
@@ -147,6 +148,7 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     >>> bool((spectrum.density > 0).all())
     True
     """
+    profile = body_of("profile", profile, Profile)
     edges, density, count = _fitted(profile, periodic)
     return RadialSpectrum(wave_number=np.sqrt(edges[1:] * edges[:-1]), density=density, count=count)
 
@@ -190,6 +192,7 @@ def isotropic_surface(
     >>> isotropic_surface(profile, 2016, shape=(128, 128)).extent
     (1.28, 1.28)
     """
+    profile = body_of("profile", profile, Profile)
     most = min(len(profile), _MOST)
     rows, columns = rows_and_columns((most, most) if shape is None else shape, least=4)
     edges, density, _ = _fitted(profile, periodic)

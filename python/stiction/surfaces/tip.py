@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, refuse_missing
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, body_of
 
 _TOUCHING = 1e-9  # of the height of a scan: distance at which a ball touches
 
@@ -46,10 +46,9 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     >>> body.heights.round(3), certain.tolist()
     (array([0.   , 0.   , 0.268, 1.   , 0.268, 0.   , 0.   ]), [False, False, False, True, False, False, False])
     """
-    if not isinstance(scan, (Profile, Surface)):
-        raise ValueError(f"scan must be a Profile or a Surface, got {type(scan).__name__}")
+    scan = body_of("scan", scan)
     refuse_missing(scan, "taking back the ball of a probe")
-    radius = number("radius", radius, unit="µm", above=0)
+    radius = number("radius", radius, unit="µm", above=0, below=1e9)
     seen, spacing = scan.heights, np.array(scan.spacings)
     deepest = float(np.ptp(seen))
     eroded = seen.copy()

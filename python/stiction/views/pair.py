@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 from warnings import warn
 
+from stiction._checks import whole_number
 from stiction._errors import ArgumentError
 from stiction.studies.interfaces import Interface, write_interface
 from stiction.studies.pair import ARGUMENTS, pair_study
@@ -118,9 +119,10 @@ def pair(
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps, and of two profiles whose materials have a hardness; else asperities.
     law, yield_strength, cutoff, level, lay, shifts, rotate, tilt, direction, lines, along, offsets, travel, \
-    detection, curvature, surrogates, seed, unit, spacing, missing, outliers, crop, channel, columns, \
-    tip, texture
+    detection, curvature, surrogates, seed, missing, outliers, crop, channel, columns, tip, texture
         As the options of `stiction pair`.
+    unit, spacing : str, float (µm) or a sequence of two, optional
+        As the options of `stiction pair`; of arrays the unit of heights (µm by default), and the distance of points.
     directory : path, optional
         Where the result is kept, as by ``--output``; by default as long as Python runs.
     replace : bool
@@ -159,6 +161,8 @@ def pair(
     from stiction.views.result import Result
 
     given = locals()
+    if onset is not None:
+        whole_number("onset", onset, least=0)
     asked = {name: value for name in ARGUMENTS if (value := given.get(_NAMES.get(name, name))) is not None}
     for name in ("first", "second"):
         if any(step == "turned over" for step in getattr(given[name], "history", ())):

@@ -25,8 +25,7 @@ def read_excel(data: bytes) -> Channels:
             from openpyxl import load_workbook
     except ImportError:
         raise FormatError(
-            'is a workbook of Excel, which the package openpyxl reads: pip install "stiction[excel]"; '
-            "or save the sheet as .csv"
+            "is a workbook of Excel, which the package openpyxl reads: pip install openpyxl; or save the sheet as .csv"
         ) from None
     try:
         _refuse_bombs(data)

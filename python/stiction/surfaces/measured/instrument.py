@@ -22,7 +22,7 @@ def read_instrument(path: Path) -> Channels:
     except ImportError:
         raise FormatError(
             f"ends in {path.suffix}, which the package SurfaceTopography may read: "
-            'pip install "stiction[formats]"; text should end in .csv or .txt'
+            "pip install SurfaceTopography; text should end in .csv or .txt"
         ) from None
     with _opened(path) as reader:
         names = tuple(str(channel.name)[:80] for channel in reader.channels)

@@ -54,7 +54,7 @@ def read_options(
     choice("missing", missing, Missing)
     choice("outliers", outliers, Outliers)
     crop = crop.split(",") if isinstance(crop, str) else crop
-    if crop is not None and len(crop) not in (2, 4):
+    if crop is not None and not (isinstance(crop, (list, tuple)) and len(crop) in (2, 4)):
         raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {crop!r}')
     pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
     if len(pair) != 2:

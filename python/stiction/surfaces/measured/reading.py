@@ -65,8 +65,8 @@ def read_profile(
     ----------
     path : path
         Text or CSV with one column of heights or two of positions and heights, below any other text; a NumPy array
-        (.npy), likewise; X3P; with the package openpyxl (``pip install "stiction[excel]"``) a workbook (.xlsx); or,
-        with the package SurfaceTopography installed (``pip install "stiction[formats]"``), what that
+        (.npy), likewise; X3P; with the package openpyxl (``pip install openpyxl``) a workbook (.xlsx); or,
+        with the package SurfaceTopography installed (``pip install SurfaceTopography``), what that
         reads of line scans.
     unit : str or (str, str), optional
         Of all lengths in the file ("um"), or of positions and of heights (("mm", "um")): m, mm, um, nm, pm. Needed
@@ -143,8 +143,8 @@ def read_surface(
     path : path
         Text or CSV with a matrix of heights of at least four columns, the columns along x, of which a header as that of
         Gwyddion may give width and height; a NumPy array (.npy); X3P; with the package openpyxl (``pip install
-        "stiction[excel]"``) a workbook (.xlsx); or, with the package SurfaceTopography installed (``pip install
-        "stiction[formats]"``), what that reads.
+        openpyxl``) a workbook (.xlsx); or, with the package SurfaceTopography installed (``pip install
+        SurfaceTopography``), what that reads.
     unit, missing, channel, outliers, crop
         As for `read_profile`. Missing points lie on a line between their neighbours in the row, and where these are
         missing too, in the column.

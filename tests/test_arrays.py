@@ -1,0 +1,109 @@
+"""NumPy arrays with a spacing in place of profiles and surfaces, and lengths as texts with units."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pytest
+import stiction
+from stiction import (
+    Profile,
+    Surface,
+    half_space,
+    hurst_exponent_of,
+    levelled,
+    pair,
+    power_spectrum,
+    roughness_parameters,
+    scale_dependent_roughness,
+    self_affine_surface,
+    surface_parameters,
+    surface_spectrum,
+)
+
+MAPS = [
+    self_affine_surface(1, hurst_exponent=0.8, rms=0.01, shape=(48, 48), spacing=0.1, side=side).heights
+    for side in ("upper", "lower")
+]
+UPPER, LOWER = (Surface(z, spacing=(0.1, 0.1)) for z in MAPS)
+LINE = MAPS[0][0]
+
+
+@pytest.mark.parametrize("spacing", [0.1, "100 nm", ("0.1 um", 0.1)])
+def test_array_with_spacing_and_unit_is_that_surface(spacing):
+    found = surface_parameters(1e3 * MAPS[0], spacing=spacing, unit="nm")
+    assert found.Sq == pytest.approx(surface_parameters(UPPER).Sq, rel=1e-12)
+    assert found.Sdq == pytest.approx(surface_parameters(UPPER).Sdq, rel=1e-12)
+
+
+@pytest.mark.parametrize(("function", "of"), [
+    (lambda z, **of: roughness_parameters(z, **of).Pq, LINE), (lambda z, **of: power_spectrum(z, **of).density, LINE),
+    (lambda z, **of: surface_spectrum(z, **of).density, MAPS[0]),
+    (lambda z, **of: levelled(z, "mean", **of).heights, LINE),
+    (lambda z, **of: levelled(z, "plane", **of).heights, MAPS[0]),
+    (lambda z, **of: hurst_exponent_of(z, **of).value, MAPS[0]),
+    (lambda z, **of: scale_dependent_roughness(z, **of).gradient, MAPS[0]),
+])  # fmt: skip
+def test_functions_of_one_body_accept_arrays(function, of):
+    body = (Profile if of.ndim == 1 else Surface)(of, spacing=0.1)
+    assert np.array_equal(function(of, spacing="0.1 um"), function(body))
+
+
+def test_half_space_and_pair_accept_arrays():
+    expected = half_space(UPPER, LOWER, [1e-3], effective_modulus=10.0)
+    found = half_space(*MAPS, [1e-3], spacing="100 nm", effective_modulus=10.0)
+    assert np.array_equal(found.contact_area, expected.contact_area)
+    asked = {"load": "1 MPa", "mu0": 0.2, "effective_modulus": "10 GPa", "shifts": 2, "onset": 0}
+    found = pair(1e3 * MAPS[0], 1e3 * MAPS[1], spacing="0.1 um", unit="nm", **asked)
+    assert found.value == pytest.approx(pair(UPPER, LOWER, **asked).value, rel=1e-9)
+
+
+@pytest.mark.parametrize(("function", "words"), [
+    (lambda: pair(*MAPS, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"), r"first must .*Surface\(z, spacing=...\)"),
+    (lambda: half_space(*MAPS, [1e-3]), r"upper must be .*Surface\(z, spacing=...\)"),
+    (lambda: surface_parameters(UPPER, spacing=0.1), "spacing is for arrays"),
+    (lambda: surface_parameters(LINE, spacing=0.1), "shape"),
+    (lambda: surface_parameters(MAPS[0], spacing=0.1, unit="V"), "unit must be"),
+    (lambda: surface_parameters(MAPS[0], spacing="0.1"), "spacing"),
+    (lambda: Surface(MAPS[0], spacing="39 mN"), "spacing has the unit 'mN'"),
+    (lambda: half_space(UPPER, LOWER, [1e-3], spacing=0.1), "spacing is for arrays"),
+])  # fmt: skip
+def test_array_that_does_not_fit_is_rejected(function, words):
+    with pytest.raises(ValueError, match=words):
+        function()
+
+
+def test_lengths_are_accepted_as_texts():
+    assert Surface(MAPS[0], spacing="39 nm").spacing == (0.039, 0.039)
+    assert Profile(LINE, spacing="39 nm").spacing == 0.039
+    assert UPPER.with_amplitude("50 nm").heights.max() == UPPER.with_amplitude(0.05).heights.max()
+    text = self_affine_surface(1, hurst_exponent=0.8, rms="10 nm", shape=(48, 48), spacing="0.1 um")
+    assert np.array_equal(text.heights, MAPS[1])
+
+
+BODIES = ("body", "profile", "surface", "upper", "lower", "scan", "first")
+OTHERS = {
+    "path": "never.csv",
+    "level": "mean",
+    "angle": 10.0,
+    "effective_modulus": 10.0,
+    "seed": 1,
+    "mechanics": "half-space",
+}
+
+
+@pytest.mark.parametrize("name", [
+    name for name in sorted(stiction.__all__)
+    if inspect.isfunction(each := getattr(stiction, name)) and set(inspect.signature(each).parameters) & set(BODIES)
+])  # fmt: skip
+@pytest.mark.parametrize("wrong", [np.zeros((24, 24)), 3, "x", None], ids=["array", "number", "text", "none"])
+def test_function_of_a_body_rejects_another_kind_in_one_sentence(name, wrong):
+    function = getattr(stiction, name)
+    given = {
+        each.name: wrong if each.name in BODIES else OTHERS.get(each.name, 1.0)
+        for each in inspect.signature(function).parameters.values()
+        if each.name in BODIES or (each.default is each.empty and each.kind is not each.VAR_KEYWORD)
+    }
+    with pytest.raises(ValueError, match=r"must|give|is for"):
+        function(**given)
