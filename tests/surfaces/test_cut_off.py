@@ -108,7 +108,7 @@ def test_says_what_was_done_and_stays_on_the_grid():
         (rough(), 0.019, r"wavelength must be from two points, 0.02 µm, to a third of the shortest side, 3.3\d* µm"),
         (rough(), 3.4, "wavelength must be from two points"),
         (rough(), 0.0, "wavelength must be a finite number above 0"),
-        (rough(), "1 um", "wavelength must be a finite number"),
+        (rough(), "1 mN", "wavelength has the unit .mN., which is not one of length"),
         (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, "a third of the shortest side, 0.666667 µm"),
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
