@@ -80,7 +80,7 @@ def test_a_position_between_points_takes_the_next():
         (0, 1.1, "within the extent"),
         (0.8, None, "at least 4 points must be left"),
         (np.nan, None, "start must be a finite number"),
-        (0, "1", "stop must be a finite number"),
+        (0, "1", "stop must be .number unit"),
     ],
 )
 def test_pieces_that_are_not_there_are_refused(start, stop, match):

@@ -592,7 +592,7 @@ def _scans_of(side: str, given: Any) -> list[Any]:
         return [given]
     if not found or any(isinstance(each, str) and not each.strip() for each in found):
         raise ArgumentError(
-            f"{{{side}}} must be at least one scan, and no empty name, got {{got}}", got=repr(str(given))
+            f"{{{side}}} must have at least one scan, and no empty name, got {{got}}", got=repr(str(given))
         )
     return found
 
