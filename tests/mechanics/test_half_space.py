@@ -1,3 +1,5 @@
+import copy
+import pickle
 import signal
 import threading
 import time
@@ -21,6 +23,7 @@ from stiction import (
     hertz_line,
     hertz_sphere,
     press,
+    self_affine_surface,
     westergaard_contact_fraction,
     westergaard_gap,
     westergaard_pressure,
@@ -850,3 +853,15 @@ def test_closures_of_whole_and_of_masked_bodies_on_one_grid_are_their_own():
     assert whole.closure[0] == pytest.approx(whole.approach[0] - moved, rel=1e-12)
     moved = (holed.contact(0).pressure * holed._problem.grids.displacement(np.where(missing, 0.0, 1.0))).sum()
     assert holed.closure[0] == pytest.approx(holed.approach[0] - moved / (~missing).sum(), rel=1e-12)
+
+
+def test_curve_and_onset_are_pickled_and_copied():
+    rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (32, 32), "spacing": 0.1}
+    curve = half_space(*(self_affine_surface(3, side=side, **rough) for side in ("upper", "lower")), [0.01, 0.02])
+    onset = curve.onset(1, mu0=0.3, steps=3)
+    for copied in (pickle.loads(pickle.dumps(curve)), copy.deepcopy(curve)):
+        assert (copied.contact(1).pressure == curve.contact(1).pressure).all()
+        assert (copied.unloading_stiffness == curve.unloading_stiffness).all()
+    for copied in (pickle.loads(pickle.dumps(onset)), copy.deepcopy(onset)):
+        assert (copied.tangential_load == onset.tangential_load).all()
+        assert copied.energy_lost([0.5 * onset.sliding_load]) == onset.energy_lost([0.5 * onset.sliding_load])

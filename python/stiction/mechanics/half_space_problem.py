@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 import sys
 import weakref
@@ -31,6 +32,7 @@ LONGEST_CELL = 1e6  # ratio of the sides of a grid's cell, above which heights o
 
 
 _shared: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
+_keys: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, tuple[Any, ...]] = weakref.WeakKeyDictionary()
 _last: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
 _even: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.WeakKeyDictionary()
 
@@ -43,10 +45,20 @@ def grids_of(
     grids = _shared.get(key)
     if grids is None:
         grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
-        _shared[key] = grids
+        _shared[key], _keys[grids] = grids, key
     if math.prod(shape) <= MOST_KEPT:
         _last.append(grids)
     return grids
+
+
+def _grids_from(
+    shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, periodic: bool
+) -> _core.HalfSpaceGrids:
+    return grids_of(shape, spacing, effective_modulus, periodic=periodic)
+
+
+# Copies, and curves that come back from another process, compute the kernels again where none has them.
+copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_grids_from, _keys[grids]))
 
 
 def threads() -> int:
@@ -377,6 +389,11 @@ class State:
     approach: float = np.nan
     error: float = np.nan
     iterations: int = 0
+
+    @property
+    def held(self) -> float:
+        """Mean attraction, GPa."""
+        return self.contact - self.load
 
 
 def pressed_of(

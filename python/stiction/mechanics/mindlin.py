@@ -10,6 +10,7 @@ half-space has tractions up to a bound that differs from point to point.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -166,11 +167,19 @@ class HalfSpace:
         everywhere = self._over_grid(self.bound)
         self.mean_bound = float(everywhere.mean())
         self.tolerance = number("tolerance", tolerance, above=0, below=1)
-        self.solver = _core.HalfSpaceSolver(
-            np.zeros(self.shape), problem.grids, bound=everywhere, tolerance=self.tolerance, threads=threads()
-        )
+        self.everywhere = everywhere
         compliance = self.grids.linear_answer(everywhere > 0, threads=threads())[1] * self.ratio
         self.stiffness = (self.cell / compliance if compliance > 0 else np.inf) if self.moves else np.nan
+
+    @cached_property
+    def _solver(self) -> _core.HalfSpaceSolver:
+        """Solver of tractions, which cannot be copied and is made again in a copy."""
+        return _core.HalfSpaceSolver(
+            np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: Slip | None = None) -> Slip:
         """The least energy of tractions that hold a load."""
@@ -178,7 +187,7 @@ class HalfSpace:
             return self._slip(self.sliding_load, self.bound, float(self._moved(self.bound).max()))
         part = load / self.sliding_load
         start = None if near is None else self._over_grid(near.traction)
-        found = self.solver.at(part * self.mean_bound, near=start, threads=threads())
+        found = self._solver.at(part * self.mean_bound, near=start, threads=threads())
         if not found.error <= self.tolerance:
             raise RuntimeError(
                 f"no solution at {load:g} mN, {part:g} of the sliding load: error {found.error:.2g} after "
