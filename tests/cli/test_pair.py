@@ -136,6 +136,10 @@ def test_each_option_reaches_the_study(where, files, options, values):
 
 
 def test_a_gap_is_pressed_as_it_is_at_its_one_position(where):
+    study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--tilt", "fixed")
+    assert study.surfaces.level == "mean"
+    study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--tilt", "fixed", "--level", "plane")
+    assert study.surfaces.level == "plane"
     study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--level", "mean")
     (upper, lower), gap = bodies_of(study).member(0, 0.0).pair, surface("lower").heights
     assert not upper.heights.any()

@@ -405,6 +405,8 @@ class Pair:
             table |= self._both_readings
         else:
             table["cut_off"] = _rising(quantities_of("cutoff", self.cutoff, "length"))
+        if level is None and self.gap is not None and self.tilt == "fixed":
+            level = "mean"  # the faces stay as they were measured
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
