@@ -17,6 +17,7 @@ from stiction import (
     tabor_parameter,
 )
 from stiction.mechanics.adhesion import Attraction
+from stiction.mechanics.half_space import resolved_range
 
 OF_GAPS = 1e-3
 """Difference between two solutions over the range of adhesion; where bodies are soft the least energy is flat."""
@@ -31,7 +32,7 @@ OF_POINTS = 1e-3
 """Fraction of the grid at whose points under a vanishing pressure two solvers may differ."""
 
 ROUND_OFF = 1e-12
-MOST_UNSOLVED, MOST_SHORT = 2, 40  # random bodies out of 200 without a contact, and without the whole way apart
+MOST_UNSOLVED, MOST_SHORT = 2, 80  # random bodies out of 200 without a contact, and with a bound of the pull-off force
 
 OF_PERIODS = 0.02
 """Difference over a ball's pull-off force between a period of 20 radii of its contact and a piece of 10 alone."""
@@ -92,14 +93,14 @@ def test_the_contact_is_the_least_energy_and_parts_where_that_does(case):
     heights = gap - gap.min()
     noise = 0.01 * adhesive["adhesion_range"] * np.random.default_rng(1).random(gap.shape)
     for part in (0.0, -1 + STABLE):
-        load = part * curve.pull_off
+        load = part * curve.pull_off_bound[0]
         contact = half_space(*bodies, [load], boundary="periodic", **adhesive).contact(0)
         near = np.maximum(contact.gap, 0) + noise
         gap, pressure = least_energy(heights, bodies[0].spacing[0], load / area, near, **adhesive)
         assert np.abs(gap - contact.gap).max() < OF_GAPS * adhesive["adhesion_range"] * (1 if part == 0 else 10)
         assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=OF_GAPS)
         assert ((gap == 0) != (contact.pressure > 0)).sum() <= 1
-    beyond = (-1 - STABLE) * curve.pull_off / area
+    beyond = (-1 - STABLE) * curve.pull_off_bound[0] / area
     gap, _ = least_energy(heights, bodies[0].spacing[0], beyond, near, **adhesive)
     assert (gap > 0).all()
 
@@ -203,6 +204,72 @@ def test_a_sinusoid_is_that_of_johnson_and_jumps_into_full_contact(alpha):
     assert curve.pull_off / full == pytest.approx(-johnson.min(), rel=OF_CLOSED_FORMS)
 
 
+OF_PULL_OFF = 0.01
+"""Difference over the pull-off force from a closed form, or from the largest of many contacts."""
+
+
+@pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
+def test_pull_off_from_complete_contact_of_sinusoid_is_that_of_its_opening(tension):
+    """Complete contact under a load of 0.05 p* opens where the least pressure is 0: at a tension of w/ρ - p*."""
+    points, height = 512, 0.005
+    x, full = np.arange(points) / points, np.pi * height
+    bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
+    work = 2.001 * (tension * full) ** 2 / points  # so that the range is resolved
+    adhesive = {"work_of_adhesion": work, "adhesion_range": work / (tension * full), "effective_modulus": 1.0}
+    curve = half_space(*bodies, [1.2 * full, 0.05 * full], boundary="periodic", **adhesive)
+    assert curve.contact(1).pressure.all()
+    opening = (tension - 1) * full
+    assert curve.pull_off_bound[0] == pytest.approx(opening, rel=OF_PULL_OFF)
+    assert not (curve.pull_off_is_bound and tension > 1.02)  # where other contacts bear as much
+    assert (np.diff(curve.parting.load) < 0).all()
+    loads = [1.2 * full, 0.05 * full, -0.5 * opening, (OF_PULL_OFF - 1) * opening]
+    pulled = half_space(*bodies, loads, boundary="periodic", **adhesive)
+    assert pulled.normal_elastic == pytest.approx(loads, abs=1e-4 * pulled.contact_load[0])
+    assert pulled.contact(3).pressure.all()
+    with pytest.raises(RuntimeError, match="bodies"):
+        half_space(*bodies, [*loads, -(1 + OF_PULL_OFF) * opening], boundary="periodic", **adhesive)
+
+
+def test_pull_off_of_rough_bodies_is_the_largest_of_several_local_maxima():
+    shape = {"shape": (64, 64), "spacing": 0.01, "hurst_exponent": 0.769, "rms": 3.39e-3, "shortest_wavelength": 0.08}
+    bodies = [
+        self_affine_surface(4, side=side, longest_wavelength=longest, **shape)
+        for side, longest in (("upper", 0.64), ("lower", 0.32))
+    ]
+    adhesive = {"effective_modulus": 1.72, "work_of_adhesion": 5.85e-5, "boundary": "periodic"}
+    adhesive["adhesion_range"] = 1.001 * resolved_range(5.85e-5, 0.01, 1.72)
+    curve = half_space(*bodies, [0.0], **adhesive)
+    attraction = Attraction(curve._problem, tolerance=1e-6, report=None)
+    states = [attraction.settled(None)]
+    while states[-1].contact > 0.02 * states[0].contact:
+        states.append(attraction.settled(states[-1], contact=0.98 * states[-1].contact))
+    loads = np.array([state.load for state in states])
+    first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
+    assert first > 0.9 * loads.min()  # a local minimum that is not the least
+    largest = attraction.force(-loads.min())
+    assert curve.pull_off == pytest.approx(largest, rel=OF_PULL_OFF)
+    borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)
+    assert borne.normal_elastic[1] == pytest.approx(-0.95 * largest, rel=1e-3)
+    assert curve.parting.load[-1] == -curve.pull_off
+
+
+def test_pull_off_is_a_lower_bound_where_the_contacts_end_early(monkeypatch):
+    bodies, adhesive = rough(1e-3, 5e-5)
+    curve = half_space(*bodies, [0.0], **adhesive)
+    assert not curve.pull_off_is_bound
+    settled, contacts = Attraction.settled, []
+
+    def ends(self, near, **asked):
+        contacts.append(near)
+        return settled(self, near, **asked) if len(contacts) <= 4 else None
+
+    short = half_space(*bodies, [0.0], **adhesive)
+    monkeypatch.setattr(Attraction, "settled", ends)
+    assert short.pull_off_is_bound
+    with pytest.warns(UserWarning, match="the pull-off force is at least"):
+        assert 0 < short.pull_off < curve.pull_off
+
+
 @pytest.mark.parametrize("case", [rough(1e-3, 5e-5), rough(3e-3, 5e-5, modulus=2.0, length=2e-3)], ids=["hard", "soft"])
 def test_work_is_what_the_energy_changes_by_coming_and_going(case):
     """So that around a loop it is what jumps lose, and 0 where bodies do not jump."""
@@ -237,8 +304,8 @@ def test_random_bodies_are_solved_or_say_what_was_reached():
         if draw.random() < 0.4:
             adhesive["hardness"] = max(modulus * 10 ** draw.uniform(-2.5, -0.5), 2 * strength)
         load = 0.003 * min(modulus, adhesive.get("hardness", modulus)) * (32 * spacing) ** 2
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
             try:
                 curve = half_space(*bodies, [0.0, load], boundary=str(draw.choice(["free", "periodic"])), **adhesive)
             except RuntimeError:
@@ -246,7 +313,7 @@ def test_random_bodies_are_solved_or_say_what_was_reached():
                 continue
             assert curve.normal_elastic == pytest.approx([0, load], abs=1e-4 * curve.contact_load.max())
             assert curve.pull_off > 0
-            short += any("most that was reached" in str(each.message) for each in said)
+            short += curve.pull_off_is_bound
     assert unsolved <= MOST_UNSOLVED
     assert short <= MOST_SHORT
 

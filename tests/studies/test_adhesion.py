@@ -100,7 +100,7 @@ def test_none_is_as_it_was_and_who_says_so_is_not_doubted(sticky):
     for name in silent.dataset.data_vars:
         assert (silent.dataset[name].values == none.dataset[name].values).all() or name in ("patch_area", "pressure")
     assert set(sticky.dataset.data_vars) - set(none.dataset.data_vars) == {
-        "contact_load", "pull_off", "unloaded_elastic", "unloaded_frictional", "unloaded_adhesive",
+        "contact_load", "pull_off", "pull_off_is_bound", "unloaded_elastic", "unloaded_frictional", "unloaded_adhesive",
     }  # fmt: skip
     doubted = [any(words in each.text for each in result.doubts) for result in (silent, none, sticky)]
     assert doubted == [True, False, False]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from operator import attrgetter
+from itertools import pairwise
 
 import numpy as np
 
@@ -31,9 +31,15 @@ LOOSER = 10.0  # residual of the attraction, as a part of the contact load and t
 INNERMOST = 1e-8  # least tolerance of a solution; below it round-off stalls some
 FEWEST = 1e-3  # contact load at which a branch begins and ends, over the attraction of bodies that touch at a point
 STRIDE = 0.6  # contact load over the one before on a branch
-SHORTEST = 0.9  # stride at which a branch that does not converge ends
-RISEN = 0.02  # part of the least load by which a branch must have risen again to be known to have passed it
-REFINEMENTS = 4  # parabolas through the three lowest loads of a branch, whose least then is known to 1e-4 of itself
+PATIENCE = 20  # the same on the way apart, where a smaller stride is tried next
+SHORTEST = 0.93  # stride at which a branch that does not converge ends
+NEGLECTED = 0.01  # part of the least load by which a lower one may be missed
+MAX_NEGLECTED = 0.15  # the same where the contacts near it are too few
+SMOOTH = 0.005  # part of the least load by which an interpolated one may differ where states need no others between
+NARROWEST = 0.01  # logarithm of the ratio of contact loads below which no states are put between two
+MARGIN = 4  # fortieths of a span at whose ends no state is put
+MAX_REFINED, FEW_REFINED = 16, 2  # states between others; where the way ended early
+STEEPER = 2.0  # slope of the load over the contact load that may stand between states, over the largest between two
 SEARCHES = 60  # secants for a load between two contact loads
 
 
@@ -54,9 +60,13 @@ class Attraction:
         return np.asarray(self.most * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settled(
-        self, near: State | None, *, contact: float | None = None, load: float = 0.0, plain: bool = False
-    ) -> State | None:
-        """The contact at a mean pressure or an external load, which `plain` repetitions do not leap over; or None."""
+        self, near: State | None, *, contact: float | None = None, load: float = 0.0, plain: bool = False,
+        patience: int = STALLED,
+    ) -> State | None:  # fmt: skip
+        """The contact at a mean pressure or an external load, which `plain` repetitions do not leap over; or None.
+
+        None is returned after `patience` solutions without a lower residual.
+        """
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
@@ -82,7 +92,7 @@ class Attraction:
                 return State(pressure, attraction, mean, mean - float(attraction.mean()), *known)
             if residual < least:
                 best, least = count, residual
-            elif count - best > STALLED and not plain:
+            elif count - best > patience and not plain:
                 return None
             if residual > WORSE * recent:
                 steps.clear()
@@ -104,54 +114,115 @@ class Attraction:
         start = near or self.settled(None) or self.settled(None, contact=self.fewest)
         if start is None:
             raise RuntimeError("the first touch does not converge")
-        states = self.branch(start, STRIDE if start.load > load else 1 / STRIDE, until=load)
-        lowest = self.lowest(states)
-        before = [one for one in states if one.load < load and one.contact >= lowest.contact] or [lowest]
-        after = [one for one in states if one.load >= load and one.contact > before[-1].contact]
-        if lowest.load > load or not after:
-            raise RuntimeError(f"the bodies come off at {self.force(lowest.load):.4g} mN")
-        return self.between(max(before, key=attrgetter("contact")), min(after, key=attrgetter("contact")), load)
+        if start.load <= load:
+            return self.between(*self.pushed(start, load), load)
+        states = self.unloaded(start, until=load)
+        if states[-1].load > load:
+            states = self.refined(states)
+        crossing = next((pair for pair in pairwise(states) if pair[1].load <= load), None)
+        if crossing is None:
+            least = f"{self.force(lowest(states).load):.4g} mN"
+            raise RuntimeError(
+                f"bodies bear at least {least}; {self.ended}" if self.ended else f"bodies come off at {least}"
+            )
+        return self.between(*crossing, load)
 
-    def branch(self, near: State, stride: float, until: float = -np.inf) -> list[State]:
-        """States from one on, by a factor on their contact load, until a load and the least one have been passed."""
-        states, coming = [near], stride > 1
+    def near(self, contact: float, *states: State | None) -> State | None:
+        """Return the contact at a mean pressure (GPa) that is found first from states (None: no attraction)."""
+        for state in states:
+            if (found := self.settled(state, contact=contact, patience=PATIENCE)) is not None:
+                return found
+        return None
+
+    def pushed(self, state: State, load: float) -> tuple[State, State]:
+        """Return two states of rising contact load, from one on, between whose loads a load (GPa) lies."""
+        factor = 1 / STRIDE
         while True:
-            state, factor = None, stride
-            while state is None and abs(math.log(factor)) > -math.log(SHORTEST):
-                state = self.settled(states[-1], contact=states[-1].contact * factor)
-                factor = math.sqrt(factor) if state is None else factor
-            if state is None:
-                self.ended = f"at a contact load of {self.force(states[-1].contact):.4g} mN it does not converge"
-                if until > -np.inf:
-                    raise RuntimeError(self.ended)
-                return states
-            states.append(state)
-            least = min(one.load for one in states)
-            risen = least < 0 and state.load > least + RISEN * abs(least)
-            if coming and state.load >= until and (risen or least < until):
-                return states
-            if not coming and (state.load <= until or risen or state.contact < self.fewest):
-                return states
+            following = self.settled(state, contact=state.contact * factor)
+            if following is None and factor < 1 / SHORTEST:
+                raise RuntimeError(self.stalled(state))
+            if following is None:
+                factor = math.sqrt(factor)
+            elif following.load >= load:
+                return state, following
+            else:
+                state, factor = following, 1 / STRIDE
 
-    def lowest(self, states: list[State]) -> State:
-        """The state of the least load, by parabolas through the three lowest over the logarithm of the contact load."""
-        place = int(np.argmin([one.load for one in states]))
-        three = states[max(place - 1, 0) : place + 2]
-        for _ in range(REFINEMENTS):
-            if len(three) < 3:
+    def unloaded(self, start: State, until: float = -np.inf) -> list[State]:
+        """Return states of falling contact load from one on, until a load (GPa) is reached, or no less is possible.
+
+        The attraction falls with the contact load, so that no later load is below minus the last mean attraction.
+        """
+        states, factor, self.ended = [start], STRIDE, ""
+        if (opening := self.opening(start)) is not None:
+            states.append(opening)
+        least = lowest(states).load
+        while least > until and states[-1].contact > self.fewest and states[-1].held > -least:
+            state = self.near(states[-1].contact * factor, states[-1])
+            if state is None and factor > SHORTEST:
+                self.ended = self.stalled(states[-1])
                 break
-            x, y = (np.array(each) for each in zip(*((math.log(s.contact), s.load) for s in three), strict=True))
-            bend, slope, _ = np.polyfit(x - x[1], y, 2)
-            middle = three[1]
-            if not bend > 0 or abs(slope / (2 * bend)) < 1e-3:
-                break
-            found = self.settled(middle, contact=middle.contact * math.exp(-slope / (2 * bend)))
+            if state is None:
+                factor = math.sqrt(factor)
+                continue
+            states.append(state)
+            least, factor = min(least, state.load), max(factor**2, STRIDE)
+        return states
+
+    def opening(self, state: State) -> State | None:
+        """Return the state in which complete contact opens, where the least pressure is 0; None if it is incomplete.
+
+        All points move alike until then, and the attraction is that of contact everywhere.
+        """
+        if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
+            return None
+        grids, gap = self.problem.grids, self.problem.gap
+        unit, moved = grids.linear_answer(np.ones(gap.shape, bool), threads=threads())
+        part = float((state.pressure / unit.ravel()).min())
+        pressure = np.maximum(state.pressure - part * unit.ravel(), 0)
+        contact = float(pressure.mean())
+        return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
+
+    def refined(self, states: list[State]) -> list[State]:
+        """Return the states with others between them wherever a lower load than their least is possible.
+
+        Between two states the load is at least the contact load of the later less the attraction of the earlier one.
+        Where it is interpolated well at a state between them, no others are needed.
+        """
+        states, closed, count = list(states), set(), FEW_REFINED if self.ended else MAX_REFINED
+        while True:
+            least, pairs = lowest(states).load, list(pairwise(states))
+            slope = min(STEEPER * max((a.load - b.load) / (a.contact - b.contact) for a, b in pairs), 1.0)
+            opened = [
+                (one.load - slope * (one.contact - other.contact), place)
+                for place, (one, other) in enumerate(pairs)
+                if other.contact < (1 - NARROWEST) * one.contact and (id(one), id(other)) not in closed
+            ]
+            possible, place = min(opened, default=(0.0, 0))
+            if possible >= (1 + NEGLECTED) * least:
+                return states
+            if count == 0:
+                if possible < (1 + MAX_NEGLECTED) * least:
+                    self.ended = self.ended or f"{MAX_REFINED} contacts near it are too few"
+                return states
+            count -= 1
+            one, other = pairs[place]
+            curve = _interpolation(states[max(place - 1, 0) : place + 3])
+            contact = _lowest_between(curve, one.contact, other.contact)
+            found = self.near(contact, one, other)
             if found is None:
-                break
-            four = sorted([*three, found], key=attrgetter("contact"))
-            place = int(np.argmin([one.load for one in four]))
-            three = four[max(place - 1, 0) : place + 2]
-        return min(three, key=lambda one: one.load)
+                self.ended = self.stalled(one)
+                closed.add((id(one), id(other)))
+                count = min(count, FEW_REFINED)
+                continue
+            states.insert(place + 1, found)
+            expected = contact - float(curve(math.log(contact)))
+            if abs(found.load - expected) <= SMOOTH * abs(least):
+                closed |= {(id(one), id(found)), (id(found), id(other))}
+
+    def stalled(self, state: State) -> str:
+        """Return why a branch ended at a state."""
+        return f"at a contact load of {self.force(state.contact):.4g} mN it does not converge"
 
     def between(self, one: State, other: State, load: float) -> State:
         """The state at a load between those of two others: secants over the contact load (Illinois)."""
@@ -176,6 +247,26 @@ class Attraction:
     def force(self, mean: float) -> float:
         """mN, of a mean pressure in GPa."""
         return mean * self.problem.cell * self.problem.gap.size
+
+
+def lowest(states: list[State]) -> State:
+    """Return the state of the least load."""
+    return min(states, key=lambda state: state.load)
+
+
+def _interpolation(states: list[State]) -> Callable[[float | Floats], Floats]:
+    """Return the polynomial of the mean attraction (GPa) over the logarithm of the contact load through states."""
+    x, y = (np.array(each) for each in zip(*((math.log(s.contact), s.held) for s in states), strict=True))
+    middle = x.mean()
+    factors = np.polyfit(x - middle, y, x.size - 1)
+    return lambda place: np.polyval(factors, np.asarray(place) - middle)
+
+
+def _lowest_between(curve: Callable[[float | Floats], Floats], upper: float, lower: float) -> float:
+    """Return where between two contact loads the interpolated load is least, or the middle if that is at an end."""
+    x = np.linspace(math.log(lower), math.log(upper), 41)
+    place = int(np.argmin(np.exp(x) - curve(x)))
+    return math.exp(x[place] if MARGIN <= place < x.size - MARGIN else x[x.size // 2])
 
 
 def _accelerated(steps: list[tuple[Floats, Floats]]) -> Floats:
@@ -215,8 +306,11 @@ def drawn_apart(pressed: Pressed, *, tolerance: float) -> tuple[list[Pressed], s
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     start = State(pressure.ravel(), np.asarray(pressed.attraction), float(pressure.mean()), pressed.load / whole)
-    states = attraction.branch(start, STRIDE)
-    lowest = attraction.lowest(states)
-    ways = [one for one in states[1:] if one.contact > lowest.contact and one.load > lowest.load] + [lowest]
-    later = [pressed_of(problem, one, one.load * whole, one.attraction) for one in ways if one is not start]
+    states = attraction.refined(attraction.unloaded(start))
+    ways, least = [], start.load
+    for state in states[1:]:  # under a falling load the bodies leave out what only less load holds
+        if state.load < least:
+            ways.append(state)
+            least = state.load
+    later = [pressed_of(problem, state, state.load * whole, state.attraction) for state in ways]
     return [pressed, *later], attraction.ended

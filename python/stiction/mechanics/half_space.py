@@ -176,16 +176,27 @@ class HalfSpaceCurve(Curve):
 
     @property
     def pull_off(self) -> float:
-        """mN, the most that bodies bear that are drawn apart from the contact of the least load; 0 without adhesion.
+        """Largest tension in mN that the bodies bear from the contact of the least load on; 0 without adhesion.
 
-        Computed when first asked for: some twenty contacts. Where one of them does not converge, as where soft bodies
-        jump apart, a warning says that it is the most that was reached.
+        Computed when first needed: some twenty contacts. Where these end before a larger tension is excluded, as where
+        soft bodies in complete contact come apart, a warning says "at least", and `pull_off_is_bound` is True.
         """
+        force, is_bound = self.pull_off_bound
+        if is_bound:
+            warnings.warn(f"the pull-off force is at least {force:.4g} mN: {self._apart[1]}", stacklevel=2)
+        return force
+
+    @property
+    def pull_off_is_bound(self) -> bool:
+        """Whether the pull-off force is at least `pull_off`: the contacts end before a larger one is excluded."""
+        return self.pull_off_bound[1]
+
+    @property
+    def pull_off_bound(self) -> tuple[float, bool]:
+        """Return `pull_off` (mN) and `pull_off_is_bound`, without a warning."""
         if self.work_of_adhesion == 0:
-            return 0.0
-        if said := self._apart[1]:
-            warnings.warn(f"the pull-off force is the most that was reached: {said}", stacklevel=2)
-        return -self._apart[0][-1].load
+            return 0.0, False
+        return -self._apart[0][-1].load, bool(self._apart[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
@@ -224,9 +235,9 @@ class HalfSpaceCurve(Curve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """(k,) dp/dc, GPa/µm, of the nominal pressure over the closure, in the first loading. Computed when asked for.
+        """(k,) dp/dc of the nominal pressure over the closure in the first loading, GPa/µm. Computed when first needed.
 
-        A thousand times as many MPa/mm, which the normal stiffness of joints is told in.
+        1 GPa/µm is 1e6 MPa/mm, the unit in which the normal stiffness of joints is given.
         """
         return read_only(np.array([one.closure_stiffness for one in self._pressed]))
 
@@ -560,10 +571,9 @@ def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tup
         return curves
 
 
-def unloaded(solve: Callable[[Floats], HalfSpaceCurve]) -> tuple[HalfSpaceCurve | None, float]:
-    """Bodies that adhere without a load, and their pull-off force (mN): None and NaN where a contact is not solved."""
+def unloaded(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
+    """Return the contact at no load of bodies that adhere, or None if it has no solution."""
     try:
-        curve = solve(np.zeros(1))
-        return curve, np.nan if curve._apart[1] else curve.pull_off
+        return solve(np.zeros(1))
     except RuntimeError:
-        return None, np.nan
+        return None

@@ -44,7 +44,10 @@ HALF_SPACE_SUMS: tuple[str, ...] = (
 UNLOADED: tuple[str, ...] = ("unloaded_elastic", "unloaded_frictional", "unloaded_adhesive")
 """The tangential load that starts the sliding at no load, by parts, as `load_of` puts them together."""
 
-ADHESION: tuple[str, ...] = ("contact_load", "pull_off", *UNLOADED)
+PULL_OFF: tuple[str, ...] = ("pull_off", "pull_off_is_bound")
+"""Pull-off force of a member, and 1 if the bodies hold at least that, else 0."""
+
+ADHESION: tuple[str, ...] = ("contact_load", *PULL_OFF, *UNLOADED)
 """What it holds besides of bodies that adhere; all but the first are of no load."""
 
 HELD: tuple[str, ...] = ("pull_off", "pull_off_pressure", "friction_at_no_load")
@@ -73,7 +76,8 @@ _OF_RESULTS: dict[str, tuple[str, ...]] = {
     "pull_off": ("mN", "pull-off force"),
     "pull_off_pressure": ("GPa", "pull-off force over the nominal area", "pull-off pressure"),
     "friction_at_no_load": ("mN", "tangential load that starts the sliding at no load", "friction at no load"),
-    "share_without_pull_off": ("1", "fraction of the members whose pull-off force did not converge"),
+    "pull_off_is_bound": ("1", "1 where the pull-off force is at least the value, 0 where it is the value"),
+    "share_of_pull_off_bounds": ("1", "fraction of the members whose pull-off force is a lower bound or missing"),
     **{
         f"unloaded_{part}": (unit, f"{part} part of the tangential load at no normal load")
         for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))

@@ -176,7 +176,7 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
     if study_of_result(result).contact.adheres:
         held = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
-        for name in ("pull_off", "share_without_pull_off", "friction_at_no_load"):
+        for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
             own = held[name].transpose("repetition", ...)
             mean = np.stack(intervals.of_sample(own.values), axis=-1)
             one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
@@ -464,8 +464,8 @@ def piece_at(
         if name in there:
             variables[name] = there[name]
     if "pull_off" in there:
-        missing = np.isnan(_over(there["pull_off"], lead)).astype(np.float64)
-        variables["share_without_pull_off"] = (lead, missing, attributes_of("share_without_pull_off"))
+        bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)  # NaN where missing
+        variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
         held = load_of("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
         variables["friction_at_no_load"] = (

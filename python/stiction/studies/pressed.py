@@ -29,6 +29,7 @@ from stiction.mechanics.quantities import (
     GAP,
     HALF_SPACE_SUMS,
     ONSET,
+    PULL_OFF,
     SUMS,
     UNLOADED,
 )
@@ -95,7 +96,7 @@ def pressed_to_loads(
 def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     """An array of what has no answer."""
     shape: tuple[int, ...] = (loads,)
-    if name in UNLOADED or name == "pull_off":
+    if name in UNLOADED or name in PULL_OFF:
         shape = motions if name in UNLOADED else ()
     elif name in DIRECTED:
         shape = (*motions, loads)
@@ -147,7 +148,9 @@ def _by_half_space(
             for name, value in (patches_of(pressed).statistics() | pressed_on_steepest(pressed, slopes)).items():
                 values[name][load] = value
     if contact.adheres:
-        held, values["pull_off"][...] = unloaded(solve)
+        held = unloaded(solve)
+        if held is not None:
+            values["pull_off"][...], values["pull_off_is_bound"][...] = held.pull_off_bound
         curves = [] if held is None else by_motion(held)
         for name in UNLOADED if curves else ():
             values[name][...] = of_motions(curves, name.replace("unloaded", "tangential"))[..., 0]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stiction._checks import number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, UNLOADED, attributes_of
+from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, PULL_OFF, UNLOADED, attributes_of
 from stiction.studies.contact_statistics import QUANTILES, STATISTICS
 from stiction.studies.measured_surfaces import About
 from stiction.studies.study import Study
@@ -108,7 +108,7 @@ def names_of(study: Study) -> tuple[str, ...]:
 
 def _dims(study: Study, name: str) -> tuple[str, ...]:
     members = (*study.surfaces.cells(), "repetition")
-    if name in ("rms_gradient", "pull_off"):
+    if name in ("rms_gradient", *PULL_OFF):
         return members
     if name in UNLOADED:
         return (*members, *study.motions())

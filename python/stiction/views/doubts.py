@@ -163,8 +163,8 @@ OF_COUNTS = (
 
 OF_CONTACTS: Checks = (
     [_share(
-        "share_without_pull_off", "the pull-off force of {} of the members does not converge, and is left out",
-        "take half_space of one of them, which says how far it came", "caution", 0.0,
+        "share_of_pull_off_bounds", "the pull-off force is at least this: that of {} of the members is a lower bound",
+        "a warning of half_space says why", "caution", 0.0,
     )],
     [_share(
         "share_at_edge", "{} of the load is on contacts that the edge cuts", "larger maps or less load have fewer"

@@ -162,7 +162,7 @@ def _of_loads(at: xarray.Dataset) -> list[str]:
     return [
         str(name) for name, table in at.data_vars.items()
         if name in QUANTITIES and name not in _DIRECTED and table.dtype.kind in "if"
-        and ("load" in table.dims or name in HELD) and "fraction_below" not in table.dims
+        and ("load" in table.dims or name in (*HELD, "share_of_pull_off_bounds")) and "fraction_below" not in table.dims
         and table.sizes.get("direction", 1) == 1
     ]  # fmt: skip
 

@@ -366,7 +366,8 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
             **dict.fromkeys(("pull_off_pressure", *PER_AREA), not fraction),
         }.get(name, False)  # fmt: skip
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
-            rows += _row(name, words_of(name, study), [point[name] for point in loads])
+            words = words_of(name, study) + (" at least" if name in HELD and pull_off_is_bound(name, one) else "")
+            rows += _row(name, words, [point[name] for point in loads])
     for name, below in _QUANTILES if verbose else ():
         if name in one:
             words = f"{QUANTITIES[name].short}, {100 * below:.0f} % are below"
@@ -395,6 +396,11 @@ def _stacked(heads: Sequence[str]) -> Rows:
 
 
 HEAD_WIDTH = 20  # columns of the words above a column of numbers
+
+
+def pull_off_is_bound(name: str, at: xarray.Dataset) -> bool:
+    """Return whether a quantity is a pull-off force or pressure to which members contribute lower bounds."""
+    return name.startswith("pull_off") and float(at["share_of_pull_off_bounds"].sel(statistic="mean").max()) > 0
 
 
 def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list[str]]:

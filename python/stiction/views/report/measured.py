@@ -42,7 +42,7 @@ from stiction.views.report.page import (
 )
 from stiction.views.report.pictures import adhesion_panel, onset_panels, positions_panel, touching_panel
 from stiction.views.resolution import waves_text
-from stiction.views.text import budget_text, waited_text
+from stiction.views.text import budget_text, pull_off_is_bound, waited_text
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 EVERY_BYTE = 8  # of a double
@@ -138,7 +138,11 @@ def _held(result: xarray.Dataset | Stored, study: Study) -> list[str]:
         return []
     point = next(points_of(at_asked_loads(result)))
     point = point.sel(sliding=rules_of(study)[0]) if "sliding" in point.dims else point
-    found = [with_unit(value_of(point, name), QUANTITIES[name].unit) for name in HELD]
+    found = [
+        ("at least " if pull_off_is_bound(name, point) else "")
+        + with_unit(value_of(point, name), QUANTITIES[name].unit)
+        for name in HELD
+    ]
     return [
         f"With {adhesion_text(point, study)}: pull-off force {found[0]} ({found[1]}), friction at no load {found[2]}."
     ]
