@@ -685,3 +685,36 @@ def test_named_texture_keeps_a_line_and_is_rejected_if_unknown():
     assert not any(each.severity == "fault" for each in doubts_of_inputs(humming, clean, ground))
     with pytest.raises(ValueError, match="must be turned, milled"):
         stiction.pair(humming, clean, texture="shiny", **asked)
+
+
+def test_profiles_of_materials_with_a_hardness_are_pressed_by_the_half_space(where):
+    material = ["--mu0", "0.3", *LOAD, "--upper", "steel"]
+    assert study_of(where, *PROFILES, *material, "--lower", "brass").contact.mechanics == "half-space"
+    assert study_of(where, *PROFILES, *material, "--lower", "brass", "--lay", "grooves").contact.hardness is not None
+    for others in (["--lower", "PDMS"], ["--lower", "brass", "--law", "hertz-sphere"], ["--mechanics", "asperities"]):
+        assert study_of(where, *PROFILES, *material, *others).contact.mechanics == "asperities"
+
+
+def test_force_on_a_width_is_the_force_over_it_on_a_strip(where):
+    given = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
+    wide = study_of(where, *PROFILES, *given, "--load", "5 N", "--width", "5 mm")
+    assert [float(load) for load in wide.friction.load] == [1.0]
+    both = study_of(where, *PROFILES, *given, "--load", "5 N", "--load", "2 MPa", "--width", "5 mm")
+    assert [float(load) for load in both.friction.load] == [0.02, 1.0]
+    for refused in (["--load", "2 MPa"], ["--load", "5 N", "--lay", "isotropic"]):
+        with pytest.raises(ArgumentError, match="width"):
+            study_of(where, *PROFILES, *given, *refused, "--width", "5 mm")
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_answer_of_profiles_has_its_assumptions_everywhere(where, tmp_path):
+    given = ["pair", *PROFILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
+    record = json.loads(stiction_done(*given, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=where).stdout)
+    assumed = record["answers"][0]["assumptions"]
+    assert assumed == ["parallel grooves across the scans on a strip 1 µm wide", "no adhesion"]
+    done = stiction_done("at", tmp_path / "out", cwd=where)
+    text = " ".join(done.stdout.split())
+    assert "Assumes parallel grooves across the scans on a strip 1 µm wide, no adhesion." in text
+    table = (tmp_path / "out" / "result.csv").read_text()
+    assert "; ".join(assumed) in table
+    assert "taken as grooved" not in done.stderr

@@ -194,7 +194,7 @@ app = typer.Typer(
     help="The coefficient of static friction of rough surfaces, from their shape.",
     epilog=examples(
         "stiction pair upper.csv lower.csv --young '210 GPa' \\",
-        "    --poisson 0.3 --mu0 0.2 --load '10 mN'",
+        "    --poisson 0.3 --mu0 0.2 --load '10 MPa'",
         "stiction run quick            # a map of friction, in seconds",
         "stiction COMMAND --help",
     ),

@@ -12,6 +12,7 @@ from stiction._errors import ArgumentError
 from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, option
 from stiction.cli.showing import opened
+from stiction.mechanics.model import THICKNESS
 
 if TYPE_CHECKING:
     import xarray
@@ -23,6 +24,7 @@ Loads = Annotated[
     list[str] | None,
     option("--load FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.', "its own"),
 ]
+Width = Annotated[str | None, option("--width LENGTH", "Of two profiles, the width that a force is on.", "1 um")]
 Dimension = Annotated[float | None, option("--d D", "Of a study: the nearest fractal dimension that it has.", "all")]
 Hurst = Annotated[float | None, option("--hurst H", "Of self-affine surfaces: the nearest Hurst exponent.", "all")]
 Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
@@ -46,6 +48,7 @@ Direction = Annotated[
 def at(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
     load: Loads = None,
+    width: Width = None,
     fractal_dimension: Dimension = None,
     hurst: Hurst = None,
     amplitude: Amplitude = None,
@@ -71,7 +74,9 @@ def at(
     if tau0 is not None:
         strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
     length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
-    found = with_uncertainty(at_load(in_memory(stored), _loads(stored, load), mu0=rubbing, tau0=strengths), stored)
+    found = with_uncertainty(
+        at_load(in_memory(stored), _loads(stored, load, width), mu0=rubbing, tau0=strengths), stored
+    )
     if hurst is not None:
         if fractal_dimension is not None or getattr(stored.study.surfaces, "generator", "") != "self-affine":
             raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=f"{hurst:g}")
@@ -88,8 +93,13 @@ def at(
         tell(text.result_text(found, stored.study, verbose=verbose, beside=beside))
 
 
-def _loads(stored: Stored, texts: list[str] | None) -> list[float]:
-    """Return the loads of the options, or those of the study, in mN and in rising order."""
+def _loads(stored: Stored, texts: list[str] | None, width: str | None) -> list[float]:
+    """Return the loads of the options, or those of the study, in mN and in rising order; forces may be on a width."""
+    strip = 1.0
+    if width is not None:
+        if stored.study.surfaces.press != "lines":
+            raise ArgumentError("{width} is for two profiles, got {got}", got=repr(width))
+        strip = THICKNESS / float(quantity_of("width", width, "length"))
     if not texts:
         if not stored.study.friction.load:
             raise ArgumentError("give {load}: this study does not ask for loads of its own")
@@ -97,7 +107,7 @@ def _loads(stored: Stored, texts: list[str] | None) -> list[float]:
     loads = set()
     for each in texts:
         amount, per_area = load_of("load", each)
-        force = float(amount)
+        force = float(amount) * (1.0 if per_area else strip)
         if per_area:
             coordinates = next(stored.pieces(["contact_count"])).coords
             if "nominal_area" not in coordinates:

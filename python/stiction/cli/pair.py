@@ -44,9 +44,10 @@ _output = partial(option, panel="Output")
 
 MOTION = {
     "load": Annotated[list[str], option(
-        "--load FORCE", 'Normal load on the slider, "0.1 mN", or per its area, "10 MPa". Repeatable.',
+        "--load PRESSURE", 'Normal load over the nominal area, "10 MPa", or a force, "0.1 mN". Repeatable.',
         panel="Load and motion",
     )],
+    "width": _motion("--width LENGTH", "Of two profiles, the width across them that a force is on.", "1 um"),
     "mu0": _motion("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', False),
     "tau0": _motion("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa"),
     "interface": _motion(
@@ -145,7 +146,7 @@ Replace = Annotated[bool, _output("--replace", "Write over the results of anothe
 @command(
     "pair",
     "stiction pair upper.csv lower.csv --upper steel --lower brass \\",
-    "    --mu0 0.2 --tau0 '50 MPa' --load '10 mN'",
+    "    --mu0 0.2 --tau0 '50 MPa' --load '50 MPa'",
     "stiction pair map.npy map.npy --unit nm --spacing '1 um' \\",
     "    --effective-modulus '9 GPa' --mu0 0.3 --load '9 MPa'",
     "stiction pair scan.csv scan.csv --surrogates both \\",

@@ -25,6 +25,7 @@ from stiction._checks import Floats, number, whole_number
 from stiction._errors import ArgumentError
 from stiction._units import Quantity, exactly, quantity, shortened
 from stiction.mechanics.law import NAMED, JacksonGreen
+from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.interfaces import Interface, credible_interval, interface, interfaces, medians
@@ -61,6 +62,7 @@ class Pair:
     lower: Any = None  # what it is carried over
     gap: Any = None  # in place of both: one map that is the gap of two faces
     load: Several
+    width: Any = None  # across two profiles, that forces are on; else a strip 1 µm wide
     mu0: Several = None
     tau0: Several = None  # 0
     interface: Any = None  # name or file of both
@@ -336,9 +338,23 @@ class Pair:
     def loads(self) -> list[Quantity]:
         """The loads that are asked for, mN, in rising order; of pressures those on the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._asked_loads) else 1.0
-        # Pressure times area has a last digit that nobody asked for.
-        forces = {float(f"{load * area:.12g}") if per_area else float(load) for load, per_area in self._asked_loads}
+        strip = 1.0 if self.width is None else THICKNESS / self._width
+        # A product has a last digit that nobody asked for.
+        forces = {
+            float(load) if (factor := area if per_area else strip) == 1 else float(f"{load * factor:.12g}")
+            for load, per_area in self._asked_loads
+        }
         return [quantity(exactly(force, "mN"), "force") for force in sorted(forces)]
+
+    @property
+    def _width(self) -> float:
+        """Width that forces on profiles are on, µm."""
+        width = quantity_of("width", self.width, "length")
+        if not width > 0:
+            raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.width))
+        if all(per_area for _, per_area in self._asked_loads):
+            raise ArgumentError("{width} is for a load that is a force, got {load} {got}", got=repr(self.load))
+        return float(width)
 
     @cached_property
     def _asked_loads(self) -> list[tuple[Quantity, bool]]:
@@ -553,7 +569,12 @@ class Pair:
                 raise ArgumentError("{load} must be below the hardness, {hardest:.4g} GPa", hardest=float(hardness))
             most = float(hardness) * self._nominal_area
             if not self.loads[-1] < most:
-                raise ArgumentError("{load} must be below the hardness times the area, {most:.4g} mN", most=most)
+                strip = self.are_profiles and self.press == "lines"
+                raise ArgumentError(
+                    "{load} must be below the hardness times the nominal area of {area:.4g} µm², {most:.4g} mN"
+                    + ("; that is of a strip 1 µm wide: give a pressure, or a force and its {width}" if strip else ""),
+                    area=self._nominal_area, most=most,
+                )  # fmt: skip
         by_half_space = "half-space" in self.by
         return ladder(
             self.loads, press=self.press, mechanics="half-space" if by_half_space else "asperities", most=most,
@@ -631,6 +652,8 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 }
 
 _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
+    (("width",), lambda asked: asked.are_profiles and asked.press == "lines",
+     "is for two profiles, which are pressed as lines; other bodies have an area"),
     (("lay",), lambda asked: asked.are_profiles, "is for two profiles; a map has its lay in it"),
     (("mechanics", "check"), lambda asked: not asked.has_holes or "asperities" not in asked.by,
      "presses asperities, which take whole scans: points of one are masked"),

@@ -35,6 +35,7 @@ def pair(
     *,
     gap: str | Path | Surface | None = None,
     load: Quantity | Sequence[Quantity],
+    width: Quantity | None = None,
     mu0: float | Sequence[float] | None = None,
     tau0: Quantity | Sequence[Quantity] | None = None,
     interface: str | Path | Interface | None = None,
@@ -93,7 +94,9 @@ def pair(
     gap : str, path or Surface
         In place of both: one map that is the gap of two faces, as of a fracture, pressed at this position alone.
     load : str or float, or several, mN
-        Normal load, "10 mN" or per nominal area "10 MPa"; numbers are mN.
+        Normal load over the nominal area, "10 MPa", or a force, "10 mN"; numbers are mN.
+    width : str or float, µm
+        Of two profiles, the width across them that forces are on, "5 mm"; by default the strip of 1 µm of the paper.
     mu0 : float, or several
         Molecular friction coefficient.
     tau0 : str or float, or several, GPa
