@@ -99,10 +99,10 @@ from stiction.surfaces.preparation import (
 )
 from stiction.surfaces.profile import Profile as Profile
 from stiction.surfaces.repeated import Repeated as Repeated, repeated as repeated
+from stiction.surfaces.material_ratio import bearing_curve as bearing_curve, material_ratio as material_ratio
 from stiction.surfaces.roughness import (
     RoughnessParameters as RoughnessParameters,
     SurfaceParameters as SurfaceParameters,
-    bearing_curve as bearing_curve,
     roughness_parameters as roughness_parameters,
     surface_parameters as surface_parameters,
 )
@@ -111,6 +111,11 @@ from stiction.surfaces.scale import (
     ScaleDependentRoughness as ScaleDependentRoughness,
     instrument_limit as instrument_limit,
     scale_dependent_roughness as scale_dependent_roughness,
+)
+from stiction.surfaces.sections import (
+    SectionFilters as SectionFilters,
+    SectionParameters as SectionParameters,
+    section_parameters as section_parameters,
 )
 from stiction.surfaces.self_affine import self_affine as self_affine, self_affine_surface as self_affine_surface
 from stiction.surfaces.spectrum import (

@@ -12,6 +12,7 @@ from stiction import (
     Surface,
     cut_off,
     effective_modulus,
+    filtered,
     gentle_friction,
     hurst_exponent_of,
     joined_spectrum,
@@ -19,6 +20,7 @@ from stiction import (
     material,
     power_spectrum,
     roughness_parameters,
+    section_parameters,
     self_affine,
     self_affine_surface,
     spectral_moments,
@@ -244,3 +246,39 @@ class TestJoined:
         figure.savefig(tmp_path / "figure.png", dpi=300)
         assert imread(tmp_path / "figure.png").shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
         assert min(text.get_fontsize() for text in figure.findobj(Text) if text.get_text()) >= 6
+
+
+class TestSectionParameters:
+    TURNED = Profile(np.sin(2 * np.pi * np.arange(10_000) / 200), spacing=0.5)
+
+    def test_rows_and_values_are_those_of_the_function(self):
+        found = Characterisation(self.TURNED)
+        said = {row.label: row.texts[0] for row in found.rows}
+        values = {value["name"]: value for row in found.rows for value in row.values}
+        expected = section_parameters(self.TURNED)
+        for name, value in expected.values.items():
+            if np.isfinite(value):
+                assert values[name]["value"] == value, name
+                assert values[name]["status"] == "ok"
+        assert values["lc"]["value"] == 800
+        assert said["Ra"] == f"{1000 * expected.Ra:.4g} nm"
+        assert said["Rmr"].endswith(" %")
+        assert said["filters"].startswith("Gaussian, λc 800 µm, λs 2.5 µm (Sc3 of ISO 21920-3, for Ra 0.6363 µm and")
+        assert said["filters"].endswith("5 sections of 800 µm")
+
+    def test_short_profile_has_the_reason_and_no_values(self):
+        found = Characterisation(Profile(self.TURNED.heights[:100], spacing=0.5))
+        said = {row.label: row.texts[0] for row in found.rows}
+        values = {value["name"]: value for row in found.rows for value in row.values}
+        assert said["R and W parameters"].startswith("none: the profile is 50 µm long and one section length is 80 µm")
+        assert (values["Ra"]["value"], values["Ra"]["status"]) == (None, "too-short")
+        with pytest.raises(ValueError, match="one section length is 60 µm"):
+            _ = Characterisation(Profile(self.TURNED.heights[:100], spacing=0.5), lc=60.0).rows
+
+    def test_surface_parameters_are_those_behind_the_filters(self):
+        surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 80), spacing=0.1)
+        found = Characterisation(surface, lc=3.0, ls=0.3)
+        limited = filtered(filtered(surface, cutoff=0.3), cutoff=3.0, kind="L")
+        assert found.parameters.Sq == surface_parameters(limited).Sq
+        said = {row.label: row.texts[0] for row in found.rows}
+        assert said["filters"] == "S-filter (Gaussian, 0.3 µm), then L-filter (Gaussian, 3 µm)"

@@ -5,18 +5,17 @@ from __future__ import annotations
 import os
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
 from stiction._arguments import quantity_of
-from stiction._checks import choice
 from stiction._files import check_replaceable
 from stiction._text import LONGEST_NAME, named, printable
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import FILE, Json, given, measurement, option, with_options
 from stiction.studies.measured_surfaces import TEXTURES
-from stiction.surfaces.preparation import levelled
+from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -26,9 +25,19 @@ if TYPE_CHECKING:
 Row = Annotated[int | None, option("--row N", "Of a surface, this row alone, from 0 on.", least=0)]
 Column = Annotated[int | None, option("--column N", "Of a surface, this column alone, from 0 on.", least=0)]
 Level = Annotated[str | None, option(
-    "--level TREND",
-    "What to subtract: none, mean, line or quadratic; of a surface none, mean, plane or quadratic.", "line, plane",
+    "--level --form FORM",
+    "Form to subtract: none, mean, line, quadratic, cubic to sextic or circle; of a surface plane instead of line, and "
+    "sphere or cylinder.", "line, plane",
 )]  # fmt: skip
+LongCutoff = Annotated[
+    str | None,
+    option("--lc LENGTH", "Cutoff λc of R-parameters, and of S-parameters if given.", "by the setting class"),
+]
+ShortCutoff = Annotated[
+    str | None, option("--ls LENGTH", "Cutoff λs of R-parameters, and of S-parameters if given; none for no filter.",
+                       "by the setting class"),
+]  # fmt: skip
+Robust = Annotated[bool, option("--robust", "Take the robust Gaussian regression filter for λc.")]
 Band = Annotated[
     str | None, option("--band SHORTEST,LONGEST", 'Wavelengths to fit the Hurst exponent to, "1 um,100 um".', "found")
 ]
@@ -53,6 +62,7 @@ Output = Annotated[
     "stiction characterise map.npy --unit nm --spacing '2 um,0.5 um' --row 17",
     "stiction characterise *.csv --output finishes.csv",
     "stiction characterise lapped.csv --cutoff '100 nm' --tip '2 um' --json",
+    "stiction characterise turned.csv --form circle --lc '0.8 mm' --ls '2.5 um'",
     "stiction characterise coarse.x3p fine.di --together",
     "stiction characterise first.di second.di --repeated",
 )
@@ -64,6 +74,9 @@ def characterise(
     row: Row = None,
     column: Column = None,
     level: Level = None,
+    lc: LongCutoff = None,
+    ls: ShortCutoff = None,
+    robust: Robust = False,
     band: Band = None,
     cutoff: CutOff = None,
     together: Together = False,
@@ -85,6 +98,7 @@ def characterise(
     outputs = [] if as_json and output is None else _outputs(files, output, together=together, repeated=repeated)
     fitted = _band(band)
     shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
+    filters = _filters(lc, ls, robust=robust, joined=together or repeated)
     tip, texture = reading.pop("tip"), reading.pop("texture")
     if texture is not None and texture not in TEXTURES:
         raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
@@ -97,7 +111,9 @@ def characterise(
             body = body if shortest is None else cut_off(body, shortest)
         except ValueError as error:
             raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
-        found.append(views.Characterisation(body, band=fitted, tip_radius=radius, textured=texture is not None))
+        found.append(
+            views.Characterisation(body, band=fitted, tip_radius=radius, textured=texture is not None, **filters)
+        )
     if together or repeated:
         (_together if together else _repeated)(files, found, outputs, as_json=as_json)
         return
@@ -220,13 +236,21 @@ def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profi
 def _levelled(body: Profile | Surface, level: Any) -> Profile | Surface:
     if level == "none":
         return body
-    if isinstance(body, Profile):
-        level = "line" if level is None else level
-        choice("--level", level, Literal["none", "mean", "line", "quadratic"])
-        return levelled(body, level)
-    level = "plane" if level is None else level
-    choice("--level", level, Literal["none", "mean", "plane", "quadratic"])
+    is_line = isinstance(body, Profile)
+    level = ("line" if is_line else "plane") if level is None else level
+    allowed = "none", *get_args(ProfileForm if is_line else SurfaceForm)
+    if level not in allowed:
+        raise ValueError(f"--level must be one of {', '.join(map(repr, allowed))}, got {level!r}")
     return levelled(body, level)
+
+
+def _filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> dict[str, Any]:
+    """Parse the cutoffs of roughness parameters."""
+    if joined and (lc is not None or ls is not None or robust):
+        raise ValueError("--lc, --ls and --robust are not for use with --together or --repeated")
+    long = None if lc is None else quantity_of("lc", lc, "length")
+    short = 0.0 if ls == "none" else None if ls is None else quantity_of("ls", ls, "length")
+    return {"lc": long, "ls": short, "robust": robust}
 
 
 def _band(text: str | None) -> tuple[float, float] | None:

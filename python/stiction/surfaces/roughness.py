@@ -1,16 +1,16 @@
-"""Roughness parameters of profiles and surfaces: of their heights, slopes and texture."""
+"""Roughness parameters of primary profiles and surfaces: of their heights, slopes, texture and features."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from stiction._checks import Floats, choice, float_array
-from stiction._shown import Tabled
+from stiction._checks import Floats, choice
+from stiction.surfaces.features import feature_parameters
+from stiction.surfaces.material_ratio import EXTREME, PEAKS, VALLEYS, core, heights_at, volumes
+from stiction.surfaces.parameters import NOT_LEVELLED, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
@@ -18,38 +18,20 @@ from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 DECAY = 0.2  # autocorrelation at which its lengths are taken: the default of ISO 25178-3
-_CORE = 0.4  # fraction of the points over which the bearing curve is least steep
 _DIRECTIONS = 720  # number of directions in which the autocorrelation is followed from its middle
 _SECTORS = 90  # number of sectors, of two degrees each, over which the power of the waves is summed
-NOT_LEVELLED = "no: as they are"  # levelling of heights of which nothing was taken off
 
 
 def levelling(history: tuple[str, ...]) -> str:
-    """What was taken off heights, by their history."""
+    """Return the form that was subtracted from heights, by their history."""
     steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return steps[-1] if steps else NOT_LEVELLED
 
 
-@dataclass(frozen=True, repr=False)
-class RoughnessParameters(Tabled):
+class RoughnessParameters(ParameterSet):
     """Parameters of a primary profile by the names of ISO 21920-2, about its mean.
 
-    Attributes
-    ----------
-    Pa : float, µm
-        Arithmetic mean height: the mean of the absolute heights.
-    Pq : float, µm
-        Root-mean-square height.
-    Pt : float, µm
-        Total height: highest minus lowest point.
-    Psk : float
-        Skewness: below 0 if the valleys are deeper than the peaks are high.
-    Pku : float
-        Kurtosis, 3 for normally distributed heights.
-    Pdq : float
-        Root-mean-square slope, by the derivative that was asked for.
-    levelled : str
-        What was taken off the heights, or "no: as they are".
+    See the table of parameters for names, formulas and units.
 
     Examples
     --------
@@ -65,19 +47,11 @@ class RoughnessParameters(Tabled):
       levelled  no: as they are
     """
 
-    Pa: float = field(metadata={"unit": "µm"})
-    Pq: float = field(metadata={"unit": "µm"})
-    Pt: float = field(metadata={"unit": "µm"})
-    Psk: float
-    Pku: float
-    Pdq: float
-    levelled: str = NOT_LEVELLED
-
 
 def roughness_parameters(
     profile: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> RoughnessParameters:
-    """Roughness parameters of a profile as it is, about its mean: levelling and filtering are the caller's.
+    """Compute the P-parameters of a profile about its mean; levelling and filtering are the caller's.
 
     Parameters
     ----------
@@ -88,6 +62,12 @@ def roughness_parameters(
         How Pdq takes slopes. "seven-point" is that of ISO 4287 and of instruments, at all points that have three
         neighbours on each side; it smooths, and sees nothing of wavelengths near twice the spacing. "neighbours" is
         the difference of two neighbours over the spacing, which most codes for contact take.
+    spacing, unit : optional
+        Distance between the points of an array, and the unit of its heights.
+
+    See Also
+    --------
+    section_parameters : R- and W-parameters, behind the filters of drawings.
 
     Notes
     -----
@@ -107,54 +87,29 @@ def roughness_parameters(
     z = profile.heights
     if z.size < SEVEN_POINTS.size:
         raise ValueError(f"profile must have at least {SEVEN_POINTS.size} points, got {z.size}")
-    deviation = z - z.mean()
-    scale = float(np.abs(deviation).max())
-    deviation /= scale  # so that the fourth power neither over- nor underflows
-    rms = float(np.sqrt(np.mean(deviation**2)))
-    if derivative == "seven-point":
-        differences = np.correlate(deviation, SEVEN_POINTS, mode="valid") / 60
-    else:
-        differences = np.diff(deviation)
-    return RoughnessParameters(
-        Pa=scale * float(np.mean(np.abs(deviation))), Pq=scale * rms, Pt=float(np.ptp(z)),
-        Psk=float(np.mean((deviation / rms) ** 3)), Pku=float(np.mean((deviation / rms) ** 4)),
-        Pdq=scale * float(np.sqrt(np.mean(differences**2))) / profile.spacing, levelled=levelling(profile.history),
-    )  # fmt: skip
+    found = profile_moments(z - z.mean(), profile.spacing, derivative)
+    values = {each.name: found[each.name[1:]] for each in PROFILE_PARAMETERS["P"]}
+    return RoughnessParameters(values, levelling(profile.history))
 
 
-@dataclass(frozen=True, repr=False)
-class SurfaceParameters(Tabled):
-    """Parameters of a primary surface by the names of ISO 25178-2, about its mean.
+def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
+    """Compute the height and slope parameters of heights about their mean line, by names without the first letter."""
+    scale = float(np.abs(z).max()) or 1.0
+    unit = z / scale  # so that the fourth power neither over- nor underflows
+    rms = float(np.sqrt(np.mean(unit**2)))
+    differences = np.correlate(unit, SEVEN_POINTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
+    return {
+        "a": scale * float(np.mean(np.abs(unit))), "q": scale * rms, "t": float(np.ptp(z)),
+        "sk": float(np.mean((unit / rms) ** 3)) if rms else math.nan,
+        "ku": float(np.mean((unit / rms) ** 4)) if rms else math.nan,
+        "dq": scale * float(np.sqrt(np.mean(differences**2))) / spacing,
+    }  # fmt: skip
 
-    Attributes
-    ----------
-    Sq, Sa : float, µm
-        Root-mean-square height and mean absolute height.
-    Sz : float, µm
-        Maximum height: highest minus lowest point.
-    Ssk, Sku : float
-        Skewness, below 0 if the valleys are deeper than the peaks are high, and kurtosis, 3 for normally distributed
-        heights.
-    Sdq : float
-        Root-mean-square gradient, by the derivative that was asked for.
-    Sdr : float
-        By which share the area is larger than its projection, of triangles between neighbouring points.
-    Sal : float, µm
-        Autocorrelation length: the shortest distance at which the autocorrelation has fallen to 0.2. NaN if it does not
-        do so within half the surface.
-    Str : float
-        Texture aspect ratio: Sal over the longest such distance; 1 is isotropic, near 0 has a lay. NaN if the
-        autocorrelation has not fallen to 0.2 within half the surface in some direction: then it is below
-        Sal over half the shorter side.
-    Std : float, degrees
-        Texture direction: that of the most powerful waves, from +x towards +y, in [0, 180). A lay runs across it. Means
-        nothing where Str is near 1.
-    Sk, Spk, Svk : float, µm
-        Core height, reduced peak height and reduced valley depth of the bearing curve.
-    Smr1, Smr2 : float
-        Shares of the area at the upper and the lower end of the core.
-    levelled : str
-        What was taken off the heights, or "no: as they are".
+
+class SurfaceParameters(ParameterSet):
+    """Parameters of a surface by the names of ISO 25178-2, about its mean plane.
+
+    See the table of parameters for names, formulas and units.
 
     Examples
     --------
@@ -164,28 +119,11 @@ class SurfaceParameters(Tabled):
     0.02
     """
 
-    Sq: float = field(metadata={"unit": "µm"})
-    Sa: float = field(metadata={"unit": "µm"})
-    Sz: float = field(metadata={"unit": "µm"})
-    Ssk: float
-    Sku: float
-    Sdq: float
-    Sdr: float
-    Sal: float = field(metadata={"unit": "µm"})
-    Str: float
-    Std: float = field(metadata={"unit": "degrees"})
-    Sk: float = field(metadata={"unit": "µm"})
-    Spk: float = field(metadata={"unit": "µm"})
-    Svk: float = field(metadata={"unit": "µm"})
-    Smr1: float
-    Smr2: float
-    levelled: str = NOT_LEVELLED
-
 
 def surface_parameters(
     surface: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
-    r"""Roughness parameters of a surface as it is, about its mean: levelling and filtering are the caller's.
+    r"""Compute the parameters of a surface about its mean; levelling and filtering are the caller's.
 
     Parameters
     ----------
@@ -195,6 +133,15 @@ def surface_parameters(
     derivative : {"seven-point", "neighbours"}
         How Sdq takes slopes, as for `roughness_parameters`: along rows and columns one by one, and the mean squares of
         both added.
+    spacing, unit : optional
+        Distance between the points of an array, and the unit of its heights.
+
+    Returns
+    -------
+    SurfaceParameters
+        Sal is NaN if the autocorrelation does not fall to 0.2 within half the surface; Str also if it does not do so in
+        some direction, and then it is below Sal over half the shorter side. S5p, S5v and S10z are NaN with fewer than
+        five peaks or pits.
 
     Notes
     -----
@@ -204,12 +151,19 @@ def surface_parameters(
     shifted copy overlap, over the mean square. It is followed from the middle to where it first falls to 0.2, in 720
     directions, bilinear between shifts of whole points, up to half the length along each axis.
 
-    The power of waves is that after a Hann window, summed over sectors of two degrees from the third harmonic of the
-    longer side up to the smaller Nyquist wave number, in which all directions are there.
+    The power of waves for Std is that after a Hann window, summed over sectors of two degrees from the third harmonic
+    of the longer side up to the smaller Nyquist wave number, in which all directions are there. A lay runs across the
+    direction, which means nothing where Str is near 1. Ssw is the wavelength of the largest Fourier coefficient without
+    a window.
 
-    The core is the 40 % of the points over which a secant of the bearing curve is least steep; a straight line is
-    fitted to it by least squares, and Sk is its fall from 0 to 100 %. Spk and Svk are the heights of triangles
-    of the area of the peaks above and the valleys below the core, on the bases Smr1 and 1 - Smr2.
+    The core is the 40 % of the points over which a secant of the material ratio curve is least steep; a straight line
+    is fitted to it by least squares, and Sk is its fall from 0 to 100 %. Spk and Svk are the heights of triangles
+    of the area of the peaks above and the valleys below the core, on the bases Smr1 and 1 - Smr2. The volumes part
+    peaks, core and valleys at material ratios of 10 % and 80 %.
+
+    Peaks and pits are those of hills and dales with eight neighbours, merged by Wolf pruning below 5 % of Sz. All of
+    them count for Spd, S5p and S5v, also where the border cuts their hill; the curvature Spc is that of second
+    differences at the peaks inside of the map.
 
     ISO 25178-2:2021.
 
@@ -233,46 +187,70 @@ def surface_parameters(
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
     deviation /= scale  # so that the fourth power neither over- nor underflows
+    values = {
+        **_heights(deviation, scale), **_material_ratio(deviation, scale), **_texture(surface, deviation),
+        **_features(deviation, scale, surface.spacing),
+        "Sz": float(np.ptp(z)), "Sdq": rms_gradient(surface, derivative), "Sdr": _developed(z, surface.spacing),
+    }  # fmt: skip
+    return SurfaceParameters({each.name: values[each.name] for each in SURFACE_PARAMETERS}, levelling(surface.history))
+
+
+def _heights(deviation: Floats, scale: float) -> dict[str, float]:
     rms = float(np.sqrt(np.mean(deviation**2)))
-    squares = sum(float(np.mean(_slopes(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
+    return {
+        "Sq": scale * rms, "Sa": scale * float(np.mean(np.abs(deviation))), "Sp": scale * float(deviation.max()),
+        "Sv": -scale * float(deviation.min()), "Ssk": float(np.mean((deviation / rms) ** 3)),
+        "Sku": float(np.mean((deviation / rms) ** 4)),
+    }  # fmt: skip
+
+
+def _material_ratio(deviation: Floats, scale: float) -> dict[str, float]:
+    stratified, parts = core(deviation), volumes(deviation)
+    peak, middle, upper, lower = heights_at(deviation, [*EXTREME, PEAKS, VALLEYS]).tolist()
+    return {
+        "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower), "Sxp": scale * (peak - middle),
+        "Sk": scale * stratified.height, "Spk": scale * stratified.peaks, "Svk": scale * stratified.valleys,
+        "Smr1": stratified.upper_ratio, "Smr2": stratified.lower_ratio, "Vmp": scale * parts.peak_material,
+        "Vmc": scale * parts.core_material, "Vvc": scale * parts.core_void, "Vvv": scale * parts.valley_void,
+    }  # fmt: skip
+
+
+def _texture(surface: Surface, deviation: Floats) -> dict[str, float]:
     shortest, longest = _decay_lengths(deviation, surface.spacing)
-    core, upper, lower = _core_line(deviation)
     q, angle, density = surface_spectrum(surface).waves()
     kept = q > 2.5 * 2 * math.pi / max(surface.extent)
     sector = np.rint(angle[kept] * _SECTORS / 180).astype(np.intp) % _SECTORS
-    texture = float(int(np.argmax(np.bincount(sector, density[kept], minlength=_SECTORS))) * 180 / _SECTORS)
-    peaks, valleys = np.maximum(deviation - upper, 0), np.maximum(lower - deviation, 0)
-    above, below = float(np.mean(deviation > upper)), float(np.mean(deviation < lower))
-    return SurfaceParameters(
-        Sq=scale * rms, Sa=scale * float(np.mean(np.abs(deviation))), Sz=float(np.ptp(z)),
-        Ssk=float(np.mean((deviation / rms) ** 3)), Sku=float(np.mean((deviation / rms) ** 4)), Sdq=math.sqrt(squares),
-        Sdr=_developed(z, surface.spacing), Sal=shortest, Str=shortest / longest, Std=texture,
-        Sk=scale * core, Spk=scale * (2 * float(peaks.mean()) / above if above else 0.0),
-        Svk=scale * (2 * float(valleys.mean()) / below if below else 0.0), Smr1=above, Smr2=1 - below,
-        levelled=levelling(surface.history),
-    )  # fmt: skip
+    strongest = int(np.argmax(np.bincount(sector, density[kept], minlength=_SECTORS)))
+    return {
+        "Sal": shortest, "Str": shortest / longest, "Std": float(strongest * 180 / _SECTORS),
+        "Ssw": _dominant_wavelength(deviation, surface.spacing),
+    }  # fmt: skip
 
 
-def bearing_curve(surface: Surface, shares: ArrayLike) -> Floats:
-    """Heights (µm) above which given shares of a surface lie, from its highest point at 0 to its lowest at 1.
+def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> float:
+    """Return the wavelength of the largest Fourier coefficient."""
+    from scipy.fft import fftfreq, rfft2, rfftfreq
 
-    Parameters
-    ----------
-    surface : Surface
-    shares : array_like of float
-        From 0 to 1, of any shape.
+    transform = rfft2(deviation)
+    power = transform.real**2 + transform.imag**2
+    power[0, 0] = 0.0
+    row, column = np.unravel_index(int(np.argmax(power)), power.shape)
+    rows, columns = deviation.shape
+    wave_number = fftfreq(rows, spacing[0])[row], rfftfreq(columns, spacing[1])[column]
+    return 1 / math.hypot(*map(float, wave_number))
 
-    Examples
-    --------
-    >>> from stiction import Surface, bearing_curve
-    >>> bearing_curve(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=1.0), [0.0, 0.5, 1.0])
-    array([3. , 1.5, 0. ])
-    """
-    surface = body_of("surface", surface, Surface)
-    wanted = float_array("shares", shares)
-    if wanted.size and not (wanted.min() >= 0 and wanted.max() <= 1):
-        raise ValueError(f"shares must be from 0 to 1, got {wanted.min():g} to {wanted.max():g}")
-    return np.asarray(np.quantile(surface.heights, 1 - wanted))
+
+def _features(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
+    found = feature_parameters(deviation, spacing)
+    high, deep = scale * found.peak_height, scale * found.pit_depth
+    return {"Spd": found.density, "Spc": scale * found.curvature, "S5p": high, "S5v": deep, "S10z": high + deep}
+
+
+def rms_gradient(surface: Surface, derivative: Derivative) -> float:
+    """Compute the root-mean-square gradient Sdq."""
+    z = surface.heights - surface.heights.mean()
+    squares = (float(np.mean(_slopes(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
+    return math.sqrt(sum(squares))
 
 
 def _slopes(heights: Floats, axis: int, derivative: Derivative) -> Floats:
@@ -351,17 +329,3 @@ def _bilinear(correlation: Floats, y: Floats, x: Floats) -> Floats:
         (1 - y) * ((1 - x) * correlation[row, column] + x * correlation[row, column + 1])
         + y * ((1 - x) * correlation[row + 1, column] + x * correlation[row + 1, column + 1])
     )
-
-
-def _core_line(deviation: Floats) -> tuple[float, float, float]:
-    """Fall of the straight line through the core of the bearing curve, and its heights at 0 and 100 %."""
-    heights = np.sort(deviation, axis=None)[::-1]
-    points = heights.size
-    core = max(2, round(_CORE * points))
-    fall = heights[: points - core + 1] - heights[core - 1 :]
-    start = int(np.argmin(fall))
-    share = (np.arange(start, start + core) + 0.5) / points
-    place = share - share.mean()
-    slope = float(place @ heights[start : start + core] / (place @ place))
-    upper = float(heights[start : start + core].mean()) - slope * float(share.mean())
-    return -slope, upper, upper + slope

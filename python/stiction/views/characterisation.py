@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stiction._shown import units_of
 from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.contact_statistics import slopes_of
+from stiction.surfaces.filters import checked_cutoff, filtered
 from stiction.surfaces.holes import OUTLYING, outliers_of
 from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
 from stiction.surfaces.lines import BENT, LineRoughness, lines_along_both, off_power_law
 from stiction.surfaces.measured.writing import with_gaps
+from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, Parameter
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
-    Derivative,
     RoughnessParameters,
     SurfaceParameters,
+    rms_gradient,
     roughness_parameters,
     surface_parameters,
 )
@@ -31,6 +33,7 @@ from stiction.surfaces.scale import (
     instrument_limit,
     scale_dependent_roughness,
 )
+from stiction.surfaces.sections import SECTIONS, SectionError, SectionParameters, section_parameters
 from stiction.surfaces.spectrum import (
     PowerSpectrum,
     ProfileMoments,
@@ -58,9 +61,8 @@ _PEAK_SHARE = 0.1  # share of m4 from which a peak is reported
 _SCATTERED = 2.0  # dispersion from which the scatter of a spectrum about its fit is reported
 _HANN_CHANCE = 2.0  # variance of the logarithm of a bin of a windowed spectrum, times its harmonics
 
-_SYMBOLS = {"1": "", "um2": " µm²", "1/um2": " 1/µm²", "degrees": "°"}  # units of JSON as text
-_UNITS = {"": "1", "µm": "um", "degrees": "degrees"}  # units of parameters as JSON has them
-_SHARES = ("Sdr", "Smr1", "Smr2")  # parameters that are shown in percent
+_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # units of JSON as text
+_UNITS = {"": "1"}  # units of parameters as JSON has them; of others "um" is written for "µm" and "2" for "²"
 
 
 class Row(NamedTuple):
@@ -85,11 +87,17 @@ class Characterisation:
         Radius of the stylus or the probe.
     periodic : bool
         As in `power_spectrum`.
+    lc, ls : float, µm, optional
+        Cutoff wavelengths of the R- and W-parameters of a profile, as in `section_parameters`, or of the S-parameters
+        of a surface, which has no filters without them.
+    robust : bool
+        Whether the L-filter is the robust one.
 
     Raises
     ------
     ValueError
-        Where something is asked for: if the body is flat or too small, or a given band holds too few waves.
+        Where something is asked for: if the body is flat or too small, a given band holds too few waves, or a given
+        cutoff does not suit the profile.
     """
 
     body: Profile | Surface
@@ -98,16 +106,47 @@ class Characterisation:
     periodic: bool = False
     textured: bool = False
     """Whether the body was machined, so that lines and humps in its spectrum are its own."""
+    lc: float | None = None
+    ls: float | None = None
+    robust: bool = False
 
     @cached_property
     def parameters(self) -> RoughnessParameters | SurfaceParameters:
         """Parameters of heights and slopes."""
-        return self._parameters("seven-point")
+        body = self.scale_limited
+        return roughness_parameters(body) if isinstance(body, Profile) else surface_parameters(body)
 
-    def _parameters(self, derivative: Derivative) -> RoughnessParameters | SurfaceParameters:
-        if isinstance(self.body, Profile):
-            return roughness_parameters(self.body, derivative=derivative)
-        return surface_parameters(self.body, derivative=derivative)
+    @cached_property
+    def scale_limited(self) -> Profile | Surface:
+        """Profile as it is, or the S-L surface of the given cutoffs, of which the parameters are computed."""
+        body = self.body
+        if isinstance(body, Profile):
+            return body
+        if self.ls:
+            body = filtered(body, cutoff=checked_cutoff("ls", self.ls, body, longest=1), kind="S")
+        if self.lc is not None:
+            body = filtered(body, cutoff=checked_cutoff("lc", self.lc, body, longest=1), kind="L", robust=self.robust)
+        return body
+
+    @cached_property
+    def slope_of_neighbours(self) -> float:
+        """Root-mean-square slope or gradient of neighbouring points."""
+        body = self.scale_limited
+        if isinstance(body, Profile):
+            return roughness_parameters(body, derivative="neighbours").Pdq
+        return rms_gradient(body, "neighbours")
+
+    @cached_property
+    def sections(self) -> SectionParameters | SectionError | None:
+        """R- and W-parameters of a profile, or why a profile has none by default; None of a surface."""
+        if not isinstance(self.body, Profile):
+            return None
+        try:
+            return section_parameters(self.body, lc=self.lc, ls=self.ls, robust=self.robust)
+        except SectionError as error:
+            if self.lc is not None:
+                raise
+            return error
 
     @cached_property
     def spectrum(self) -> PowerSpectrum | None:
@@ -217,28 +256,47 @@ class Characterisation:
         return doubts_of_scan(self.body, tip_radius=self.tip_radius, textured=self.textured)
 
     def _parameter_rows(self) -> list[Row]:
-        found, neighbours = self.parameters, self._parameters("neighbours")
-        units, rows = units_of(type(found)), []
-        for name in (each.name for each in fields(found) if each.name != "levelled"):
-            value = getattr(found, name)
-            row = _row(name, value, _UNITS[units.get(name, "")])
-            if name in ("Pdq", "Sdq"):
-                other = entry(f"{name}_neighbours", getattr(neighbours, name))
-                text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
-                row = Row(name, (text,), (*row.values, other))
-            elif name == "Std":
+        rows = self._rows_of(self.parameters.values)
+        found = self.sections
+        if found is None:
+            steps = self.scale_limited.history[len(self.body.history) :]
+            words = ", then ".join(steps) if steps else "none: S-F surface of all wavelengths; --ls and --lc filter"
+            return [Row("filters", (words,)), *rows]
+        if isinstance(found, SectionError):
+            names = [each.name for letter in "RW" for each in PROFILE_PARAMETERS[letter]]
+            gone = tuple(entry(name, math.nan, _unit(PARAMETERS[name]), status="too-short") for name in names)
+            why = str(found).replace("a shorter cutoff lc", "a shorter --lc").replace("a cutoff lc", "--lc")
+            return [*rows, Row("R and W parameters", (f"none: {why}",), gone)]
+        rows.append(Row("filters", (_filters_text(found),), _filters_values(found)))
+        return [*rows, *self._rows_of(found.values)]
+
+    def _rows_of(self, values: Mapping[str, float]) -> list[Row]:
+        rows = []
+        for name, value in values.items():
+            rows.append(self._parameter_row(PARAMETERS[name], value))
+            if name == "Std":
                 steepest = self._area[2]
-                text = f"{value:.0f}° from +x towards +y, of the strongest wavelengths; a lay runs across"
-                also = f"{steepest:.1f}°, along which lines are steepest on the mean"
-                row = Row(name, (text,), (*row.values, entry("steepest_direction", steepest, "degrees")))
-                rows += [row, Row("", (also,))]
-                continue
-            elif name in _SHARES:
-                row = row._replace(texts=(f"{100 * value:.4g} %",))
-            elif name in ("Sal", "Str") and math.isnan(value):
-                row = row._replace(texts=(self._without_decay(name),))
-            rows.append(row)
+                text = f"{steepest:.1f}°, along which lines are steepest on the mean"
+                rows.append(Row("", (text,), (entry("steepest_direction", steepest, "degrees"),)))
         return rows
+
+    def _parameter_row(self, parameter: Parameter, value: float) -> Row:
+        name = parameter.name
+        row = _row(name, value, _unit(parameter))
+        if name in ("Pdq", "Sdq"):
+            other = entry(f"{name}_neighbours", self.slope_of_neighbours)
+            text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
+            return Row(name, (text,), (*row.values, other))
+        if name == "Std":
+            text = f"{value:.0f}° from +x towards +y, of the strongest wavelengths; a lay runs across"
+            return row._replace(texts=(text,))
+        if name in ("Sal", "Str") and math.isnan(value):
+            return row._replace(texts=(self._without_decay(name),))
+        if math.isnan(value):
+            return row._replace(texts=(f"none: needs {parameter.needs}",))
+        if parameter.is_fraction:
+            return row._replace(texts=(f"{100 * value:.4g} %",))
+        return row
 
     def _without_decay(self, name: str) -> str:
         """Words for a length or a ratio of the autocorrelation that the map is too small for."""
@@ -420,11 +478,34 @@ def length_text(value: float) -> str:
     return f"{value / size:.4g} {unit}"
 
 
+def _unit(parameter: Parameter) -> str:
+    """Return the unit of a parameter as JSON has it."""
+    return _UNITS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
+
+
+def _filters_text(found: SectionParameters) -> str:
+    """Return the filters and the evaluation length in words."""
+    own = found.filters
+    short = "no λs" if own.ls is None else f"λs {length_text(own.ls)}"
+    kind = "robust Gaussian regression" if own.robust else "Gaussian"
+    fewer = "" if own.sections == SECTIONS else f" instead of {SECTIONS}"
+    section = f"section{'s' * (own.sections != 1)}{fewer} of {length_text(own.lc)}"
+    return f"{kind}, λc {length_text(own.lc)}, {short} ({own.reason}); {own.sections} {section}"
+
+
+def _filters_values(found: SectionParameters) -> tuple[dict[str, Any], ...]:
+    own = found.filters
+    short = math.nan if own.ls is None else own.ls
+    cutoffs = entry("lc", own.lc, "um"), entry("ls", short, "um", status="none" if own.ls is None else STATUS_OK)
+    return *cutoffs, entry("sections", own.sections)
+
+
 def _row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> Row:
     text = length_text(value) if unit == "um" else f"{value:.4g}{_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
-    return Row(label or name, (f"{text}{words}",), (entry(name, value, unit),))
+    status = "none" if math.isnan(value) else STATUS_OK
+    return Row(label or name, (f"{text}{words}",), (entry(name, value, unit, status=status),))
 
 
 def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Row]:

@@ -1,0 +1,115 @@
+"""Material ratio (bearing) curve of a profile or a surface: ratios, heights, volumes and the core line."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stiction._checks import Floats, float_array
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface, body_of
+
+CORE = 0.4  # fraction of the points over which the material ratio curve is least steep
+PEAKS, VALLEYS = 0.1, 0.8  # material ratios that part peaks from core and core from valleys: defaults of ISO 25178-3
+EXTREME = 0.025, 0.5  # material ratios of the extreme peak height: defaults of ISO 25178-3
+
+
+def bearing_curve(body: Profile | Surface, shares: ArrayLike) -> Floats:
+    """Return the heights (µm) above which given shares of a body lie, from its highest point at 0 to its lowest at 1.
+
+    Parameters
+    ----------
+    body : Profile or Surface
+    shares : array_like of float
+        Material ratios from 0 to 1, of any shape.
+
+    Examples
+    --------
+    >>> from stiction import Surface, bearing_curve
+    >>> bearing_curve(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=1.0), [0.0, 0.5, 1.0])
+    array([3. , 1.5, 0. ])
+    """
+    body = body_of("body", body)
+    wanted = float_array("shares", shares)
+    if wanted.size and not (wanted.min() >= 0 and wanted.max() <= 1):
+        raise ValueError(f"shares must be from 0 to 1, got {wanted.min():g} to {wanted.max():g}")
+    return heights_at(body.heights, wanted)
+
+
+def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
+    """Return the shares of a body that lie above given heights (µm); Rmr(c) and Smr(c) of heights about the mean line.
+
+    Parameters
+    ----------
+    body : Profile or Surface
+    heights : array_like of float, µm
+        Section heights c, of any shape.
+
+    Examples
+    --------
+    >>> from stiction import Surface, material_ratio
+    >>> material_ratio(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=1.0), [-1.0, 1.5, 3.5])
+    array([1. , 0.5, 0. ])
+    """
+    body = body_of("body", body)
+    wanted = float_array("heights", heights)
+    ordered = np.sort(body.heights, axis=None)
+    return np.asarray(1 - np.searchsorted(ordered, wanted, side="right") / ordered.size)
+
+
+def heights_at(heights: Floats, shares: ArrayLike) -> Floats:
+    """Return the heights above which given shares of the points lie."""
+    return np.asarray(np.quantile(heights, 1 - np.asarray(shares)))
+
+
+class Volumes(NamedTuple):
+    """Material and void volumes per area of the material ratio curve, in the unit of the heights."""
+
+    peak_material: float
+    core_material: float
+    core_void: float
+    valley_void: float
+
+
+def volumes(heights: Floats) -> Volumes:
+    """Compute the volumes above and below the heights at which the material ratio is 10 % and 80 %."""
+    upper, lower = heights_at(heights, [PEAKS, VALLEYS]).tolist()
+    above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
+    below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
+    return Volumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
+
+
+class Core(NamedTuple):
+    """Core of the material ratio curve: its height, the reduced peaks and valleys, and the ratios at its ends."""
+
+    height: float
+    peaks: float
+    valleys: float
+    upper_ratio: float
+    lower_ratio: float
+
+
+def core(heights: Floats) -> Core:
+    """Compute the parameters of stratified surfaces: core height, reduced peak height and valley depth, and ratios."""
+    height, upper, lower = _core_line(heights)
+    peaks, valleys = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
+    above, below = float(np.mean(heights > upper)), float(np.mean(heights < lower))
+    reduced_peaks = 2 * float(peaks.mean()) / above if above else 0.0
+    reduced_valleys = 2 * float(valleys.mean()) / below if below else 0.0
+    return Core(height, reduced_peaks, reduced_valleys, above, 1 - below)
+
+
+def _core_line(deviation: Floats) -> tuple[float, float, float]:
+    """Fall of the straight line through the core of the material ratio curve, and its heights at 0 and 100 %."""
+    heights = np.sort(deviation, axis=None)[::-1]
+    points = heights.size
+    core = max(2, round(CORE * points))
+    fall = heights[: points - core + 1] - heights[core - 1 :]
+    start = int(np.argmin(fall))
+    share = (np.arange(start, start + core) + 0.5) / points
+    place = share - share.mean()
+    slope = float(place @ heights[start : start + core] / (place @ place))
+    upper = float(heights[start : start + core].mean()) - slope * float(share.mean())
+    return -slope, upper, upper + slope

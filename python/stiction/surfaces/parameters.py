@@ -1,0 +1,198 @@
+"""The table of roughness parameters: name, standard, formula, unit and needs of each, and sets of their values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stiction._shown import Readable, in_unit, table
+
+NOT_LEVELLED = "no: as they are"  # levelling of heights of which nothing was taken off
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A roughness parameter.
+
+    Attributes
+    ----------
+    name : str
+    meaning : str
+    source : str
+        Standard and clause; a clause is named by its subject where its number is not certain.
+    formula : str
+        In LaTeX, with z the height about the mean line or plane.
+    unit : str
+        "µm", "", "degrees", "1/µm" or "1/µm²".
+    needs : str
+        Without it there is no value; empty if the parameter always exists.
+    is_fraction : bool
+        Whether text shows the value in percent.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    formula: str
+    unit: str = "µm"
+    needs: str = ""
+    is_fraction: bool = False
+
+
+_HEIGHT, _GRADIENT, _RATIO = "height parameters", "hybrid parameters", "material ratio functions"
+_SECTION, _ELEMENT = "peak heights and pit depths per section", "profile elements"
+
+_PROFILE = {
+    "a": ("arithmetic mean height", _HEIGHT, r"\frac1l \int |z|\,dx", "µm"),
+    "q": ("root-mean-square height", _HEIGHT, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
+    "z": ("maximum height per section, mean of the sections", _SECTION, r"\frac1n \sum_i (p_i + v_i)", "µm"),
+    "p": ("peak height per section, mean of the sections", _SECTION, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
+    "v": ("pit depth per section, mean of the sections", _SECTION, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
+    "t": ("total height", _HEIGHT, r"\max z - \min z", "µm"),
+    "sk": ("skewness", _HEIGHT, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
+    "ku": ("kurtosis", _HEIGHT, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
+    "dq": ("root-mean-square slope", _GRADIENT, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
+    "Sm": ("mean spacing of the profile elements", _ELEMENT, r"\frac1m \sum_i X_i", "µm"),
+    "c": ("mean height of the profile elements", _ELEMENT, r"\frac1m \sum_i Z_i", "µm"),
+    "mr": ("material ratio at the mean line, (c) = 0", _RATIO, r"\frac1l\,|\{x: z > c\}|", ""),
+    "dc": ("height difference of material ratios 20 % and 80 %", _RATIO, r"c(20\,\%) - c(80\,\%)", "µm"),
+    "k": ("core height", _RATIO, r"\text{fall of the core line from 0 to 100 \%}", "µm"),
+    "pk": ("reduced peak height", _RATIO, r"2 A_1/mrk_1", "µm"),
+    "vk": ("reduced pit depth", _RATIO, r"2 A_2/(1 - mrk_2)", "µm"),
+    "mrk1": ("material ratio at the upper end of the core", _RATIO, r"mr(\text{core line at 0})", ""),
+    "mrk2": ("material ratio at the lower end of the core", _RATIO, r"mr(\text{core line at 100 \%})", ""),
+}  # fmt: skip
+"""Profile parameters without the letter of the profile: meaning, subject of the clause, formula, unit."""
+
+_OF_PROFILE = {
+    "P": ("a", "q", "t", "sk", "ku", "dq"),
+    "R": tuple(_PROFILE),
+    "W": ("a", "q", "t", "sk", "ku", "dq", "Sm", "c"),
+}
+_NEEDS = {"P": "", "R": "one section length", "W": "one section length"}
+_ELEMENTS = "three turns from hill to dale"
+
+
+def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
+    found = []
+    for stem in _OF_PROFILE[letter]:
+        meaning, subject, formula, unit = _PROFILE[stem]
+        needs = _ELEMENTS if subject == _ELEMENT else _NEEDS[letter]
+        source, fraction = f"ISO 21920-2, {subject}", stem.startswith("mr")
+        found.append(Parameter(letter + stem, meaning, source, formula, unit, needs, fraction))
+    return tuple(found)
+
+
+PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
+"""Parameters of the primary, roughness and waviness profile."""
+
+_AREAL, _PEAKS = "ISO 25178-2", "five peaks"
+SURFACE_PARAMETERS = (
+    Parameter("Sq", "root-mean-square height", f"{_AREAL}, height", r"\left(\frac1A \int z^2\,dA\right)^{1/2}"),
+    Parameter("Sa", "arithmetic mean height", f"{_AREAL}, height", r"\frac1A \int |z|\,dA"),
+    Parameter("Sp", "maximum peak height", f"{_AREAL}, height", r"\max z"),
+    Parameter("Sv", "maximum pit depth", f"{_AREAL}, height", r"-\min z"),
+    Parameter("Sz", "maximum height", f"{_AREAL}, height", "Sp + Sv"),
+    Parameter("Ssk", "skewness", f"{_AREAL}, height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
+    Parameter("Sku", "kurtosis", f"{_AREAL}, height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
+    Parameter(
+        "Sdq", "root-mean-square gradient", f"{_AREAL}, hybrid", r"\left(\frac1A \int |\nabla z|^2\,dA\right)^{1/2}", ""
+    ),
+    Parameter(
+        "Sdr", "developed interfacial area ratio", f"{_AREAL}, hybrid",
+        r"\frac1A \int \sqrt{1 + |\nabla z|^2}\,dA - 1", "", is_fraction=True,
+    ),
+    Parameter(
+        "Sal", "autocorrelation length", f"{_AREAL}, spatial", r"\min \{r: f_{ACF}(r) \le 0.2\}",
+        needs="a decay to 0.2 within half the map",
+    ),
+    Parameter(
+        "Str", "texture aspect ratio", f"{_AREAL}, spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
+        "a decay to 0.2 within half the map in all directions",
+    ),
+    Parameter("Std", "texture direction", f"{_AREAL}, spatial", r"\arg\max f_{APS}(s)", "degrees"),
+    Parameter("Ssw", "dominant spatial wavelength", f"{_AREAL}, spatial", r"2π/|q|,\ q = \arg\max |\hat z(q)|"),
+    Parameter(
+        "Smr", "material ratio at the mean plane, (c) = 0", f"{_AREAL}, material ratio", r"\frac1A\,|\{z > c\}|", "",
+        is_fraction=True,
+    ),
+    Parameter(
+        "Sdc", "height difference of material ratios 10 % and 80 %", f"{_AREAL}, material ratio",
+        r"Smc(10\,\%) - Smc(80\,\%)",
+    ),
+    Parameter(
+        "Sxp", "extreme peak height", f"{_AREAL}, material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
+    ),
+    Parameter(
+        "Sk", "core height", f"{_AREAL}, material ratio", r"\text{fall of the core line from 0 to 100 \%}",
+    ),
+    Parameter("Spk", "reduced peak height", f"{_AREAL}, material ratio", r"2 A_1/Smr_1"),
+    Parameter("Svk", "reduced pit depth", f"{_AREAL}, material ratio", r"2 A_2/(1 - Smr_2)"),
+    Parameter(
+        "Smr1", "material ratio at the upper end of the core", f"{_AREAL}, material ratio",
+        r"Smr(\text{core line at 0})", "", is_fraction=True,
+    ),
+    Parameter(
+        "Smr2", "material ratio at the lower end of the core", f"{_AREAL}, material ratio",
+        r"Smr(\text{core line at 100 \%})", "", is_fraction=True,
+    ),
+    Parameter("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_AREAL}, volume", r"Vm(10\,\%)"),
+    Parameter("Vmc", "core material volume", f"{_AREAL}, volume", r"Vm(80\,\%) - Vm(10\,\%)"),
+    Parameter("Vvc", "core void volume", f"{_AREAL}, volume", r"Vv(10\,\%) - Vv(80\,\%)"),
+    Parameter("Vvv", "pit void volume", f"{_AREAL}, volume", r"Vv(80\,\%)"),
+    Parameter("Spd", "density of peaks", f"{_AREAL}, feature", r"n/A", "1/µm²"),
+    Parameter(
+        "Spc", "arithmetic mean peak curvature", f"{_AREAL}, feature",
+        r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak inside of the map",
+    ),
+    Parameter("S5p", "five-point peak height", f"{_AREAL}, feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_PEAKS),
+    Parameter(
+        "S5v", "five-point pit depth", f"{_AREAL}, feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
+    ),
+    Parameter("S10z", "ten-point height", f"{_AREAL}, feature", "S5p + S5v", needs="five peaks and five pits"),
+)  # fmt: skip
+"""Parameters of a surface."""
+
+PARAMETERS = {
+    each.name: each for each in (*(one for all_ in PROFILE_PARAMETERS.values() for one in all_), *SURFACE_PARAMETERS)
+}
+"""All parameters by name."""
+
+
+@dataclass(frozen=True, repr=False)
+class ParameterSet(Readable):
+    """Values of roughness parameters, each an attribute by its name.
+
+    Attributes
+    ----------
+    values : dict
+        Values by the names of the parameters, in the order of their table; NaN where a parameter does not exist.
+    levelled : str
+        Form that was subtracted from the heights, or "no: as they are".
+    """
+
+    values: Mapping[str, float]
+    levelled: str = NOT_LEVELLED
+
+    def __getattr__(self, name: str) -> float:
+        """Return the value of a parameter."""
+        values: Mapping[str, float] = self.__dict__.get("values", {})  # empty while an object is being copied
+        if name in values:
+            return values[name]
+        raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
+
+    def _shown_values(self) -> list[tuple[str, str, str]]:
+        return [(name, *in_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
+
+    def _shown_words(self) -> dict[str, str]:
+        return {"levelled": self.levelled}
+
+    def __repr__(self) -> str:
+        """Show a line for each parameter, with its unit."""
+        lines = {name: f"{value} {unit}".strip() for name, value, unit in self._shown_values()} | self._shown_words()
+        width = max(map(len, lines))
+        return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])
+
+    def _repr_html_(self) -> str:
+        words = [(name, text, "") for name, text in self._shown_words().items()]
+        return table(("parameter", "value", "unit"), [*self._shown_values(), *words])

@@ -1,0 +1,49 @@
+"""Profile elements: hills and dales of a profile between its crossings of the mean line."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stiction._checks import Floats
+
+DISCRIMINATION = 0.1  # fraction of the peak height and the pit depth below which a hill or a dale does not count
+
+
+def elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
+    """Return the spacings (points) and the heights of the profile elements of a profile about its mean line.
+
+    A hill counts if it rises above a tenth of the peak height, a dale if it falls below a tenth of the pit depth, both
+    above 0. An element is a hill with the dale that follows, or a dale with the hill that follows. Both bodies of an
+    element end at crossings of the mean line, interpolated between points; where the profile crosses the line several
+    times between a hill and a dale that count, at the mean of the first and the last of these crossings.
+    """
+    side = np.zeros(heights.size, np.int8)
+    side[heights > DISCRIMINATION * peak] = 1
+    side[heights < -DISCRIMINATION * pit] = -1
+    counting = np.flatnonzero(side)
+    turns = np.flatnonzero(np.diff(side[counting]))
+    last, following = counting[turns], counting[turns + 1]  # last point of a feature and first point of the next
+    above = heights > 0
+    crossings = np.flatnonzero(above[:-1] != above[1:])
+    if last.size < 3:
+        return np.empty(0), np.empty(0)
+    places = crossings + heights[crossings] / (heights[crossings] - heights[crossings + 1])
+    first = places[np.searchsorted(crossings, last)]
+    final = places[np.searchsorted(crossings, following) - 1]
+    ends = (first + final) / 2
+    # Highest and lowest point between one end and the next.
+    starts = np.ceil(ends).astype(np.intp)
+    highest = np.maximum.reduceat(heights, starts)[:-1]
+    lowest = np.minimum.reduceat(heights, starts)[:-1]
+    tops, bottoms = np.maximum(highest[:-1], highest[1:]), np.minimum(lowest[:-1], lowest[1:])
+    return ends[2:] - ends[:-2], tops - bottoms
+
+
+def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
+    """Return the mean spacing (points) and height of the profile elements; NaN without an element."""
+    spacings, tall = elements(heights, peak, pit)
+    if not spacings.size:
+        return math.nan, math.nan
+    return float(spacings.mean()), float(tall.mean())

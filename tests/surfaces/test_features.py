@@ -1,0 +1,65 @@
+"""Feature parameters of surfaces: peaks, pits and Wolf pruning against a literal merge of hills, and egg boxes."""
+
+import math
+
+import numpy as np
+import pytest
+from reference import roughness as slow
+from rough_bodies import self_affine_map
+from stiction import Surface, surface_parameters
+from stiction.surfaces.features import feature_parameters, significant_peaks
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("pruning", [0.0, 0.05, 0.2])
+def test_peaks_equal_those_of_a_literal_merge_of_hills(seed, pruning):
+    heights = self_affine_map(seed, 0.6, (22, 27)).heights
+    for sign in (1, -1):
+        threshold = pruning * float(np.ptp(heights))
+        expected = slow.wolf_pruned_peaks(sign * heights, threshold)
+        found = {divmod(int(index), 27) for index in significant_peaks(sign * heights, threshold)}
+        assert found == expected
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_feature_parameters_equal_their_definitions(seed):
+    surface = self_affine_map(seed, 0.6, (24, 30), spacing=(0.5, 0.25))
+    z = surface.heights - surface.heights.mean()
+    found, expected = surface_parameters(surface), slow.features(z, surface.spacing)
+    for name, value in expected.items():
+        assert getattr(found, name) == pytest.approx(value, rel=1e-9), name
+
+
+def test_egg_box_has_the_peaks_and_the_curvature_of_its_cosines():
+    # z = A (cos kx + cos ky)/2: peaks of A with curvature A k²/2, one in each square of a wavelength.
+    points, amplitude, spacing = 40, 0.3, 0.05
+    x = 2 * np.pi * (np.arange(5 * points) + points / 2 + 0.25) / points
+    surface = Surface(amplitude / 2 * (np.cos(x)[:, np.newaxis] + np.cos(x)), spacing=spacing)
+    found = surface_parameters(surface)
+    wave_number = 2 * math.pi / (points * spacing)
+    assert found.Spd == pytest.approx(25 / (5 * points * spacing) ** 2)
+    assert found.Spc == pytest.approx(amplitude * wave_number**2 / 2, rel=5e-3)
+    assert (found.S5p, found.S5v) == pytest.approx((amplitude, amplitude), rel=2e-3)
+    assert found.S10z == pytest.approx(2 * amplitude, rel=2e-3)
+    assert found.Ssw == pytest.approx(points * spacing)
+
+
+def test_plateaus_count_as_one_peak():
+    heights = np.zeros((12, 12))
+    heights[2:5, 2:5], heights[7:10, 7:9] = 1.0, 2.0
+    assert significant_peaks(heights, 0.1).size == 2
+    assert significant_peaks(heights, 1.5).size == 1
+
+
+def test_few_peaks_have_no_five_point_height():
+    y, x = np.arange(20.0)[:, np.newaxis], np.arange(30.0)
+    found = feature_parameters(-((x - 15) ** 2) - (y - 10) ** 2, (1.0, 1.0))
+    assert math.isnan(found.peak_height)
+    assert math.isnan(found.pit_depth)  # four corners
+    assert found.density == pytest.approx(1 / 600)
+
+
+def test_dominant_wavelength_is_that_of_the_largest_coefficient():
+    surface = self_affine_map(3, 0.6, (18, 24), spacing=(0.5, 0.25))
+    z = surface.heights - surface.heights.mean()
+    assert surface_parameters(surface).Ssw == pytest.approx(slow.dominant_wavelength(z, surface.spacing), rel=1e-9)

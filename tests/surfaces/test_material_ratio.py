@@ -1,0 +1,83 @@
+"""Material ratio curve: ratios, heights, volumes and core against definitions and known distributions."""
+
+import math
+
+import numpy as np
+import pytest
+from reference import roughness as slow
+from rough_bodies import rough, self_affine_map
+from scipy.stats import norm
+from stiction import Surface, material_ratio, roughness_parameters, surface_parameters
+from stiction.surfaces.material_ratio import core, heights_at, volumes
+
+
+@pytest.fixture(scope="module")
+def heights():
+    surface = self_affine_map(2, 0.6, (30, 40))
+    return surface.heights - surface.heights.mean()
+
+
+def test_heights_and_ratios_equal_their_definitions(heights):
+    z = heights.ravel().tolist()
+    for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
+        assert heights_at(heights, ratio) == pytest.approx(slow.height_at(z, ratio), rel=1e-12)
+    levels = [-10.0, -0.5, 0.0, 0.7, 10.0]
+    expected = [slow.ratio_at(z, level) for level in levels]
+    assert material_ratio(Surface(heights, spacing=1.0), levels) == pytest.approx(expected, abs=1e-12)
+    assert material_ratio(rough(), [100.0]) == 0
+
+
+def test_core_equals_its_definition(heights):
+    found, expected = core(heights), slow.stratified(heights.ravel().tolist())
+    assert found == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
+
+
+def test_volumes_equal_integrals_of_the_curve(heights):
+    found, expected = volumes(heights), slow.volumes(heights.ravel().tolist())
+    assert found == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
+
+
+def test_parameters_of_equally_distributed_heights_have_closed_forms():
+    # Heights from -1 to 1: c(p) = 1 - 2 p, so the volume above ratio p is p².
+    even = Surface(np.random.default_rng(1).permutation(np.linspace(-1, 1, 40_000)).reshape(200, 200), spacing=1.0)
+    found = surface_parameters(even)
+    expected = {
+        "Sp": 1, "Sv": 1, "Smr": 0.5, "Sdc": 1.4, "Sxp": 0.95, "Vmp": 0.01, "Vmc": 0.63, "Vvc": 0.81 - 0.04,
+        "Vvv": 0.04,
+    }  # fmt: skip
+    for name, value in expected.items():
+        assert getattr(found, name) == pytest.approx(value, rel=1e-3), name
+
+
+def test_parameters_of_normally_distributed_heights_have_closed_forms():
+    z = norm.isf((np.arange(250_000) + 0.5) / 250_000)
+    found = surface_parameters(Surface(np.random.default_rng(2).permutation(z).reshape(500, 500), spacing=1.0))
+
+    def material(ratio):
+        return norm.pdf(norm.isf(ratio)) - norm.isf(ratio) * ratio
+
+    assert found.Sxp == pytest.approx(norm.isf(0.025), rel=1e-3)
+    assert found.Sdc == pytest.approx(norm.isf(0.1) - norm.isf(0.8), rel=1e-3)
+    assert found.Vmp == pytest.approx(material(0.1), rel=2e-3)
+    assert found.Vmc == pytest.approx(material(0.8) - material(0.1), rel=2e-3)
+    assert found.Vvv == pytest.approx(material(0.2), rel=2e-3)  # by symmetry
+    assert found.Vvc == pytest.approx(material(0.9) - material(0.2), rel=2e-3)
+
+
+def test_volumes_add_up(heights):
+    # Material and void between the two heights fill the slab between them.
+    found = volumes(heights)
+    upper, lower = heights_at(heights, [0.1, 0.8])
+    assert found.core_material + found.core_void == pytest.approx(upper - lower, rel=1e-12)
+
+
+def test_parameter_set_shows_units_and_missing_values():
+    found = surface_parameters(Surface(np.add.outer(np.zeros(30), np.sin(np.arange(60.0))), spacing=0.5))
+    lines = dict(line.strip().split(None, 1) for line in repr(found).splitlines()[1:])
+    assert lines["Str"] == "none"
+    assert lines["Spd"].endswith("1/µm²")
+    assert lines["levelled"] == "no: as they are"
+    with pytest.raises(AttributeError, match="SurfaceParameters has no parameter 'Ra'"):
+        found.Ra  # noqa: B018
+    assert math.isnan(found.Str)
+    assert list(roughness_parameters(rough()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]

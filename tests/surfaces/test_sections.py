@@ -1,0 +1,190 @@
+"""R- and W-parameters: closed forms of sinusoids, slow definitions, setting classes, and what is rejected."""
+
+import math
+
+import numpy as np
+import pytest
+from reference import roughness as slow
+from reference.gaussian_filters import mean_line
+from stiction import Profile, levelled, section_parameters, self_affine
+from stiction.surfaces.parameters import PROFILE_PARAMETERS
+from stiction.surfaces.profile_elements import mean_element
+
+
+def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
+    """Whole waves that start anywhere; heights and lengths in µm."""
+    x = np.arange(waves * points) / points
+    return Profile(amplitude * np.sin(2 * np.pi * x + phase), spacing=wavelength / points)
+
+
+def ground(seed=1, points=4500, spacing=0.5):
+    """A ground profile with some waviness."""
+    fine = self_affine(seed, hurst_exponent=0.7, rms=0.3, points=points, spacing=spacing, longest_wavelength=60.0)
+    x = spacing * np.arange(points)
+    return levelled(Profile(fine.heights + 0.5 * np.cos(2 * np.pi * x / 1000), spacing=spacing), "line")
+
+
+class TestSinusoid:
+    @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0])
+    def test_height_parameters_have_closed_forms(self, ratio):
+        # Amplitude A (1 - t) with the transmission t = exp(-π (α λc/λ)²) behind the L-filter.
+        wavelength = 800 * ratio
+        # Fifteen sections, so that the five in the middle are out of the reach of the ends, of whole waves.
+        found = section_parameters(sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0)
+        amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
+        close = 1e-4  # of 400 points to a wave
+        assert found.Ra == pytest.approx(2 * amplitude / math.pi, rel=close)
+        assert found.Rq == pytest.approx(amplitude / math.sqrt(2), rel=close)
+        assert found.Rz == pytest.approx(2 * amplitude, rel=close)
+        assert found.Rdq == pytest.approx(
+            2 * math.pi / wavelength * amplitude / math.sqrt(2), rel=3e-3
+        )  # of all but six points
+        assert found.Rku == pytest.approx(1.5, rel=close)
+        assert found.RSm == pytest.approx(wavelength, rel=close)
+        assert found.Rc == pytest.approx(2 * amplitude, rel=close)
+        assert found.Rmr == pytest.approx(0.5, abs=0.002)
+        assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
+
+    def test_s_filter_takes_off_its_share(self):
+        # A wave of the length of λs keeps half of its amplitude.
+        found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
+        assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
+
+    def test_roughness_and_waviness_are_parted_at_half_the_amplitude(self):
+        found = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
+        assert found.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
+        assert found.WSm == pytest.approx(800, rel=0.01)
+        assert found.Wc == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.fixture(scope="module")
+def profile():
+    return ground(points=900)
+
+
+@pytest.fixture(scope="module")
+def parts(profile):
+    """Roughness of the evaluation length, and waviness, by slow filters: λs 4 µm and λc 80 µm."""
+    primary = mean_line(profile.heights, 0.5, 4.0)
+    waviness = mean_line(primary, 0.5, 80.0)
+    return (primary - waviness)[50:850].tolist(), waviness.tolist()
+
+
+@pytest.fixture(scope="module")
+def found(profile):
+    return section_parameters(profile, lc=80, ls=4)
+
+
+class TestDefinitions:
+    def test_evaluation_length_is_five_sections_in_the_middle(self, found):
+        assert (found.filters.start, found.filters.stop, found.filters.sections) == (50, 850, 5)
+
+    def test_roughness_parameters_equal_their_definitions(self, parts, found):
+        z = parts[0]
+        peak, pit = slow.sections(z, 5)
+        spacing, tall = slow.profile_elements(z, peak, pit)
+        expected = slow.heights_and_slopes(z, 0.5) | slow.stratified(z)
+        expected |= {"p": peak, "v": pit, "z": peak + pit, "Sm": 0.5 * spacing, "c": tall}
+        expected |= {"mr": slow.ratio_at(z, 0), "dc": slow.height_at(z, 0.2) - slow.height_at(z, 0.8)}
+        assert sorted(f"R{stem}" for stem in expected) == sorted(each.name for each in PROFILE_PARAMETERS["R"])
+        for stem, value in expected.items():
+            # The slow filter samples the Gaussian, by eight points at λs; ratios change by whole points.
+            close = {"abs": 2 / 800} if stem.startswith("mr") else {"rel": 2e-4, "abs": 2e-4}
+            assert getattr(found, f"R{stem}") == pytest.approx(value, **close), stem
+
+    def test_waviness_parameters_equal_their_definitions(self, parts, found):
+        z = parts[1]
+        spacing, tall = slow.profile_elements(z, max(z), -min(z))
+        expected = slow.heights_and_slopes(z, 0.5) | {"Sm": 0.5 * spacing, "c": tall}
+        for stem, value in expected.items():
+            assert getattr(found, f"W{stem}") == pytest.approx(value, rel=2e-4, abs=1e-6), stem
+
+
+def test_profile_elements_ignore_small_hills_and_dales():
+    # A dale of 5 % between two hills is no end of an element.
+    wave = np.concatenate([np.sin(np.linspace(0, np.pi, 50)), [-0.05], np.sin(np.linspace(0, np.pi, 50))])
+    heights = np.concatenate([wave, -wave] * 4)
+    assert mean_element(heights, 1.0, 1.0)[0] == pytest.approx(202, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_profile_elements_are_those_of_the_reversed_and_the_flipped_profile(seed):
+    heights = ground(seed).heights
+    own = mean_element(heights, 0.5, 0.7)
+    assert mean_element(heights[::-1], 0.5, 0.7) == pytest.approx(own, rel=1e-9)
+    assert mean_element(-heights, 0.7, 0.5) == pytest.approx(own, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_profile_elements_equal_a_walk_along_the_profile(seed):
+    heights = ground(seed, points=1500).heights
+    assert mean_element(heights, 0.5, 0.7) == pytest.approx(slow.profile_elements(heights, 0.5, 0.7), rel=1e-9)
+
+
+class TestSettingClass:
+    @pytest.mark.parametrize(
+        ("amplitude", "wavelength", "name", "lc", "ls"),
+        [
+            (0.01, 20.0, "Sc1", 80, 2.5), (0.01, 60.0, "Sc2", 250, 2.5), (0.1, 20.0, "Sc2", 250, 2.5),
+            (1.0, 20.0, "Sc3", 800, 2.5), (0.01, 390.0, "Sc3", 800, 2.5), (5.0, 20.0, "Sc4", 2500, 8),
+            (30.0, 20.0, "Sc5", 8000, 25),
+        ],
+    )  # fmt: skip
+    def test_class_follows_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
+        x = 0.5 * np.arange(20_000)
+        profile = Profile(amplitude * np.sin(2 * np.pi * x / wavelength), spacing=0.5)
+        found = section_parameters(profile).filters
+        assert (found.lc, found.ls, found.reason[:3]) == (lc, ls, name)
+
+    def test_coarse_grid_has_no_s_filter(self):
+        x = 5.0 * np.arange(2000)
+        assert section_parameters(Profile(np.sin(2 * np.pi * x / 100), spacing=5.0)).filters.ls is None
+
+    def test_fewer_sections_are_taken_from_a_short_profile(self):
+        found = section_parameters(sinusoid(50.0, waves=39), lc=800)
+        assert found.filters.sections == 2
+        assert found.filters.stop - found.filters.start == 3200
+
+    def test_robust_filter_does_not_follow_a_groove(self):
+        profile = ground(points=3000)
+        heights = profile.heights.copy()
+        heights[1500:1560] -= 20
+        grooved = Profile(heights, spacing=0.5)
+        linear, robust = (section_parameters(grooved, lc=250, robust=each) for each in (False, True))
+        plain = section_parameters(profile, lc=250)
+        assert abs(robust.Rp - plain.Rp) < 0.2 * abs(linear.Rp - plain.Rp)
+
+    def test_missing_points_do_not_change_the_filters(self):
+        profile, missing = ground(points=3000), np.zeros(3000, bool)
+        missing[1400:1403] = True
+        heights = np.where(missing, 50.0, profile.heights)
+        found = section_parameters(Profile(heights, spacing=0.5, missing=missing), lc=250)
+        assert found.Wt == pytest.approx(section_parameters(profile, lc=250).Wt, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, r"the profile is 50 µm long and one section length is 80 µm: measure a longer one"),
+        ({"lc": 60.0}, "one section length is 60 µm"),
+        ({"lc": 2.0}, "lc must be at least 7 points, 3.5 µm, got 2 µm"),
+        ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
+        ({"lc": 40.0, "ls": 0.7}, "ls must be 0 or from two points, 1 µm, to lc, 40 µm, got 0.7 µm"),
+        ({"lc": 40.0, "ls": 41.0}, "ls must be 0 or from two points"),
+        ({"lc": 40.0, "ls": -2.0}, "ls must be"),
+        ({"lc": 40.0, "sections": 0}, "sections must be a whole number of at least 1"),
+    ],
+)
+def test_section_parameters_reject_bad_arguments(options, message):
+    with pytest.raises(ValueError, match=message):
+        section_parameters(Profile(np.sin(np.arange(100.0)), spacing=0.5), **options)
+
+
+def test_flat_profile_is_rejected():
+    with pytest.raises(ValueError, match="flat"):
+        section_parameters(Profile(np.ones(1000), spacing=0.5))
+
+
+def test_straight_profile_has_no_roughness():
+    found = section_parameters(Profile(np.linspace(-1, 1, 1000), spacing=0.5), lc=80)
+    assert found.Ra < 1e-9
