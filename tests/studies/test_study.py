@@ -1,5 +1,6 @@
 import contextlib
 import pickle
+import re
 import tomllib
 
 import numpy as np
@@ -11,6 +12,7 @@ from stiction._units import exactly, quantity
 from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
 from stiction.studies.study import differences, study_from_text
 from stiction.studies.values import StudyError
+from stiction.views.study_keys import key_tables, study_keys_text
 
 
 class TestQuantities:
@@ -399,3 +401,40 @@ class TestLoadsAskedFor:
         assert data.sizes["load"] == 4
         at = friction_map(data, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
         assert set(at["status"].values.ravel().tolist()) == {"ok"}
+
+
+class TestKeys:
+    """Keys of study files: their tables, other names, and what is said of unknown ones."""
+
+    def test_types_of_quantities_are_those_that_are_read(self):
+        allowed = {}
+        for title, _, rows in key_tables():
+            for key, _, values, _ in rows:
+                allowed.setdefault((title, key.strip("`")), values)
+        assert allowed["`[contact]`", "effective_modulus"] == "a pressure above 0"
+        assert allowed["`[contact]`", "hardness"] == "a pressure above 0"
+        assert allowed["`[contact]`", "work_of_adhesion"] == "an energy of an area, at least 0"
+        assert "range" in allowed["`[known]`", "hardness"]
+        assert "hurst_exponent" in study_keys_text()
+
+    def test_self_affine_surfaces_take_the_names_of_the_function(self):
+        named = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}
+        surfaces = SELF_AFFINE.with_changes(named | {"surfaces.shape": [64, 32]}).surfaces
+        assert surfaces.fractal_dimensions() == pytest.approx([1.2, 1.5])
+        assert (surfaces.amplitude_measure, surfaces.amplitudes().tolist()) == ("Sq", [0.02])
+        assert surfaces.extents() == pytest.approx((6.4, 3.2))
+        ranged = SELF_AFFINE.with_changes({"surfaces.hurst_exponent": {"start": 0.4, "stop": 0.8, "count": 5}})
+        assert ranged.surfaces.fractal_dimensions() == pytest.approx([1.2, 1.3, 1.4, 1.5, 1.6])
+
+    @pytest.mark.parametrize(
+        ("study", "key", "words"),
+        [
+            (SELF_AFFINE, "surfaces.hurst", "is it 'hurst_exponent'"),
+            (SURFACES, "contact.modulus", "'effective_modulus'"),
+            (Study(), "contact.xyzzy", "stiction studies --keys lists all"),
+            (SELF_AFFINE, "surfaces.hurst_exponent", "surfaces.hurst_exponent: must be"),
+        ],
+    )
+    def test_unknown_keys_name_the_nearest(self, study, key, words):
+        with pytest.raises(StudyError, match=re.escape(words)):
+            study.with_changes({key: "much"})

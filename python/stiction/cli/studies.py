@@ -59,11 +59,19 @@ def run_command(
         draw_result(stored, directory)
 
 
-@command("studies", "stiction studies", "stiction studies figure6 > mine.toml")
+@command("studies", "stiction studies", "stiction studies figure6 > mine.toml", "stiction studies --keys")
 def studies(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="The study to print.", show_default=False)] = None,
+    keys: Annotated[bool, option("--keys", "List the keys of study files: defaults, values and meanings.")] = False,
 ) -> None:
-    """List the built-in studies, or print one as a study file."""
+    """List the built-in studies, or print one as a study file, or list the keys of study files."""
+    if keys:
+        from stiction.views.study_keys import study_keys_text
+
+        if name is not None:
+            raise StudyError(f"--keys lists the keys of all studies, got {shortened(name)}")
+        tell(study_keys_text())
+        return
     if name is not None:
         tell(Study.named(name).to_toml())
         return

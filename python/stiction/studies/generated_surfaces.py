@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from stiction._checks import Floats
-from stiction._units import quantity
+from stiction._units import exactly, quantity, shortened
 from stiction.studies.values import (
     MOST_VALUES,
     DimensionRange,
@@ -19,6 +20,7 @@ from stiction.studies.values import (
     array_of,
     as_tuple,
     fault_at,
+    read_length,
 )
 from stiction.surfaces.fractal import Convention
 from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
@@ -164,6 +166,18 @@ class WeierstrassMandelbrotSurfaces(Areas):
     band_limit: BandLimit = "none"
 
 
+def _dimensions_of(exponents: Any) -> Any:
+    """Return D = 2 - H of one Hurst exponent, a list or a range, in rising order."""
+    try:
+        if isinstance(exponents, Mapping):
+            ends = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
+            return {**exponents, **ends}
+        several = exponents if isinstance(exponents, (list, tuple)) else [exponents]
+        return sorted(round(2 - each, 12) for each in several)
+    except (TypeError, KeyError):
+        raise fault_at("hurst_exponent", f"must be numbers above 0, at most 1, got {shortened(exponents)}") from None
+
+
 class SelfAffineSurfaces(Areas):
     """Pairs of surfaces with Gaussian heights and a spectrum that is a power law."""
 
@@ -180,6 +194,37 @@ class SelfAffineSurfaces(Areas):
         default=None, description="Cut-off of the spectrum: twice the larger spacing unless given."
     )
     convention: Literal["classical"] = Field(default="classical", description="The textbooks' D, H = 2 - D.")
+
+    other_keys: ClassVar[dict[str, tuple[str, str]]] = {
+        "hurst_exponent": ("a list or a range of numbers above 0, at most 1", "H = 2 - D, for `fractal_dimension`."),
+        "rms": ("a list of lengths above 0", "Sq of each surface, for `amplitude` with `amplitude_measure`."),
+        "spacing": ("a length above 0 or a list of two", "Distance of rows and of columns, for `extent`."),
+    }
+    """Keys by which `self_affine_surface` calls its arguments: what is allowed, and what they stand for."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_names_of_arguments(cls, given: Any) -> Any:
+        """Replace keys that are named as the arguments of `self_affine_surface`; they come before the others."""
+        if not isinstance(given, Mapping) or not cls.other_keys.keys() & given.keys():
+            return given
+        table = {key: value for key, value in given.items() if key not in cls.other_keys}
+        if "hurst_exponent" in given:
+            table["fractal_dimension"] = _dimensions_of(given["hurst_exponent"])
+        if "rms" in given:
+            rms = given["rms"]
+            table |= {"amplitude": rms if isinstance(rms, (list, tuple)) else [rms], "amplitude_measure": "Sq"}
+        if "spacing" in given:
+            spacing, shape = given["spacing"], table.get("shape", cls.model_fields["shape"].default)
+            both = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
+            if len(both) != 2 or len(shape) != 2:
+                raise fault_at("spacing", f"must be a length or a list of two, got {shortened(spacing)}")
+            try:
+                steps = [float(read_length(each)) for each in both]
+            except ValueError as error:
+                raise fault_at("spacing", str(error)) from None
+            table["extent"] = [exactly(float(f"{step * n:.12g}"), "um") for step, n in zip(steps, shape, strict=True)]
+        return table
 
     @model_validator(mode="after")
     def _has_waves_that_fit(self) -> SelfAffineSurfaces:

@@ -347,15 +347,21 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> str:
     return f"{key}: {message}" if key else message
 
 
+MAX_SUGGESTIONS = 3  # largest number of keys that are suggested in place of an unknown one
+
+
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Which key was meant, of all cases that the table may be of."""
+    """Return the nearest keys of all cases that a table may be of, or where to read about all."""
     tables = [kind]
     for part in location[:-1]:
         fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]
         tables = [table for field in fields for table in tables_of(field.annotation)]
     known = dict.fromkeys(name for table in tables for name in table.model_fields)
-    close = difflib.get_close_matches(str(location[-1])[:LONGEST_WORD], known, n=1)
-    return f"; is it {close[0]!r}?" if close else ""
+    known |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
+    word = str(location[-1])[:LONGEST_WORD]
+    near = [*difflib.get_close_matches(word, known, n=3), *(name for name in known if word in name)]
+    names = " or ".join(map(repr, list(dict.fromkeys(near))[:MAX_SUGGESTIONS]))
+    return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
 def tables_of(annotation: Any) -> list[type[Table]]:
