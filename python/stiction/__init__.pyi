@@ -6,6 +6,7 @@ from stiction.mechanics.closed_forms import (
     effective_modulus as effective_modulus,
     fuller_tabor as fuller_tabor,
     gentle_friction as gentle_friction,
+    hardness_under_shear as hardness_under_shear,
     hertz_cylinder as hertz_cylinder,
     hertz_ellipse as hertz_ellipse,
     hertz_line as hertz_line,
@@ -13,6 +14,7 @@ from stiction.mechanics.closed_forms import (
     jkr as jkr,
     maugis_dugdale as maugis_dugdale,
     slope_friction as slope_friction,
+    tabor_friction as tabor_friction,
     tabor_parameter as tabor_parameter,
 )
 from stiction.mechanics.contact import Contacts as Contacts, contacts as contacts

@@ -434,6 +434,82 @@ def slope_friction(
     return np.where(locked, np.nan, np.tan(theta + np.arctan(mu)))
 
 
+def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
+    """Largest pressure H' that a plastic contact carries while it slides, after its junctions have grown.
+
+    Pressure p and shear traction s act on the same material, which yields at p² + α s² = H² (Tabor 1959). While the
+    contact slides, s = mu0 p + tau0. `half_space` with H' as its hardness is the contact at the onset of sliding.
+
+    Parameters
+    ----------
+    hardness : array_like of float, GPa
+        H, the pressure that the contact carries without shear.
+    mu0 : array_like of float
+        Molecular friction coefficient.
+    tau0 : array_like of float, GPa
+        Adhesive shear strength.
+    alpha : array_like of float
+        0 or more. 0 leaves H; at 27 the material shears at H/(3 sqrt(3)) without pressure (von Mises, H of three
+        yield strengths).
+
+    Returns
+    -------
+    ndarray, GPa
+        NaN where tau0 >= H/sqrt(α): the interface is stronger than the bulk, and no pressure satisfies both laws.
+
+    References
+    ----------
+    Tabor, Proceedings of the Royal Society A 251 (1959) 378.
+
+    Examples
+    --------
+    >>> from stiction import hardness_under_shear
+    >>> hardness_under_shear(0.625, mu0=0.2, tau0=[0.05, 0.1, 0.125], alpha=[0, 27, 27]).round(3)
+    array([0.625, 0.091,   nan])
+    """
+    strength, square = positive(hardness=hardness)[0], friction_parameter("alpha", alpha)
+    mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
+    left = strength**2 - square * tau**2
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt((square * mu * tau) ** 2 + (1 + square * mu**2) * left)
+        pressure = left / (square * mu * tau + root)
+    return np.where(square == 0, strength, np.where(left > 0, pressure, np.nan))
+
+
+def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
+    """Friction coefficient t of contacts that all yield, after their junctions have grown.
+
+    The coefficient solves t = mu0 + (tau0/H) sqrt(1 + α t²), and equals mu0 + tau0/H' with H' of
+    `hardness_under_shear`.
+
+    Parameters
+    ----------
+    hardness, mu0, tau0, alpha
+        As for `hardness_under_shear`.
+
+    Returns
+    -------
+    ndarray
+        NaN where tau0 >= H/sqrt(α).
+
+    References
+    ----------
+    Tabor, Proceedings of the Royal Society A 251 (1959) 378.
+
+    Examples
+    --------
+    >>> from stiction import tabor_friction
+    >>> tabor_friction(0.625, mu0=0.2, tau0=0.05, alpha=[0, 9, 27]).round(3)
+    array([0.28 , 0.309, 0.375])
+    """
+    ratio = friction_parameter("tau0", tau0) / positive(hardness=hardness)[0]
+    mu, square = friction_parameter("mu0", mu0), friction_parameter("alpha", alpha)
+    left = 1 - square * ratio**2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        grown = (mu + ratio * np.sqrt(1 + square * (mu**2 - ratio**2))) / left
+    return np.where(left > 0, grown, np.nan)
+
+
 def gentle_friction(
     mu0: ArrayLike,
     tau0: ArrayLike = 0.0,

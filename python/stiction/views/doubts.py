@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from stiction.mechanics import friction
+from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.hardness import inputs_of, materials_of
@@ -40,7 +41,8 @@ MERGED = 0.3  # true over nominal area from which on contacts are few because th
 HALF = 0.5  # fraction of the load, of members or of the length of a scan from which a value is doubted or marked
 FILLED = 0.02  # part of the points of a scan from which on it matters that they are interpolated
 COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
-SHEARED = 3**-1.5  # shear strength of a body over its hardness, of three yield strengths, by von Mises
+GROWTH = 27.0  # α of junction growth at which a body shears at its hardness over 27^(1/2) (von Mises)
+GROWN = 0.05  # relative increase of a coefficient by junction growth above which there is a caveat
 
 PART_BEYOND = 0.1
 """Part of the load that has to be at the hardness for its strength to be compared with that of the body."""
@@ -289,13 +291,15 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
     """Where a strength is above that of the softer body, and where the answer is mu0 alone."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
-        own, body = mu0 * float(hardness) + tau0, float(hardness) * SHEARED
-        if own > body:
+        own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, GROWTH])
+        bulk = float(hardness) * GROWTH**-0.5
+        if not grown <= (1 + GROWN) * own:
+            more = f"by up to {percent(grown / own - 1)}" if math.isfinite(grown) else "without limit (seizure)"
             text = (
-                f"at the hardness μ0 p + τ0 is {with_unit(own, 'GPa')}, and the softer body shears at "
-                f"{with_unit(body, 'GPa')}"
+                f"τ0 is {percent(tau0 / bulk)} of the shear strength of the softer body, {with_unit(bulk, 'GPa')}; "
+                f"junction growth, which is left out, raises the friction of metals {more}"
             )
-            yield Doubt(text, "there the body gives way first, and friction is less", "caution")
+            yield Doubt(text, "press at the hardness of hardness_under_shear", "caution")
     yield from doubted(([IS_MU0],), _numbers(point, study, value))
 
 
